@@ -1,0 +1,220 @@
+"""What Python users call, with names where objects are meant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from springpot.diagnosis import Comparison, Diagnosis, Ladder
+from springpot.diagnosis import compare as compare_objects
+from springpot.diagnosis import diagnose as diagnose_objects
+from springpot.diagnosis import discover as discover_objects
+from springpot.diagnosis.display import use_drawing
+from springpot.errors import OptionError
+from springpot.identification import Identification, Objective, Optimiser
+from springpot.identification import identify as identify_objects
+from springpot.measurement import Measurement
+from springpot.registry import open_measurement, parse_model, plugins
+from springpot.rheology import Effect, Model
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+T = TypeVar("T", Model, Effect)
+
+INTERVALS = ("jacobian", "profile", "bootstrap")
+
+
+def read(spec: str | Path) -> Measurement:
+    """The measurement that `spec` names, as on the command line.
+
+    Parameters
+    ----------
+    spec : str or Path
+        A file or the name of a registered data set, either with conditions: ``nist-srm2491@temperature=20``.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing or it cannot be read.
+    """
+    return open_measurement(spec)
+
+
+def identify(
+    measurement: Measurement | str | Path,
+    model: Model | str,
+    *,
+    optimiser: Optimiser | str | None = None,
+    objective: Objective | str | None = None,
+    budget: int | None = None,
+    restarts: int | None = None,
+    seed: int | None = None,
+    intervals: str = "jacobian",
+    simpler: Sequence[Model | str] = (),
+) -> Identification:
+    """Identify the parameters of a model; data, model, optimiser and objective may be given by name.
+
+    See `springpot.identification.identify` for the arguments.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or if model and data do not fit each other.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> omega = 2 * np.pi * np.arange(0.5, 14.0)
+    >>> model = springpot.parse_model("fractional-maxwell")
+    >>> data = springpot.Measurement(omega, model.stiffness(model.theta(k=400.0, c=150.0, alpha=0.6), omega))
+    >>> springpot.identify(data, "fractional-maxwell").theta.round(6)
+    array([400. , 150. ,   0.6])
+    """
+    if intervals not in INTERVALS:
+        raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
+    return identify_objects(
+        _measurement(measurement),
+        _model(model),
+        optimiser=_optimiser(optimiser),
+        objective=plugins().find("objective", objective) if isinstance(objective, str) else objective,
+        budget=budget,
+        restarts=restarts,
+        seed=seed,
+        intervals=intervals,
+        simpler=[_model(part) for part in simpler],
+    )
+
+
+def diagnose(
+    measurement: Measurement | str | Path,
+    model: Model | str,
+    *,
+    effects: Sequence[Effect | str] | None = None,
+    seed: int = 0,
+) -> Diagnosis:
+    """Find which physical effect is missing from a model.
+
+    Parameters
+    ----------
+    measurement : Measurement, str or Path
+        The data, or their name as for `read`.
+    model : Model or str
+        The model to be judged.
+    effects : sequence of Effect or str, optional
+        Effects to look for beside the installed ones; one of the same name takes the installed one's place.
+    seed : int
+        Of simulated noise; the same seed gives the same bits.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or if model and data do not fit each other.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> omega = 2 * np.pi * np.geomspace(0.5, 50.0, 30)
+    >>> heavy = springpot.parse_model("fractional-maxwell + inertia")
+    >>> exact = heavy.stiffness(np.array([400.0, 60.0, 0.5, 0.002]), omega)
+    >>> noise = np.random.default_rng(1).normal(size=(2, 30)) * 0.01
+    >>> data = springpot.Measurement(omega, exact * (1 + noise[0] + 1j * noise[1]))
+    >>> springpot.diagnose(data, "fractional-maxwell").best.effect
+    'inertia'
+    """
+    return diagnose_objects(_measurement(measurement), _model(model), library(effects), np.random.default_rng(seed))
+
+
+def discover(
+    measurement: Measurement | str | Path,
+    model: Model | str,
+    *,
+    accept: Effect | str | Sequence[Effect | str] | None = None,
+    effects: Sequence[Effect | str] | None = None,
+    seed: int = 0,
+) -> Ladder:
+    """Add missing effects one by one and watch the error fall.
+
+    Parameters
+    ----------
+    measurement : Measurement, str or Path
+        The data, or their name as for `read`.
+    model : Model or str
+        Where to begin.
+    accept : Effect, str or sequence of them, optional
+        Effects to accept, in this order; without it the evidence decides.
+    effects : sequence of Effect or str, optional
+        Effects to look for beside the installed ones.
+    seed : int
+        Of simulated noise.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or if model and data do not fit each other.
+    """
+    found = library(effects)
+    wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
+    return discover_objects(_measurement(measurement), _model(model), found, np.random.default_rng(seed), wanted)
+
+
+def compare(measurement: Measurement | str | Path, models: Model | str | Sequence[Model | str]) -> Comparison:
+    """Judge models against the same noise floor: their errors, where they fail, and how sure that is.
+
+    Parameters
+    ----------
+    measurement : Measurement, str or Path
+        The data, or their name as for `read`.
+    models : Model, str or sequence of them
+        At least one.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or if a model and the data do not fit each other.
+    """
+    return compare_objects(_measurement(measurement), [_model(model) for model in _listed(models)])
+
+
+def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
+    """The installed effects, and `effects` beside them or in their places."""
+    found = {effect.name: effect for effect in plugins().items("effect")}
+    own = [plugins().effect(effect) if isinstance(effect, str) else effect for effect in effects or ()]
+    return list((found | {effect.name: effect for effect in own}).values())
+
+
+def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
+    if not isinstance(effect, str):
+        return effect
+    return next((known for known in among if known.name == effect), None) or plugins().effect(effect)
+
+
+def _measurement(measurement: Measurement | str | Path) -> Measurement:
+    return measurement if isinstance(measurement, Measurement) else open_measurement(measurement)
+
+
+def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
+    """One thing is a list of one."""
+    return given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+
+
+def _model(model: Model | str) -> Model:
+    return parse_model(model) if isinstance(model, str) else model
+
+
+def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:
+    if not isinstance(optimiser, str):
+        return optimiser
+    kind: type[Optimiser] = plugins().find("optimiser", optimiser)
+    return kind()
+
+
+def _draw_ladder(ladder: Ladder, path: str | Path | None) -> Any:
+    from springpot.report.ladder import figure_ladder
+
+    return figure_ladder(ladder, path)
+
+
+use_drawing("ladder", _draw_ladder)

@@ -1,0 +1,135 @@
+"""Results as columns: what CSV, Parquet and data frames are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import StudyError
+
+from .store import CellRow, Store, TrialRow
+from .study import Study
+from .summary import store_path
+from .trace import at, geometric_grid
+
+Columns = dict[str, list[Any]]
+"""Values by column, all of one length; None where there is nothing to say."""
+
+_WHO = ("dataset", "kind", "model", "objective", "optimiser", "options", "budget", "repetition")
+TRIAL = (
+    *_WHO, "status", "reason", "best", "oracle", "parameter_error", "theta", "evaluations", "gradients", "batched",
+    "seconds",
+)  # fmt: skip
+TRACE = (*_WHO, "evaluations", "best", "recommended", "oracle")
+
+
+def trial_columns(store: Store) -> Columns:
+    """One row for each trial; a failed one has a reason and no values."""
+    return _filled(TRIAL, (_trial(cell, row) for cell, rows in _trials(store) for row in rows))
+
+
+def trace_columns(store: Store) -> Columns:
+    """One row for each point of each trial's trace: the geometric grid and every improvement.
+
+    ``best`` is the smallest objective so far, ``recommended`` what that point is worth without noise, ``oracle`` the
+    smallest noise-free objective among all that was evaluated so far; the last two only where the truth is known.
+    """
+    points = (point for cell, rows in _trials(store) for row in rows for point in _points(cell, row))
+    return _filled(TRACE, points)
+
+
+TABLES: dict[str, Callable[[Store], Columns]] = {"trials": trial_columns, "traces": trace_columns}
+
+
+def frame(
+    study: Study | str | Path, library: str = "pandas", what: str = "trials", out: Path = Path("results")
+) -> Any:
+    """A study's results as a data frame.
+
+    Parameters
+    ----------
+    study : Study, str or Path
+        A study, its script, its store, its folder, or its name.
+    library : str
+        ``pandas`` or ``polars``, which must be installed.
+    what : str
+        ``trials`` (one row for each) or ``traces`` (one row for each point of them).
+    out : Path
+        Folder of all results.
+
+    Returns
+    -------
+    pandas.DataFrame or polars.DataFrame
+
+    Raises
+    ------
+    StudyError
+        If there are no results, the library is missing or a name is unknown.
+    """
+    if library not in ("pandas", "polars"):
+        raise StudyError(f"unknown library '{library}': use pandas or polars")
+    if what not in TABLES:
+        raise StudyError(f"unknown results '{what}': use {' or '.join(TABLES)}")
+    module = required(library, f"results as a {library} frame")
+    with Store(store_path(study, out)) as store:
+        columns = TABLES[what](store)
+    return module.DataFrame(columns) if library == "pandas" else module.DataFrame(columns, infer_schema_length=None)
+
+
+def required(name: str, purpose: str) -> Any:
+    """An optional library.
+
+    Raises
+    ------
+    StudyError
+        If it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise StudyError(f"{purpose} needs {name}: pip install {name}") from None
+
+
+def _trials(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
+    cells = {cell.id: cell for cell in store.cells()}
+    return ((cells[number], rows) for number, rows in store.trials() if number in cells)
+
+
+def _filled(names: tuple[str, ...], rows: Iterator[tuple[Any, ...]]) -> Columns:
+    columns: Columns = {name: [] for name in names}
+    fill = [column.append for column in columns.values()]
+    for row in rows:
+        for add, value in zip(fill, row, strict=True):
+            add(value)
+    return columns
+
+
+def _who(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
+    problem = cell.problem
+    return (
+        problem.dataset, problem.kind, problem.model, problem.objective, cell.label, cell.options, cell.budget,
+        row.repetition,
+    )  # fmt: skip
+
+
+def _trial(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
+    return (
+        *_who(cell, row), str(row.status), row.reason, row.best, row.oracle, row.parameter_error, row.theta_text,
+        row.evaluations, row.gradients, row.batched, row.seconds,
+    )  # fmt: skip
+
+
+def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
+    best = row.improvements()
+    if not len(best[0]):
+        return
+    told, seen = row.recommendations(), row.oracle_trace()
+    grid = np.union1d(geometric_grid(row.evaluations), best[0])
+    grid = grid[grid >= best[0][0]]
+    columns = [[None] * len(grid) if trace is None else at(*trace, grid).tolist() for trace in (best, told, seen)]
+    who = _who(cell, row)
+    yield from ((*who, *point) for point in zip(grid.tolist(), *columns, strict=True))

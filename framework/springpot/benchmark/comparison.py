@@ -1,0 +1,266 @@
+"""Who wins where, and with what certainty: choices for each problem, rankings over problems, profiles.
+
+Two trials are compared at a budget by the excess they had reached by then; below the study's target it no longer
+counts, so that two trials which reached the target are equal. Trials that failed come last.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import comb
+
+import numpy as np
+from scipy.stats import rankdata
+
+from springpot.rheology import Real
+
+from .plan import stream_of
+from .scores import Race, Scale
+from .statistics import (
+    Interval,
+    a12,
+    a12_table,
+    bands,
+    can_tell,
+    data_profile,
+    expected_running_time,
+    friedman,
+    mann_whitney_holm,
+    mean_interval,
+    performance_profile,
+    wilcoxon_holm,
+    wilson,
+)
+
+LEVEL = 0.05
+"""Adjusted p-values up to this tell two optimisers apart."""
+
+OVER_ALL = "all problems"
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """Which optimiser to use for one problem at one budget.
+
+    Parameters
+    ----------
+    race : Race
+        The problem.
+    budget : int
+        Evaluations.
+    label : str or None
+        Of those that no other beats for certain, the one that takes the fewest evaluations; None if all failed.
+    success : Interval
+        Share of its trials that reached the target.
+    running_time : float
+        Its expected evaluations to the target with restarts, infinite without a success.
+    excess : float
+        Median of what it reached.
+    alike : tuple of str
+        Others that cannot be told from the best at this budget, the cheapest first.
+    runner_up : str or None
+        Best of those that are worse for certain.
+    chance : float or None
+        That a trial of the choice ends below one of the runner-up, ties by half (A12).
+    decided : bool
+        Whether there were enough trials to tell any optimiser from the best.
+    """
+
+    race: Race
+    budget: int
+    label: str | None
+    success: Interval
+    running_time: float
+    excess: float
+    alike: tuple[str, ...]
+    runner_up: str | None
+    chance: float | None
+    decided: bool
+
+
+def quality(race: Race, mark: int, target: float) -> Real:
+    """What each trial had reached at a mark, (entrants, n); no better than the target, infinite if it failed."""
+    clipped: Real = np.maximum(race.values[:, :, mark], target)
+    return clipped
+
+
+def choices(races: Sequence[Race], scale: Scale) -> list[Choice]:
+    """The choice for every problem at every mark."""
+    return [choose(race, mark, scale) for race in races for mark in range(len(scale.marks))]
+
+
+def choose(race: Race, mark: int, scale: Scale) -> Choice:
+    """The choice for one problem at one mark."""
+    budget, reached = scale.marks[mark], quality(race, mark, scale.target)
+    ranks = rankdata(reached, axis=None).reshape(reached.shape).mean(axis=1)
+    hits = np.where(race.hits <= budget, race.hits, np.inf)
+    times = np.array(
+        [expected_running_time(*pair) for pair in zip(hits, np.minimum(race.spent, budget), strict=True)]
+    )
+    best = int(np.argmin(ranks))
+    others = [i for i in range(len(ranks)) if i != best]
+    p = dict(zip(others, mann_whitney_holm(reached[best], reached[others]), strict=True))
+    alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
+    worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
+    first, labels = alike[0], race.labels
+    success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
+    assert success is not None
+    return Choice(
+        race,
+        budget,
+        labels[first] if np.isfinite(reached).any() else None,
+        success,
+        float(times[first]),
+        float(bands(race.values[first, :, mark], (0.5,))[0]),
+        tuple(labels[i] for i in alike[1:]),
+        labels[worse[0]] if worse else None,
+        a12(reached[first], reached[worse[0]]) if worse else None,
+        2.0 / comb(2 * hits.shape[1], hits.shape[1]) * max(len(others), 1) <= LEVEL,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking:
+    """Mean ranks of all optimisers over some problems at one budget.
+
+    Parameters
+    ----------
+    scope : str
+        Which problems.
+    budget : int
+        Evaluations.
+    labels : tuple of str
+        The optimisers.
+    ranks : tuple of Interval
+        Mean rank, the best being 1, with its bootstrap interval over blocks.
+    p : ndarray, shape (k, k)
+        Of all pairs, Wilcoxon's signed-rank test over blocks, adjusted by Holm.
+    reached : sequence of ndarray, shape (k, n) each
+        What the trials had reached, by problem.
+    statistic, p_all : float
+        Friedman's test that all are alike.
+    blocks : int
+        What was ranked in: problems, or repetitions where problems are too few.
+    unit : str
+        Which of the two.
+    decided : bool
+        Whether there were enough blocks to tell any two apart.
+    """
+
+    scope: str
+    budget: int
+    labels: tuple[str, ...]
+    ranks: tuple[Interval, ...]
+    p: Real
+    reached: Sequence[Real]
+    statistic: float
+    p_all: float
+    blocks: int
+    unit: str
+    decided: bool
+
+    @property
+    def means(self) -> Real:
+        """Mean ranks (k,)."""
+        return np.array([rank.value for rank in self.ranks])
+
+    @cached_property
+    def chances(self) -> Real:
+        """That a trial of the row's optimiser ends below one of the column's on the same problem (A12), (k, k)."""
+        table: Real = np.mean([a12_table(reached) for reached in self.reached], axis=0)
+        return table
+
+    def alike(self, i: int) -> tuple[str, ...]:
+        """Optimisers that cannot be told from optimiser `i`, by rank."""
+        order = np.argsort(self.means, kind="stable")
+        return tuple(self.labels[j] for j in order if j != i and self.p[i, j] > LEVEL)
+
+
+def scopes(races: Sequence[Race]) -> Iterator[tuple[str, list[Race]]]:
+    """All problems, then those of each model and of each data set; what holds one problem is left to the choices."""
+    yield OVER_ALL, list(races)
+    ways: tuple[Callable[[Race], str], ...] = (
+        lambda race: f"model {race.problem.model}",
+        lambda race: f"data {race.problem.dataset}",
+    )
+    for way in ways:
+        counts = Counter(map(way, races))
+        for name in (name for name, count in counts.items() if 1 < count < len(races)):
+            yield name, [race for race in races if way(race) == name]
+
+
+def rankings(races: Sequence[Race], scale: Scale) -> list[Ranking]:
+    """The ranking in every scope at every mark; none with fewer than two optimisers."""
+    if not races or len(races[0].labels) < 2:
+        return []
+    return [rank(scope, chosen, mark, scale) for scope, chosen in scopes(races) for mark in range(len(scale.marks))]
+
+
+def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
+    """The ranking over some races at one mark."""
+    reached = [quality(race, mark, scale.target) for race in races]
+    labels = races[0].labels
+    pairs = len(labels) * (len(labels) - 1) // 2
+    unit = "problems" if can_tell(len(races), pairs) else "repetitions"
+    if unit == "problems":
+        blocks = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+    else:
+        blocks = np.concatenate([r.T for r in reached])
+    within = rankdata(blocks, axis=1)
+    # Friedman's test takes three or more.
+    statistic, p_all = friedman(blocks) if len(labels) > 2 and len(blocks) > 1 else (np.nan, np.nan)
+    rng = np.random.default_rng(stream_of(0, "ranking", scope, scale.marks[mark]))
+    return Ranking(
+        scope,
+        scale.marks[mark],
+        labels,
+        tuple(mean_interval(within, rng)),
+        wilcoxon_holm(within if unit == "repetitions" else blocks),
+        reached,
+        statistic,
+        p_all,
+        len(blocks),
+        unit,
+        can_tell(len(blocks), pairs),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Profiles:
+    """Shares of all trials' problems solved to the study's target, by cost.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        The optimisers.
+    simplex : ndarray, shape (m,)
+        Budgets in simplex gradients, evaluations / (d + 1).
+    data : ndarray, shape (k, m)
+        Data profiles (More and Wild 2009).
+    ratios : ndarray, shape (r,)
+        Multiples of the best optimiser's evaluations.
+    performance : ndarray, shape (k, r)
+        Performance profiles (Dolan and More 2002).
+    """
+
+    labels: tuple[str, ...]
+    simplex: Real
+    data: Real
+    ratios: Real
+    performance: Real
+
+
+def profiles(races: Sequence[Race], simplex: Real, ratios: Real) -> Profiles:
+    """Profiles over all races; each repetition counts as a problem, as its random numbers are shared."""
+    costs = np.concatenate([race.hits.T for race in races])
+    dimensions = np.concatenate([np.full(race.hits.shape[1], race.dimension) for race in races])
+    return Profiles(
+        races[0].labels,
+        simplex,
+        data_profile(costs, dimensions, simplex),
+        ratios,
+        performance_profile(costs, ratios),
+    )

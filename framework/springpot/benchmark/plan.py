@@ -1,0 +1,238 @@
+"""A resolved study: problems, entrants and cells, each known by a digest of its content.
+
+A plan holds data, not files or names to look up, so that it can cross to a worker once and be used there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import StudyError
+from springpot.identification import Objective, Optimiser
+from springpot.identification.optimiser import BatchedOptimiser
+from springpot.measurement import Measurement
+
+SCHEME = 1
+"""Version of what a trial is; a change to it makes every stored trial count as another one."""
+
+BLOCK = 25
+"""Repetitions that a batched optimiser runs at once; fixed, so that no result depends on what was resumed."""
+
+
+def digest_of(*parts: object) -> str:
+    """SHA-256 of a sequence of plain values, free of ambiguity between neighbours."""
+    return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def digest_of_data(measurement: Measurement) -> str:
+    """SHA-256 of everything in a measurement that a fit can see."""
+    columns: dict[str, Any] = {"omega": measurement.omega, "stiffness": measurement.stiffness}
+    optional = {"sd": measurement.sd, "repeat": measurement.repeat, **measurement.conditions}
+    columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
+    seen = sha256()
+    for key, column in columns.items():
+        values = np.ascontiguousarray(column)
+        seen.update(f"{key} {values.dtype.str} {values.shape}\n".encode())
+        seen.update(values.tobytes())
+    return seen.hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A measurement and what is known of its truth.
+
+    Parameters
+    ----------
+    name : str
+        The data set's name.
+    measurement : Measurement
+        The data.
+    digest : str
+        Of the data's content.
+    kind : str
+        ``measured``, ``artificial`` or ``reconstruction``.
+    model : str
+        Expression of the model behind the data, empty if unknown.
+    truth : mapping of str to float
+        Its element parameters, empty if unknown.
+    stiffness_scale : float or None
+        k-bar of the search box, where it is given.
+    """
+
+    name: str
+    measurement: Measurement
+    digest: str
+    kind: str
+    model: str
+    truth: Mapping[str, float]
+    stiffness_scale: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One problem of a study: data, a model and an objective.
+
+    Parameters
+    ----------
+    source : Source
+        The data.
+    model : str
+        Canonical model expression.
+    objective : Objective
+        How the misfit is measured.
+    reference : float
+        Objective at the centre of the search box: what a target is a fraction of.
+    known : float or None
+        Objective at the true parameters, if this model made the data.
+    optimum : float or None
+        Smallest objective in the box, where it is wanted and could be found beforehand.
+    """
+
+    source: Source
+    model: str
+    objective: Objective
+    reference: float
+    known: float | None
+    optimum: float | None = None
+
+    @property
+    def digest(self) -> str:
+        """Digest of the problem's content."""
+        return digest_of(
+            SCHEME, self.source.name, self.source.digest, self.source.stiffness_scale, self.model, self.objective.name
+        )
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """An optimiser with its options, under the label that tables show."""
+
+    label: str
+    optimiser: Optimiser
+
+    @property
+    def options(self) -> str:
+        """The options as canonical JSON."""
+        return json.dumps(options_of(self.optimiser), sort_keys=True)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One problem and one entrant; its repetitions are the trials."""
+
+    index: int
+    case: int
+    entrant: int
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a worker is told to do: repetitions of one cell, by number."""
+
+    cell: int
+    repetitions: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A study with everything looked up; see `Study` for the meaning of the fields."""
+
+    name: str
+    cases: tuple[Case, ...]
+    entrants: tuple[Entrant, ...]
+    cells: tuple[Cell, ...]
+    repetitions: int
+    budget: int
+    seed: int
+    target: float
+    accuracy: float
+    stop_at_target: bool
+    deadline: float
+    memory: int
+
+    @property
+    def size(self) -> int:
+        """Number of trials."""
+        return len(self.cells) * self.repetitions
+
+    def trial_digest(self, cell: Cell, repetition: int) -> str:
+        """What a trial is known by."""
+        return digest_of(cell.digest, repetition)
+
+    def stream(self, cell: Cell, repetition: int) -> np.random.SeedSequence:
+        """The trial's random stream, from names only and the same for every optimiser."""
+        case = self.cases[cell.case]
+        return stream_of(self.seed, case.source.name, case.model, case.objective.name, repetition)
+
+    def stop_value(self, case: Case) -> float:
+        """Objective at which a run may end."""
+        if not self.stop_at_target or case.optimum is None:
+            return -np.inf
+        return case.optimum + self.target * (case.reference - case.optimum)
+
+    def tasks(self, finished: Callable[[Cell], set[int]]) -> Iterator[Task]:
+        """The work still to do, lazily: a study of a million trials needs no list of them.
+
+        Parameters
+        ----------
+        finished : callable
+            Repetitions of a cell that are done.
+        """
+        for cell in self.cells:
+            done = finished(cell)
+            if isinstance(self.entrants[cell.entrant].optimiser, BatchedOptimiser):
+                for first in range(0, self.repetitions, BLOCK):
+                    block = tuple(range(first, min(first + BLOCK, self.repetitions)))
+                    if not done.issuperset(block):
+                        yield Task(cell.index, block)
+            else:
+                yield from (Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done)
+
+
+def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
+    """A random stream derived from names, never from order, worker or clock."""
+    return np.random.SeedSequence(int(digest_of("stream", SCHEME, seed, *names)[:32], 16))
+
+
+def cell_digest(case: Case, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
+    """Digest of a cell: the problem, the optimiser with its options, the budget and the seed."""
+    stop_text = None if stop == -np.inf else float(stop)
+    return digest_of(case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text)
+
+
+def options_of(optimiser: Optimiser) -> dict[str, Any]:
+    """An optimiser's options as plain values.
+
+    Raises
+    ------
+    StudyError
+        If one of them is no plain value: it could not be told from another.
+    """
+    if not is_dataclass(optimiser):
+        return {}
+    return {f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}") for f in fields(optimiser)}
+
+
+def _plain(value: Any, where: str) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value.value if isinstance(value, Enum) else value
+    if isinstance(value, Enum):
+        return _plain(value.value, where)
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, where) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item, where) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _plain(getattr(value, f.name), where) for f in fields(value)}
+    kind = type(value).__name__
+    raise StudyError(f"option {where} is a {kind}: options must be numbers, texts or sequences of them")

@@ -1,0 +1,153 @@
+"""Runs a study: plans it, lets an engine work, keeps every result at once, writes the tables."""
+
+from __future__ import annotations
+
+import platform
+import shlex
+import sys
+from concurrent.futures import Executor
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from .engine import check_engine, make_engine
+from .findings import write_tables
+from .plan import Plan
+from .progress import Progress, Silent, make_progress
+from .script import load_study
+from .store import Store
+from .study import Study
+from .summary import store_path
+
+_VERSIONS = ("springpot", "numpy", "scipy", "nlopt", "cma", "pluggy")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run of a study came to.
+
+    Parameters
+    ----------
+    store : Path
+        The SQLite file.
+    trials : int
+        Trials of the study.
+    ran, failed : int
+        Trials of this run, and those of them that failed.
+    tables : tuple of Path
+        Files written.
+    """
+
+    store: Path
+    trials: int
+    ran: int
+    failed: int
+    tables: tuple[Path, ...]
+
+
+def run_study(
+    study: Study | str | Path,
+    workers: int | None = None,
+    engine: str | Executor | None = None,
+    budget: int | None = None,
+    repeats: int | None = None,
+    out: Path = Path("results"),
+    quiet: bool = False,
+    retry_failed: bool = False,
+    tables: bool = True,
+) -> Outcome:
+    """Run what is missing of a study, then write its tables.
+
+    Parameters
+    ----------
+    study : Study, str or Path
+        A study or the path of its script.
+    workers : int, optional
+        Processes; by default one for each core.
+    engine : str or Executor, optional
+        ``local`` (default), ``serial``, ``dask:ADDRESS`` or an executor.
+    budget, repeats : int, optional
+        Instead of the study's own.
+    out : Path
+        Folder of all results.
+    quiet : bool
+        Show no progress.
+    retry_failed : bool
+        Run trials that failed before once more.
+    tables : bool
+        Write the tables and what the study adds to them.
+
+    Raises
+    ------
+    SpringpotError
+        If the study, its store or its engine cannot be used.
+    KeyboardInterrupt
+        After Ctrl-C; finished trials are kept.
+    """
+    script = None if isinstance(study, Study) else Path(study)
+    declared = study if isinstance(study, Study) else load_study(study)
+    check_engine(engine)
+    plan = declared.with_options(budget, repeats).plan()
+    path = store_path(declared, Path(out))
+    with Store(path, write=True) as store:
+        numbers = store.register(plan, provenance())
+        if retry_failed:
+            store.forget_failed(numbers.values())
+        ran, failed = _work(plan, store, numbers, script, workers, engine, quiet)
+    written = write_tables(path) if tables else []
+    if tables and declared.finish is not None:
+        declared.finish(path, path.parent)
+    return Outcome(path, plan.size, ran, failed, tuple(written))
+
+
+def _work(
+    plan: Plan,
+    store: Store,
+    numbers: dict[int, int],
+    script: Path | None,
+    workers: int | None,
+    engine: str | Executor | None,
+    quiet: bool,
+) -> tuple[int, int]:
+    """Numbers of trials that ran and of those that failed."""
+    kept = sum(len([r for r in store.finished(n) if r < plan.repetitions]) for n in numbers.values())
+    progress = Silent() if quiet else make_progress(plan.name, plan.size)
+    progress.update(kept, 0)
+    if kept == plan.size:
+        progress.close()
+        return 0, 0
+    ran = failed = 0
+    tasks = plan.tasks(lambda cell: store.finished(numbers[cell.index]))
+    try:
+        with closing(make_engine(plan, script, workers, engine).run(tasks)) as stream:  # type: ignore[type-var]
+            for results in stream:
+                store.add(results, numbers)
+                ran += len(results)
+                failed += sum(result.status.failed for result in results)
+                progress.update(min(kept + ran, plan.size), failed)
+    except KeyboardInterrupt:
+        _say_goodbye(progress, plan, kept + ran)
+        raise
+    progress.close()
+    return ran, failed
+
+
+def _say_goodbye(progress: Progress, plan: Plan, done: int) -> None:
+    progress.close()
+    line = f"{plan.name}: interrupted; {min(done, plan.size)} of {plan.size} trials are kept, run again to go on"
+    print(line, file=sys.stderr)
+
+
+def provenance() -> dict[str, str]:
+    """Versions, machine and command of this run."""
+    facts = {"python": platform.python_version(), "machine": platform.platform(), "processor": platform.machine()}
+    for name in _VERSIONS:
+        try:
+            facts[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    facts["command"] = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
+    facts["started"] = datetime.now(UTC).isoformat(timespec="seconds")
+    return facts

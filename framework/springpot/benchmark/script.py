@@ -1,0 +1,109 @@
+"""A user's study script: loaded by path in the command and in every worker, or run as a program."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from springpot.errors import SpringpotError, StudyError
+
+if TYPE_CHECKING:
+    from .study import Study
+
+
+def load_script(path: Path) -> ModuleType:
+    """The script as a module, executed once in a process.
+
+    It has the same name everywhere, so that an optimiser defined in it is found again in a worker.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read or fails, with file and line.
+    """
+    path = path.resolve()
+    name = f"springpot_study_{path.stem}"
+    loaded = sys.modules.get(name)
+    if loaded is not None and loaded.__file__ == str(path):
+        return loaded
+    if not path.is_file():
+        raise StudyError(f"there is no study script {path}: give the path of a Python file")
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise StudyError(f"{path} is no Python file: a study script ends in .py")
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    # As Python does for a script: files beside it can be imported.
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise StudyError(_one_line(path, error)) from error
+    return module
+
+
+def _one_line(path: Path, error: BaseException) -> str:
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        lines.append(error.lineno)
+    line = lines[-1] if lines else 1
+    told = error.msg if isinstance(error, SyntaxError) else str(error)
+    kind = "" if isinstance(error, SpringpotError) else f"{type(error).__name__}: "
+    return f"{path}, line {line}: {kind}{' '.join(told.split())}"
+
+
+def load_study(path: str | Path) -> Study:
+    """The study that a script declares.
+
+    Parameters
+    ----------
+    path : str or Path
+        A Python file with ``study = Study(...)``.
+
+    Raises
+    ------
+    StudyError
+        If the script fails (with file and line) or declares none, or several of which none is called ``study``.
+    """
+    from .study import Study
+
+    module = load_script(Path(path))
+    found = {name: value for name, value in vars(module).items() if isinstance(value, Study)}
+    if "study" in found:
+        return found["study"]
+    if len({id(value) for value in found.values()}) == 1:
+        return next(iter(found.values()))
+    if not found:
+        raise StudyError(f"{path} declares no study: write study = Study(...) in it")
+    raise StudyError(f"{path} declares {', '.join(found)}: call the one to run 'study'")
+
+
+def main(study: Study, arguments: Sequence[str] | None = None) -> None:
+    """Run a study as a program: by its script's path, so that workers find what the script defines."""
+    from .runner import run_study
+
+    parser = argparse.ArgumentParser(description=f"Run the study {study.name}; finished trials are kept.")
+    parser.add_argument("--workers", type=int, help="processes, by default one for each core")
+    parser.add_argument("--engine", help="local (default), serial or dask:ADDRESS")
+    parser.add_argument("--budget", type=int, help="evaluations of each trial")
+    parser.add_argument("--repeats", type=int, help="trials of each cell")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (%(default)s)")
+    parser.add_argument("--retry-failed", action="store_true", help="run trials that failed before once more")
+    options = vars(parser.parse_args(arguments))
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    declared = getattr(sys.modules["__main__"], "study", None)
+    try:
+        run_study(script if script and declared is study else study, **options)
+    except SpringpotError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)

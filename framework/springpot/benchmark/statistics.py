@@ -1,0 +1,303 @@
+"""Statistics of an optimiser comparison: pure functions of arrays read from the store.
+
+A trial that failed or missed its target has an infinite running time; it is never given a number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+Z95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal distribution."""
+
+EXACT = 50
+"""Blocks up to which the signed-rank test is exact."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
+    """Success rate with Wilson's score interval (Wilson 1927, doi:10.1080/01621459.1927.10502953)."""
+    if trials == 0:
+        return None
+    rate = successes / trials
+    scale = 1.0 + z * z / trials
+    centre = (rate + z * z / (2 * trials)) / scale
+    half = z / scale * sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
+    # At the ends the interval touches 0 and 1 exactly, which rounding would miss.
+    low = 0.0 if successes == 0 else centre - half
+    high = 1.0 if successes == trials else centre + half
+    return Interval(rate, low, high)
+
+
+def target_value(best: float, reference: float, fraction: float) -> float:
+    """Objective that counts as success: best + fraction (reference - best), More and Wild's test."""
+    return best + fraction * (reference - best)
+
+
+def hitting_time(evaluations: NDArray[np.int64], values: Real, target: float) -> float:
+    """Evaluation at which a run first reached `target`, infinite if never; `values` (n,) fall strictly."""
+    index = int(np.searchsorted(-values, -target, side="left"))
+    return float(evaluations[index]) if index < len(values) else inf
+
+
+def expected_running_time(hits: Real, spent: Real) -> float:
+    """Evaluations until success with restarts: all evaluations made over the number of successes.
+
+    Parameters
+    ----------
+    hits : ndarray, shape (..., n)
+        Hitting times, infinite where missed.
+    spent : ndarray, shape (..., n)
+        Evaluations of each trial.
+
+    Returns
+    -------
+    float
+        Infinite without a success (Hansen et al. 2021, doi:10.1080/10556788.2020.1808977).
+    """
+    success = np.isfinite(hits)
+    count = int(success.sum())
+    return float(np.where(success, hits, spent).sum() / count) if count else inf
+
+
+def running_time_interval(hits: Real, spent: Real, rng: np.random.Generator, draws: int = 1000) -> Interval | None:
+    """Expected running time with a percentile bootstrap interval over trials."""
+    n = len(hits)
+    if n == 0:
+        return None
+    cost = np.where(np.isfinite(hits), hits, spent)
+    success = np.isfinite(hits)
+    means = np.full(draws, inf)
+    rows = max(1, 2**20 // n)
+    for first in range(0, draws, rows):
+        block = means[first : first + rows]
+        chosen = rng.integers(0, n, size=(len(block), n))
+        successes = success[chosen].sum(axis=1)
+        np.divide(cost[chosen].sum(axis=1), successes, out=block, where=successes > 0)
+    # Nearest rank rather than interpolation, which has no meaning next to infinity.
+    low, high = np.sort(means)[[int(0.025 * draws), int(np.ceil(0.975 * draws)) - 1]]
+    return Interval(expected_running_time(hits, spent), float(low), float(high))
+
+
+def median(values: Real) -> float | None:
+    """Median in which infinite values count as the largest; None of nothing."""
+    if len(values) == 0:
+        return None
+    ordered = np.sort(values)
+    low, high = ordered[(len(values) - 1) // 2], ordered[len(values) // 2]
+    return float(low if low == high else 0.5 * (low + high))
+
+
+def ecdf(times: Real, grid: Real) -> Real:
+    """Share of `times` (any shape, infinite where missed) that are at most each value of `grid` (m,)."""
+    ordered = np.sort(times, axis=None)
+    return np.searchsorted(ordered, grid, side="right") / max(ordered.size, 1)
+
+
+def performance_profile(costs: Real, ratios: Real) -> Real:
+    """Share of problems solved within a multiple of the best cost (Dolan and More 2002, doi:10.1007/s101070100263).
+
+    Parameters
+    ----------
+    costs : ndarray, shape (problems, solvers)
+        Infinite where unsolved.
+    ratios : ndarray, shape (m,)
+        Multiples of the best solver's cost.
+
+    Returns
+    -------
+    ndarray, shape (solvers, m)
+    """
+    best = costs.min(axis=1, keepdims=True)
+    relative = np.full(costs.shape, inf)
+    np.divide(costs, best, out=relative, where=np.isfinite(costs) & np.isfinite(best))
+    return np.array([ecdf(column, ratios) for column in relative.T])
+
+
+def data_profile(costs: Real, dimensions: Real, budgets: Real) -> Real:
+    """Share of problems solved within a budget in simplex gradients, evaluations / (d + 1) (More and Wild 2009).
+
+    Parameters
+    ----------
+    costs : ndarray, shape (problems, solvers)
+        Evaluations, infinite where unsolved.
+    dimensions : ndarray, shape (problems,)
+        Numbers of parameters.
+    budgets : ndarray, shape (m,)
+        In simplex gradients.
+
+    Returns
+    -------
+    ndarray, shape (solvers, m)
+    """
+    simplex = costs / (dimensions[:, None] + 1.0)
+    return np.array([ecdf(column, budgets) for column in simplex.T])
+
+
+def mean_ranks(scores: Real) -> Real:
+    """Mean rank of each column of `scores` (blocks, treatments), the smallest score ranking 1; ties share."""
+    from scipy.stats import rankdata
+
+    ranks: Real = rankdata(scores, axis=1).mean(axis=0)
+    return ranks
+
+
+def friedman(scores: Real) -> tuple[float, float]:
+    """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last."""
+    from scipy.stats import friedmanchisquare
+
+    statistic, p = friedmanchisquare(*_finite_order(scores).T)
+    return float(statistic), float(p)
+
+
+def wilcoxon_holm(scores: Real) -> Real:
+    """Holm-adjusted p-values (treatments, treatments) of pairwise Wilcoxon signed-rank tests over blocks.
+
+    Exact for up to 50 blocks without ties, else by the normal approximation. Blocks in which a difference is not
+    defined, both being infinite, count as ties.
+    """
+    from scipy.stats import wilcoxon
+
+    first, second = np.triu_indices(scores.shape[1], 1)
+    a, b = scores.T[first], scores.T[second]
+    same = a == b
+    gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
+    sizes = np.sort(np.abs(gaps), axis=1)
+    # The exact distribution knows no ties; the permutations that would are too slow for all pairs.
+    exact = (sizes[:, 0] > 0) & np.all(np.diff(sizes, axis=1) > 0, axis=1) & (gaps.shape[1] <= EXACT)
+    p = np.ones(len(gaps))
+    for rows, method in ((exact, "exact"), (~exact & gaps.any(axis=1), "asymptotic")):
+        if rows.any():
+            p[rows] = wilcoxon(gaps[rows], zero_method="zsplit", axis=1, method=method).pvalue
+    return _square(holm(p), scores.shape[1])
+
+
+def _square(p: Real, k: int) -> Real:
+    """Symmetric table (k, k) of the p-values of all pairs, with 1 on the diagonal."""
+    table = np.eye(k)
+    first, second = np.triu_indices(k, 1)
+    table[first, second] = table[second, first] = p
+    return table
+
+
+def can_tell(blocks: int, pairs: int, alpha: float = 0.05) -> bool:
+    """Whether a signed-rank test over so many blocks could ever find a difference among so many pairs.
+
+    Its smallest two-sided p-value is 2 / 2**blocks, and Holm's first step multiplies by the number of pairs.
+    """
+    return 2.0 ** (1 - blocks) * pairs <= alpha
+
+
+def mann_whitney_holm(one: Real, others: Real) -> Real:
+    """Holm-adjusted two-sided p-values (k,) of `one` (n,) against each row of `others` (k, n).
+
+    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest.
+    """
+    from scipy.stats import mannwhitneyu
+
+    if not len(others):
+        return np.empty(0)
+    merged = np.concatenate([one[None], others])
+    ranks = np.unique(merged, return_inverse=True)[1].reshape(merged.shape).astype(float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = mannwhitneyu(ranks[:1], ranks[1:], axis=1, method="asymptotic").pvalue
+    # Undefined where all values are one: nothing differs.
+    return holm(np.where(np.isnan(found), 1.0, found))
+
+
+def holm(p: Real) -> Real:
+    """Holm's step-down adjustment of p-values (m,)."""
+    order = np.argsort(p, kind="stable")
+    stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
+    adjusted = np.empty_like(stepped)
+    adjusted[order] = np.minimum(stepped, 1.0)
+    return adjusted
+
+
+def cliques(ranks: Real, p: Real, alpha: float = 0.05) -> list[tuple[int, int]]:
+    """Bars of a critical-difference diagram: widest runs of neighbours in rank of whom no two differ.
+
+    Parameters
+    ----------
+    ranks : ndarray, shape (k,)
+        Mean ranks.
+    p : ndarray, shape (k, k)
+        Adjusted p-values of the pairs.
+    alpha : float
+        Level at which two differ.
+
+    Returns
+    -------
+    list of (int, int)
+        First and last place of each run, by rising rank (Demsar 2006, JMLR 7:1-30, with pairwise tests).
+    """
+    order = np.argsort(ranks, kind="stable")
+    alike = p[np.ix_(order, order)] > alpha
+    found: list[tuple[int, int]] = []
+    for first in range(len(order)):
+        last = first
+        while last + 1 < len(order) and alike[first : last + 1, last + 1].all():
+            last += 1
+        if last > first and (not found or last > found[-1][1]):
+            found.append((first, last))
+    return found
+
+
+def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
+    """Quantiles (len(shares), ...) of `values` (n, ...) that are values themselves, as infinity allows no mean."""
+    ordered = np.sort(values, axis=0)
+    places = [max(0, int(np.ceil(share * len(values))) - 1) for share in shares]
+    chosen: Real = ordered[places]
+    return chosen
+
+
+def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
+    """Mean of each column of `values` (blocks, k) with a percentile bootstrap interval over blocks."""
+    n = len(values)
+    counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
+    low, high = np.quantile(counts @ values / n, [0.025, 0.975], axis=0)
+    return [Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)]
+
+
+def a12(a: Real, b: Real) -> float:
+    """Chance that a value of `a` is smaller than one of `b`, ties by half (Vargha and Delaney 2000).
+
+    The Vargha-Delaney effect size for costs: above one half `a` is better.
+    """
+    ordered = np.sort(b)
+    above = len(b) - np.searchsorted(ordered, a, side="right")
+    equal = np.searchsorted(ordered, a, side="right") - np.searchsorted(ordered, a, side="left")
+    return float((above + 0.5 * equal).sum() / (len(a) * len(b)))
+
+
+def a12_table(values: Real) -> Real:
+    """`a12` of every row of `values` (k, n) against every other, (k, k)."""
+    ordered = np.sort(values, axis=1)
+    below = np.stack([np.searchsorted(row, ordered, side="left") for row in ordered], axis=1)
+    above = values.shape[1] - np.stack([np.searchsorted(row, ordered, side="right") for row in ordered], axis=1)
+    # What is neither above nor below is a tie, and counts by half.
+    table: Real = 0.5 + 0.5 * (above - below).mean(axis=2) / values.shape[1]
+    return table
+
+
+def _finite_order(scores: Real) -> Real:
+    """Ranks within blocks: the same order without infinities."""
+    from scipy.stats import rankdata
+
+    ranks: Real = rankdata(scores, axis=1)
+    return ranks

@@ -1,0 +1,237 @@
+"""A study as a user declares it, and its resolution into a plan."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from springpot.errors import StudyError
+from springpot.identification import Objective, Optimiser, Problem
+from springpot.identification.native import fit
+from springpot.measurement import DataSet, Measurement, open_measurement
+from springpot.registry import parse_model, plugins
+
+from .plan import Case, Cell, Entrant, Plan, Source, cell_digest, digest_of_data, options_of
+
+OWN = "own"
+"""Stands for a data set's own model where a model is named."""
+
+AnyData: TypeAlias = str | Measurement | DataSet
+AnyOptimiser: TypeAlias = str | type[Optimiser] | Optimiser
+Labelled: TypeAlias = AnyOptimiser | tuple[str, AnyOptimiser]
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Data sets x models x objectives x optimisers x repetitions.
+
+    Parameters
+    ----------
+    name : str
+        Names the folder under results/.
+    datasets : sequence
+        Names of registered data sets or files (``name@temperature=20`` chooses rows), or `DataSet` or `Measurement`
+        objects.
+    models : sequence of str, or mapping of str to sequence of str
+        Model expressions; ``"own"`` is the data set's own model. A mapping pairs data sets (by name) with models;
+        data sets that it does not name get their own.
+    objectives : sequence
+        Names or `Objective` objects.
+    optimisers : sequence
+        Names, classes or instances with options; ``(label, optimiser)`` names an option set.
+    repetitions : int
+        Trials of each cell.
+    budget : int
+        Evaluations of each trial.
+    seed : int
+        Source of all randomness, together with the names of data set, model, objective and the repetition.
+    target : float
+        A trial succeeds once its objective is at most f_best + target (f_centre - f_best), where f_best is the
+        best known value of its problem and f_centre the value at the centre of the box (More and Wild 2009,
+        doi:10.1137/080724083).
+    accuracy : float
+        Relative error within which every parameter is right, where the truth is known.
+    stop_at_target : bool
+        End a trial at the target instead of using up the budget, where the native solver finds the optimum of the
+        problem beforehand and it lies in the search box.
+    deadline : float
+        Seconds after which a trial is ended and counted as failed.
+    memory : int
+        MiB that a trial may take.
+    finish : callable, optional
+        Called with the path of the store and the folder of the tables after a run, to write what else belongs there.
+
+    Raises
+    ------
+    StudyError
+        If a field cannot be used.
+    """
+
+    name: str
+    datasets: Sequence[AnyData]
+    models: Sequence[str] | Mapping[str, Sequence[str]]
+    objectives: Sequence[str | Objective]
+    optimisers: Sequence[Labelled]
+    repetitions: int = 20
+    budget: int = 8000
+    seed: int = 1
+    target: float = 1e-6
+    accuracy: float = 0.01
+    stop_at_target: bool = False
+    deadline: float = 300.0
+    memory: int = 2048
+    finish: Callable[[Path, Path], None] | None = None
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"[A-Za-z0-9][\w.-]*", self.name):
+            raise StudyError(f"study name '{self.name}' must be letters, digits, '-', '_' or '.': it names a folder")
+        for key in ("datasets", "models", "objectives", "optimisers"):
+            value = getattr(self, key)
+            if isinstance(value, str) or not value:
+                raise StudyError(f"study {self.name}: {key} must be a list with at least one entry, such as ['...']")
+        for key in ("repetitions", "budget", "deadline", "memory", "target", "accuracy"):
+            if not getattr(self, key) > 0:
+                raise StudyError(f"study {self.name}: {key} must be positive, not {getattr(self, key)}")
+
+    def with_options(self, budget: int | None = None, repeats: int | None = None) -> Study:
+        """The study with another budget or number of repetitions."""
+        study = self if budget is None else replace(self, budget=budget)
+        return study if repeats is None else replace(study, repetitions=repeats)
+
+    def plan(self) -> Plan:
+        """Look everything up.
+
+        Raises
+        ------
+        SpringpotError
+            If a name is unknown, a data set cannot be loaded or two entries share a name.
+        """
+        sources = tuple(_source(given) for given in self.datasets)
+        _unique("data set", [source.name for source in sources], self.name)
+        self._require_known([source.name for source in sources])
+        entrants = tuple(_entrant(given) for given in self.optimisers)
+        _unique("optimiser", [entrant.label for entrant in entrants], self.name)
+        _unique("optimiser with options", [f"{e.optimiser.name} {e.options}" for e in entrants], self.name)
+        objectives = [_objective(given) for given in self.objectives]
+        wanted = self.target if self.stop_at_target else None
+        cases = tuple(
+            _case(source, model, objective, wanted)
+            for source in sources
+            for model in dict.fromkeys(self._models_of(source))
+            for objective in objectives
+        )
+        plan = Plan(
+            self.name, cases, entrants, (), self.repetitions, self.budget, self.seed, self.target, self.accuracy,
+            self.stop_at_target, self.deadline, self.memory,
+        )  # fmt: skip
+        pairs = [(c, e) for c in range(len(cases)) for e in range(len(entrants))]
+        return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
+
+    def _require_known(self, names: list[str]) -> None:
+        stray = [name for name in self.models if name not in names] if isinstance(self.models, Mapping) else []
+        if stray:
+            raise StudyError(
+                f"study {self.name}: models are given for '{stray[0]}', which is not among the data sets"
+            )
+
+    def _models_of(self, source: Source) -> list[str]:
+        given = self.models.get(source.name, (OWN,)) if isinstance(self.models, Mapping) else self.models
+        if OWN in given and not source.model:
+            raise StudyError(f"study {self.name}: {source.name} has no model of its own: name the models to fit")
+        return [parse_model(source.model if model == OWN else model).name for model in given]
+
+    def main(self, arguments: Sequence[str] | None = None) -> None:
+        """Run the study as a script: the same as ``springpot run`` with the script's path."""
+        from .script import main
+
+        main(self, arguments)
+
+
+def _source(given: AnyData) -> Source:
+    if isinstance(given, Measurement):
+        return Source(given.name, given, digest_of_data(given), "measured", "", {}, None)
+    if isinstance(given, DataSet):
+        return _source_of(given.name, given.open(), given)
+    found = plugins()
+    measurement = open_measurement(given, found.items("data set"), found.items("reader"))
+    registered = found.shelves["data set"].find(given.partition("@")[0])
+    return _source_of(given if registered else measurement.name, measurement, registered)
+
+
+def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Source:
+    digest = digest_of_data(measurement)
+    if card is None:
+        return Source(name, measurement, digest, "measured", "", {}, None)
+    return Source(name, measurement, digest, card.kind, card.model, dict(card.truth), card.stiffness_scale)
+
+
+def _objective(given: str | Objective) -> Objective:
+    objective: Objective = plugins().find("objective", given) if isinstance(given, str) else given
+    return objective
+
+
+def _entrant(given: Labelled) -> Entrant:
+    label, optimiser = given if isinstance(given, tuple) else (None, given)
+    if isinstance(optimiser, str):
+        optimiser = plugins().find("optimiser", optimiser)
+    made = optimiser() if isinstance(optimiser, type) else optimiser
+    if not isinstance(made, Optimiser):
+        raise StudyError(f"{made!r:.60} is no optimiser: give a name, a class or an instance")
+    options_of(made)
+    return Entrant(label or _label(made), made)
+
+
+def _label(optimiser: Optimiser) -> str:
+    """The name, with the options that differ from their defaults."""
+    if not is_dataclass(optimiser):
+        return optimiser.name
+    shown = options_of(optimiser)
+    changed = [f"{f.name}={shown[f.name]}" for f in fields(optimiser) if getattr(optimiser, f.name) != f.default]
+    return f"{optimiser.name}({', '.join(changed)})" if changed else optimiser.name
+
+
+def _unique(word: str, names: list[str], study: str) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise StudyError(f"study {study}: {word} '{twice[0]}' occurs twice: give one of them another name")
+
+
+def _case(source: Source, expression: str, objective: Objective, target: float | None) -> Case:
+    model = parse_model(expression)
+    problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
+    centre = 0.5 * (problem.lower + problem.upper)
+    reference = float(problem.evaluate(centre))
+    known = None
+    if truth_fits(source, model.name, model.names):
+        stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
+        residual = objective.residual(stiffness, source.measurement, problem.weights)
+        known = float(np.sum(residual * residual))
+    optimum = None if target is None else _optimum(problem, reference, known, target)
+    return Case(source, model.name, objective, reference, known, optimum)
+
+
+def _optimum(problem: Problem, reference: float, known: float | None, target: float) -> float | None:
+    """Smallest objective in the box; None where the native solver, which knows no box, finds a better one outside."""
+    found = fit(problem.model, problem.measurement, problem.objective)
+    with np.errstate(all="ignore"):
+        x = np.clip(problem.space.from_theta(found.theta), problem.lower, problem.upper)
+        inside = float(problem.evaluate(x)) if np.all(np.isfinite(x)) else np.inf
+    least = inside if known is None else min(inside, known)
+    # What rounding and the ends of the box cost must not matter beside the target.
+    return least if least - found.cost <= 0.01 * target * (reference - found.cost) else None
+
+
+def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:
+    """Whether the true parameters are those of this model."""
+    return bool(source.truth) and parse_model(source.model).name == model and set(source.truth) == set(names)
+
+
+def _cell(plan: Plan, index: int, case: int, entrant: int) -> Cell:
+    stop = plan.stop_value(plan.cases[case])
+    digest = cell_digest(plan.cases[case], plan.entrants[entrant], plan.budget, plan.seed, stop)
+    return Cell(index, case, entrant, digest)

@@ -1,0 +1,166 @@
+"""Cells in numbers: success, cost, accuracy, time and failures; and where a study's results are."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .plan import stream_of
+from .statistics import Interval, median, running_time_interval, wilson
+from .store import CellRow, TrialRow
+from .study import Study
+from .tables import Entry, Table
+
+
+@dataclass(frozen=True, eq=False)
+class CellSummary:
+    """The trials of one cell in numbers.
+
+    Parameters
+    ----------
+    cell : CellRow
+        Which cell.
+    trials, failed : int
+        Trials kept, and those that came to nothing.
+    success : Interval or None
+        Share that reached the target.
+    to_target : float or None
+        Median of the evaluations to the target; infinite if fewer than half of the trials reached it.
+    running_time : Interval or None
+        Expected evaluations to the target with restarts.
+    accurate : Interval or None
+        Share of trials with every parameter within the accuracy, where the truth is known.
+    parameter_error, best, oracle : float or None
+        Medians over the trials that came to something.
+    evaluations, gradients, seconds : float or None
+        Medians over the same.
+    reasons : Counter
+        How often trials failed, by status and reason.
+    """
+
+    cell: CellRow
+    trials: int
+    failed: int
+    success: Interval | None
+    to_target: float | None
+    running_time: Interval | None
+    accurate: Interval | None
+    parameter_error: float | None
+    best: float | None
+    oracle: float | None
+    evaluations: float | None
+    gradients: float | None
+    seconds: float | None
+    reasons: Counter[tuple[str, str]]
+
+
+def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accuracy: float) -> CellSummary:
+    """Summary of one cell whose trials reached the target at the evaluations `hits`, infinite where they did not."""
+    sound = [trial for trial in trials if not trial.status.failed]
+    spent = np.array([trial.evaluations for trial in trials], dtype=float)
+    problem = cell.problem
+    rng = np.random.default_rng(
+        stream_of(0, "bootstrap", problem.dataset, problem.model, problem.objective, cell.label)
+    )
+    errors = [trial.parameter_error for trial in sound if trial.parameter_error is not None]
+    within = sum(error <= accuracy for error in errors)
+    return CellSummary(
+        cell,
+        trials=len(trials),
+        failed=len(trials) - len(sound),
+        success=wilson(int(np.isfinite(hits).sum()), len(hits)),
+        to_target=median(hits),
+        running_time=running_time_interval(hits, spent, rng),
+        accurate=None if problem.known is None else wilson(within, len(trials)),
+        parameter_error=_median(errors),
+        best=_median([trial.best for trial in sound]),
+        oracle=_median([trial.oracle for trial in sound]),
+        evaluations=_median([trial.evaluations for trial in sound]),
+        gradients=_median([trial.gradients for trial in sound]),
+        seconds=_median([trial.seconds for trial in sound]),
+        reasons=Counter((str(t.status), t.reason) for t in trials if t.status.failed),
+    )
+
+
+def _median(values: Sequence[float | None]) -> float | None:
+    given: Real = np.array([value for value in values if value is not None], dtype=float)
+    return median(given)
+
+
+_WHO = ("data set", "model", "objective", "optimiser")
+
+
+def _who(cell: CellRow) -> tuple[Entry, ...]:
+    return cell.problem.dataset, cell.problem.model, cell.problem.objective, cell.label
+
+
+def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accuracy: str) -> Table:
+    """Success, cost and accuracy of every cell; the same bytes whatever engine ran the study."""
+    columns = (
+        *_WHO, "budget", "trials", "failed", "success", "evaluations to target", "expected running time",
+        f"parameters within {float(accuracy):g}", "parameter error", "objective", "noise-free objective",
+    )  # fmt: skip
+    rows = [
+        (*_who(s.cell), s.cell.budget, s.trials, s.failed, s.success, s.to_target, s.running_time, s.accurate,
+         s.parameter_error, s.best, s.oracle)
+        for s in summaries
+    ]  # fmt: skip
+    note = (
+        f"Success: objective at most f + {float(target):g} (g - f), where f is the best value known of the problem "
+        "and g that at the centre of the box. Rates with Wilson's and running times with bootstrap 95 % intervals; a "
+        "trial that failed or missed the target counts as infinite. Parameter error: the largest relative one; it, "
+        "the objective and the noise-free objective are medians over the trials that did not fail."
+    )
+    return Table(f"{name}: summary", columns, rows, note)
+
+
+def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
+    """Medians of the optimiser's own time; kept apart because no two runs take the same."""
+    rows = [(*_who(s.cell), s.evaluations, s.gradients, s.seconds, _each(s)) for s in summaries]
+    columns = (*_WHO, "evaluations", "of these with gradient", "time [s]", "time per evaluation [us]")
+    return Table(
+        f"{name}: time", columns, rows, "Medians over the trials that did not fail; start-up is not counted."
+    )
+
+
+def _each(summary: CellSummary) -> float | None:
+    return 1e6 * summary.seconds / summary.evaluations if summary.seconds and summary.evaluations else None
+
+
+def failure_table(name: str, summaries: Sequence[CellSummary]) -> Table:
+    """How often and why trials failed."""
+    rows = [
+        (*_who(s.cell), status, reason, count)
+        for s in summaries
+        for (status, reason), count in sorted(s.reasons.items())
+    ]
+    return Table(f"{name}: failures", (*_WHO, "status", "reason", "trials"), rows, "" if rows else "No trial failed.")
+
+
+def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
+    """Where a study's results are.
+
+    Parameters
+    ----------
+    study : Study, str or Path
+        A study, its script, its store, its folder, or its name.
+    out : Path
+        Folder of all results.
+    """
+    if isinstance(study, Study):
+        return out / study.name / f"{study.name}.sqlite"
+    path = Path(study)
+    if path.suffix == ".py":
+        from .script import load_study
+
+        return store_path(load_study(path), out)
+    if path.suffix == ".sqlite":
+        return path
+    folder = path if path.is_dir() else out / path
+    return folder / f"{folder.name}.sqlite"

@@ -1,0 +1,181 @@
+"""One small writer of tables: Markdown, CSV, LaTeX (booktabs) and HTML from the same rows by one rule for numbers."""
+
+from __future__ import annotations
+
+import csv
+import html
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from math import isinf, isnan
+from pathlib import Path
+from typing import TypeAlias
+
+from springpot.files import write_text
+
+from .statistics import Interval
+
+Entry: TypeAlias = str | int | float | Interval | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a heading.
+
+    Parameters
+    ----------
+    title : str
+        One line above it.
+    columns : tuple of str
+        Headings.
+    rows : sequence of tuples
+        Texts, numbers, `Interval` or None (nothing to say).
+    note : str
+        What the columns mean.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: Sequence[tuple[Entry, ...]]
+    note: str = ""
+
+
+def number(value: float) -> str:
+    """Four significant digits; powers of ten below 0.001 and from a million on; whole numbers as they are."""
+    if isinstance(value, int):
+        return str(value)
+    if isnan(value):
+        return "–"
+    if isinf(value):
+        return "∞" if value > 0 else "-∞"
+    if value and not 1e-3 <= abs(value) < 1e6:
+        return f"{value:.3e}"
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+
+
+def text(entry: Entry) -> str:
+    """An entry as people read it."""
+    if entry is None:
+        return "–"
+    if isinstance(entry, Interval):
+        return f"{number(entry.value)} [{number(entry.low)}, {number(entry.high)}]"
+    return entry if isinstance(entry, str) else number(entry)
+
+
+def to_markdown(table: Table) -> str:
+    """The table in GitHub's Markdown."""
+    lines = [f"# {table.title}", ""]
+    lines.append(_pipes(table.columns))
+    lines.append(_pipes(["---:" if numeric else "---" for numeric in _numeric(table)]))
+    lines += [_pipes([text(entry) for entry in row]) for row in table.rows]
+    return "\n".join([*lines, *(["", table.note] if table.note else [])]) + "\n"
+
+
+def _pipes(cells: Sequence[str]) -> str:
+    escaped = (cell.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;") for cell in cells)
+    return "| " + " | ".join(" ".join(cell.split()) for cell in escaped) + " |"
+
+
+def to_csv(table: Table) -> str:
+    """The table for programs: numbers in full, an interval as three columns, nothing as an empty field."""
+    stream = StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    wide = [any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))]
+    heads = [(c, f"{c} low", f"{c} high") if w else (c,) for c, w in zip(table.columns, wide, strict=True)]
+    writer.writerow([name for group in heads for name in group])
+    for row in table.rows:
+        writer.writerow([f for entry, w in zip(row, wide, strict=True) for f in _fields(entry, w)])
+    return stream.getvalue()
+
+
+def _fields(entry: Entry, wide: bool) -> tuple[str, ...]:
+    if isinstance(entry, Interval):
+        return tuple(_field(value) for value in (entry.value, entry.low, entry.high))
+    return (_field(entry), "", "") if wide else (_field(entry),)
+
+
+def _field(entry: str | float | None) -> str:
+    if entry is None:
+        return ""
+    # NumPy's floats are floats that name their type when asked for all their digits.
+    return repr(float(entry)) if isinstance(entry, float) else str(entry)
+
+
+_LATEX = {
+    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
+    "∞": r"$\infty$", "–": "--", "|": r"\textbar{}",
+}  # fmt: skip
+
+
+def to_latex(table: Table) -> str:
+    """The table for a paper, with booktabs."""
+    layout = "".join("r" if numeric else "l" for numeric in _numeric(table))
+    lines = [
+        f"% {table.title}",
+        rf"\begin{{tabular}}{{{layout}}}",
+        r"\toprule",
+        _ampersands(table.columns),
+        r"\midrule",
+    ]
+    lines += [_ampersands([text(entry) for entry in row]) for row in table.rows]
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def _ampersands(cells: Sequence[str]) -> str:
+    escaped = ("".join(_LATEX.get(character, character) for character in cell) for cell in cells)
+    # A row that begins with a bracket would be read as the optional argument of the line break before it.
+    return " & ".join("{" + cell + "}" if cell.startswith("[") else cell for cell in escaped) + r" \\"
+
+
+_STYLE = (
+    "body{font:15px/1.4 system-ui,sans-serif;margin:2em}table{border-collapse:collapse}"
+    "th,td{padding:.25em .7em;border-bottom:1px solid #ccc;text-align:left}.n{text-align:right}"
+)
+
+
+def to_html(table: Table) -> str:
+    """The table as a page of its own."""
+    kinds = [' class="n"' if numeric else "" for numeric in _numeric(table)]
+    title, note = html.escape(table.title), html.escape(table.note)
+    head = "".join(f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True))
+    rows = [
+        "".join(f"<td{k}>{html.escape(text(entry))}</td>" for entry, k in zip(row, kinds, strict=True))
+        for row in table.rows
+    ]
+    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head><body>\n<h1>{title}</h1>\n<table>\n<thead><tr>{head}</tr></thead>\n"
+        f"<tbody>\n{body}\n</tbody>\n</table>\n<p>{note}</p>\n</body></html>\n"
+    )
+
+
+def _numeric(table: Table) -> list[bool]:
+    """Whether a column holds numbers, and so stands flush right."""
+    columns = range(len(table.columns))
+    return [bool(table.rows) and not any(isinstance(row[i], str) for row in table.rows) for i in columns]
+
+
+FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {
+    "md": ("md", to_markdown),
+    "csv": ("csv", to_csv),
+    "latex": ("tex", to_latex),
+    "html": ("html", to_html),
+}
+"""Name of a format to its file suffix and writer."""
+
+
+def save_table(table: Table, folder: Path, stem: str, formats: Sequence[str] = tuple(FORMATS)) -> list[Path]:
+    """Write a table to files ``stem.SUFFIX`` in a folder, one for each format.
+
+    Raises
+    ------
+    OutputError
+        If one of them cannot be written.
+    """
+    written = []
+    for name in formats:
+        suffix, write = FORMATS[name]
+        written.append(write_text(folder / f"{stem}.{suffix}", write(table)))
+    return written

@@ -1,0 +1,56 @@
+"""What commands share: options, the choice between text and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+FILE = click.Path(path_type=Path)
+POSITIVE = click.IntRange(min=1)
+
+
+def json_option(command: F) -> F:
+    """Add ``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")(command)
+
+
+def data_argument(command: F) -> F:
+    """Add the argument DATA: a file or the name of a registered data set."""
+    return click.argument("data", metavar="DATA")(command)
+
+
+def model_option(command: F) -> F:
+    """Add ``--model EXPR``."""
+    text = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
+    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=text)(command)
+
+
+def seed_option(command: F) -> F:
+    """Add ``--seed N``."""
+    text = "Seed of all random numbers; the same seed gives the same bits."
+    return click.option("--seed", type=click.IntRange(min=0), metavar="N", help=text)(command)
+
+
+def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:
+    """Print `result` as JSON, or let `show` print it as text.
+
+    Parameters
+    ----------
+    result : object
+        What JSON is made of: dictionaries, lists, numbers, or an object with `to_dict`.
+    as_json : bool
+        The value of ``--json``.
+    show : callable
+        Prints the same for people.
+    """
+    if as_json:
+        from springpot.report.jsontext import to_json
+
+        print(to_json(result))
+    else:
+        show()

@@ -1,0 +1,66 @@
+"""``springpot discover``: add missing effects one by one and watch the error fall."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .common import FILE, data_argument, emit, json_option, model_option, seed_option
+
+
+@click.command(
+    "discover", epilog="Example: springpot discover damper.csv --model fractional-maxwell --auto --report damper.html"
+)
+@data_argument
+@click.argument("more", nargs=-1, metavar="[EFFECT]...")
+@model_option
+@click.option("--accept", multiple=True, metavar="EFFECT", help="Accept this effect; may be given several times.")
+@click.option("--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left.")
+@click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
+@click.option("--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf).")
+@seed_option
+@json_option
+def command(
+    data: str,
+    more: tuple[str, ...],
+    model: str,
+    accept: tuple[str, ...],
+    auto: bool,
+    report: Path | None,
+    figure: Path | None,
+    seed: int | None,
+    as_json: bool,
+) -> None:
+    """Add effects that are missing from a model of DATA and show how far each lowers the error.
+
+    Every step shows the error that was predicted and the one that was reached, both beside the noise floor.
+    """
+    from springpot.api import discover
+    from springpot.registry import open_measurement, parse_model, plugins
+    from springpot.report.answers import ladder_text
+    from springpot.report.canvas import check_figure_path
+    from springpot.report.html import check_report_path, write_report
+    from springpot.report.ladder import figure_ladder
+
+    accept = (*accept, *more)  # as in: --accept inertia time-delay
+    if auto == bool(accept):
+        words = "give --auto or --accept EFFECT, not both" if auto else "give --auto, or --accept EFFECT once or more"
+        raise click.UsageError(words, click.get_current_context())
+    if report is not None:
+        check_report_path(report)
+    if figure is not None:
+        check_figure_path(figure)
+    expression, effects = parse_model(model), [plugins().effect(name) for name in accept]
+    measurement = open_measurement(data)
+    ladder = discover(measurement, expression, accept=None if auto else effects, seed=seed or 0)
+    if figure is not None:
+        figure_ladder(ladder, figure)
+    if report is not None:
+        choice = ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
+        again = ["springpot", "discover", data, "--model", model, *choice, "--seed", str(seed or 0)]
+        write_report(ladder, measurement, report, again)
+    emit(ladder, as_json, lambda: print(ladder_text(ladder)))
+    for path in (figure, report):
+        if path is not None and not as_json:
+            print(f"\nwritten: {path}")

@@ -1,0 +1,64 @@
+"""What ends a command: every error becomes one line on stderr and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+
+import click
+
+from springpot.errors import SpringpotError
+
+BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
+TRACEBACK = "SPRINGPOT_TRACEBACK"
+
+
+def exit_code(action: Callable[[], int]) -> int:
+    """Run `action`; its exit code, or that of the error it ended in, which is told in one line."""
+    try:
+        code = action()
+        sys.stdout.flush()
+        return code
+    except SpringpotError as error:
+        return _say(str(error), BAD_INPUT)
+    except click.UsageError as error:
+        return _say(_usage(error), BAD_INPUT)
+    except click.ClickException as error:
+        return _say(error.format_message(), BAD_INPUT)
+    except (KeyboardInterrupt, click.Abort):
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone; without this, Python complains when it flushes stdout on its way out.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except Exception as error:
+        return _fault(error)
+
+
+def _say(text: str, code: int) -> int:
+    print(f"springpot: {' '.join(text.split())}", file=sys.stderr)
+    return code
+
+
+def _usage(error: click.UsageError) -> str:
+    """Click's message as one line, with the command whose help says more."""
+    command = error.ctx.command_path if error.ctx else "springpot"
+    if isinstance(error, click.exceptions.NoArgsIsHelpError) and isinstance(error.ctx.command, click.Group):
+        return f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command} --help')"
+    text = error.format_message().rstrip(".")
+    return f"{text[:1].lower()}{text[1:]} (see '{command} --help')"
+
+
+def _fault(error: Exception) -> int:
+    if os.environ.get(TRACEBACK):
+        import traceback
+
+        traceback.print_exception(error)
+        return FAULT
+    text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return _say(
+        f"a fault in springpot or one of its plugins, not in your input: {text} "
+        f"(please report it with the traceback that {TRACEBACK}=1 shows)",
+        FAULT,
+    )

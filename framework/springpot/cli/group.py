@@ -1,0 +1,75 @@
+"""The group of commands, each imported only when it is called."""
+
+from __future__ import annotations
+
+import os
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any
+
+import click
+
+from springpot import __version__
+
+from .table import COMMANDS
+
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
+
+
+class LazyGroup(click.Group):
+    """A click group that knows its commands by a table instead of importing them."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names in the order of the table."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command, imported now."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(COMMANDS[cmd_name].module).command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that the arguments name.
+
+        Raises
+        ------
+        click.UsageError
+            If there is none, with the nearest.
+        """
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = get_close_matches(args[0], COMMANDS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COMMANDS)}"
+            raise click.UsageError(f"unknown command '{args[0]}': {hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands from the table, so that ``--help`` imports none of them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, entry.summary) for name, entry in COMMANDS.items()])
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings=CONTEXT,
+    epilog="'springpot COMMAND --help' shows an example of each. "
+    "Exit codes: 0 done, 1 the answer is no, 2 bad input, 3 a fault in springpot.",
+)
+@click.version_option(__version__, prog_name="springpot", message="%(prog)s %(version)s")
+def springpot() -> None:
+    """Identify viscoelastic models, find the missing physical effect, race optimisers fairly."""
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command that `arguments` name; its exit code."""
+    if "_SPRINGPOT_COMPLETE" in os.environ:  # click's own shell completion
+        springpot.main(arguments, "springpot")
+    try:
+        with springpot.make_context("springpot", arguments or ["--help"]) as context:
+            answer: Any = springpot.invoke(context)
+    except click.exceptions.Exit as leave:
+        return leave.exit_code
+    return answer if isinstance(answer, int) else 0

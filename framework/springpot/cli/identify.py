@@ -1,0 +1,93 @@
+"""``springpot identify``: the parameters of a model from measurements, with their uncertainty."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .common import FILE, POSITIVE, data_argument, emit, json_option, model_option, seed_option
+
+if TYPE_CHECKING:
+    from springpot.identification import Identification
+
+INTERVALS = ("jacobian", "profile", "bootstrap")
+
+
+@click.command(
+    "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
+)
+@data_argument
+@model_option
+@click.option("--optimiser", metavar="NAME", help="See 'springpot list optimisers'; the native solver by default.")
+@click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
+@click.option(
+    "--budget", type=POSITIVE, metavar="N", help="Evaluations of each restart; the native solver ends by itself."
+)
+@click.option("--restarts", type=POSITIVE, metavar="N", help="Independent restarts, of which the best counts.")
+@seed_option
+@click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
+@click.option("--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf).")
+@json_option
+def command(data: str, model: str, figure: Path | None, as_json: bool, **options: Any) -> None:
+    """Parameters of a model that fit DATA, a file or a registered data set, best.
+
+    Conditions choose part of the data: nist-srm2491@temperature=20.
+    """
+    from springpot.api import identify
+    from springpot.registry import open_measurement, parse_model
+    from springpot.report.canvas import check_figure_path
+
+    if figure is not None:
+        check_figure_path(figure)
+    expression = parse_model(model)
+    found = identify(open_measurement(data), expression, **options)
+    if figure is not None:
+        draw(found, figure)
+    emit(found, as_json, lambda: show(found, figure))
+
+
+def draw(found: Identification, path: Path) -> None:
+    """Write the figure of data, fit and residuals."""
+    from springpot.report.curves import Fit
+    from springpot.report.figures import figure_identification
+
+    figure_identification(found.measurement, [Fit(found.model, found.theta)], path)
+
+
+def show(found: Identification, figure: Path | None) -> None:
+    """Print the result for people."""
+    from springpot.report.numbers import number, percent, seconds
+    from springpot.report.text import indented
+    from springpot.rheology.drawing import drawing_of
+
+    result = found.to_dict()
+    data = found.measurement
+    low, high = number(float(data.frequency.min()), 3), number(float(data.frequency.max()), 3)
+    print(f"{result['model']} fitted to {data.name} ({len(data)} points, {low} to {high} Hz)\n")
+    print(indented(drawing_of(found.model)) + "\n")
+    _show_parameters("parameter", result["parameters"])
+    if result["search_parameters"]:
+        print()
+        _show_parameters("search form", result["search_parameters"])
+    objective = result["objective"]
+    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms)")
+    print(f"objective   {objective['name']}, {number(objective['value'])}")
+    spent = f"{result['evaluations']} evaluations in {seconds(result['seconds'])}"
+    print(f"optimiser   {result['optimiser']}, {result['status']}, {spent}")
+    for note in result["notes"]:
+        print(f"note        {note}")
+    if figure is not None:
+        print(f"figure      {figure}")
+
+
+def _show_parameters(heading: str, parameters: dict[str, dict[str, Any]]) -> None:
+    from springpot.report.numbers import with_interval
+    from springpot.report.text import Table
+
+    rows = [
+        [name, *with_interval(entry["value"], entry.get("low"), entry.get("high")), entry["unit"]]
+        for name, entry in parameters.items()
+    ]
+    Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).show()

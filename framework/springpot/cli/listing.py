@@ -1,0 +1,58 @@
+"""``springpot list``: what is installed, and which plugins could not be used."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from .common import emit, json_option
+
+KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives")
+
+
+@click.command("list", epilog="Example: springpot list models fractional-zener")
+@click.argument("kind", type=click.Choice(KINDS), metavar="KIND")
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--verbose", "-v", is_flag=True, help="Show every detail of each, such as drawings and options.")
+@json_option
+def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> None:
+    """List what is installed of one KIND; with a NAME, show all that is known about it.
+
+    KIND is models, optimisers, effects, datasets, readers or objectives. Plugins that could not be loaded are
+    listed with their distribution and the reason.
+    """
+    from springpot.registry import plugins
+    from springpot.report import cards
+
+    found = plugins()
+    kind_of = cards.KINDS[kind]
+    items = [kind_of.find(found, name) for name in names] or list(found.items(kind_of.word))
+    described = [kind_of.describe(item) for item in items]
+    result: dict[str, Any] = {
+        "schema": "springpot.list/1",
+        "kind": kind,
+        "items": described,
+        "unavailable": [
+            {"plugin": fault.plugin, "distribution": fault.distribution, "reason": fault.reason}
+            for fault in found.faults
+        ],
+    }
+    emit(result, as_json, lambda: _show(kind, result, bool(names) or verbose))
+
+
+def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
+    from springpot.report import cards
+    from springpot.report.text import Table
+
+    if whole:
+        print("\n\n".join(cards.card(item) for item in result["items"]))
+    elif result["items"]:
+        columns = cards.KINDS[kind].columns
+        rows = [[cards.cell(item[column]) for column in columns] for item in result["items"]]
+        Table([column.replace("_", " ") for column in columns], rows, frozenset({"size", "points"})).show()
+    else:
+        print(f"no {kind} are installed")
+    for fault in result["unavailable"]:
+        print(f"unavailable: plugin '{fault['plugin']}' of {fault['distribution']}: {fault['reason']}")

@@ -1,0 +1,56 @@
+"""``springpot run``: run a study, or resume it, and write its tables and its report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .common import FILE, POSITIVE, emit, json_option
+
+
+@click.command("run", epilog="Example: springpot run studies/optimiser_comparison.py --workers 2")
+@click.argument("study", type=FILE, metavar="STUDY.py")
+@click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default.")
+@click.option("--engine", metavar="NAME", help="local (default), serial or dask:ADDRESS.")
+@click.option("--budget", type=POSITIVE, metavar="N", help="Evaluations of each trial, instead of the study's.")
+@click.option("--repeats", type=POSITIVE, metavar="N", help="Trials of each cell, instead of the study's.")
+@click.option("--out", type=FILE, default=Path("results"), show_default=True, metavar="DIR", help="Results go here.")
+@click.option("--retry-failed", is_flag=True, help="Run trials that failed before once more.")
+@click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
+@json_option
+def command(
+    study: Path,
+    workers: int | None,
+    engine: str | None,
+    budget: int | None,
+    repeats: int | None,
+    out: Path,
+    retry_failed: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Run what is missing of the study that STUDY.py declares, then write its tables and its report.
+
+    Finished trials are kept: after an interruption, the same command goes on.
+    """
+    from springpot.benchmark import run_study
+    from springpot.report.study import write_study_report
+
+    if workers is not None and engine not in (None, "local"):
+        raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
+    outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
+    result = {"schema": "springpot.run/1", **asdict(outcome), "report": write_study_report(outcome.store)}
+    emit(result, as_json, lambda: _show(result))
+
+
+def _show(result: dict[str, Any]) -> None:
+    failed = f", {result['failed']} of them failed" if result["failed"] else ""
+    print(f"{result['trials']} trials, {result['ran']} run now{failed}; kept in {result['store']}")
+    files = [Path(path) for path in result["tables"]]
+    tables = dict.fromkeys(path.stem for path in files)
+    formats = dict.fromkeys(path.suffix for path in files)
+    for folder in dict.fromkeys(path.parent for path in files):
+        print(f"tables in {folder}: {', '.join(tables)} ({', '.join(formats)})")

@@ -1,0 +1,99 @@
+"""``springpot signals``: step one of the paper, from time signals to dynamic stiffness."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .common import FILE, POSITIVE, emit, json_option
+
+if TYPE_CHECKING:
+    from springpot.measurement import Measurement
+
+FREQUENCY = click.FloatRange(min=0.0, min_open=True)
+
+
+@click.command("signals", epilog="Example: springpot signals test-*.csv -o damper.csv")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the measurement here.")
+@click.option("--frequency", type=FREQUENCY, metavar="HZ", help="Excitation frequency; estimated by default.")
+@click.option("--harmonics", type=POSITIVE, default=5, show_default=True, metavar="N", help="Harmonics to fit.")
+@click.option(
+    "--window", type=(float, float), metavar="START STOP", help="Seconds to use; by default the steady part is found."
+)
+@json_option
+def command(
+    files: tuple[str, ...],
+    output: Path | None,
+    frequency: float | None,
+    harmonics: int,
+    window: tuple[float, float] | None,
+    as_json: bool,
+) -> None:
+    """Storage and loss stiffness with standard deviations from displacement and force against time.
+
+    Each FILE holds one test at one frequency and gives one row.
+    """
+    from springpot.files import require_writable
+    from springpot.registry import signals_to_measurement, write_measurement
+
+    if output is not None:
+        require_writable(output)
+    omega = None if frequency is None else 2.0 * pi * frequency
+    measured = signals_to_measurement(files, omega=omega, n_harmonics=harmonics, window=window)
+    if output is not None:
+        write_measurement(measured, output)
+    result = described(measured, files, output)
+    emit(result, as_json, lambda: _show(result))
+
+
+def described(measured: Measurement, files: tuple[str, ...], output: Path | None) -> dict[str, Any]:
+    """The measurement row by row, schema ``springpot.signals/1``."""
+    amplitude = measured.conditions.get("amplitude")
+    rows = []
+    for i in range(len(measured)):
+        rows.append(
+            {
+                "frequency": float(measured.frequency[i]),
+                "storage": float(measured.storage[i]),
+                "loss": float(measured.loss[i]),
+                "storage_sd": None if measured.sd is None else float(measured.sd[i].real),
+                "loss_sd": None if measured.sd is None else float(measured.sd[i].imag),
+                "amplitude": None if amplitude is None else float(amplitude[i]),
+            }
+        )
+    units = {"frequency": "Hz", "stiffness": measured.units.stiffness, "amplitude": measured.units.amplitude}
+    return {
+        "schema": "springpot.signals/1",
+        "files": list(files),
+        "output": None if output is None else str(output),
+        "units": units,
+        "rows": rows,
+        "provenance": dict(measured.provenance),
+    }
+
+
+def _show(result: dict[str, Any]) -> None:
+    from springpot.report.numbers import number
+    from springpot.report.text import Table
+
+    units = result["units"]
+    headers = (
+        "frequency [Hz]",
+        f"amplitude [{units['amplitude']}]",
+        f"storage [{units['stiffness']}]",
+        "storage_sd",
+        f"loss [{units['stiffness']}]",
+        "loss_sd",
+    )
+    keys = ("frequency", "amplitude", "storage", "storage_sd", "loss", "loss_sd")
+    rows = [[number(row[key], 2 if key.endswith("sd") else 5) for key in keys] for row in result["rows"]]
+    Table(headers, rows, frozenset(headers)).show()
+    for key, value in result["provenance"].items():
+        if "note" in key:
+            print(f"{key}: {value}")
+    if result["output"]:
+        print(f"written: {result['output']}")

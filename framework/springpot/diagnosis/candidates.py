@@ -1,0 +1,96 @@
+"""From fits to candidates: numbers, units, verdicts and a sentence for each effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.identification import Uncertainty
+from springpot.rheology import Effect
+
+from .posterior import Posterior, best_with, leading
+from .refit import Refit
+from .result import Candidate, EffectVerdict, Value, Verdict
+from .scan import Score
+from .search import Search
+
+SEEN = 0.05
+"""Relative change of K: an effect that would have been seen at this size is called absent."""
+
+
+def candidates_of(
+    found: Search, probabilities: Posterior, groups: Sequence[Sequence[str]], verdict: Verdict
+) -> list[Candidate]:
+    """All scanned effects as candidates, the likeliest first."""
+    group_of = {name: tuple(group) for group in groups for name in group}
+    alone = {grown.names[0]: grown.refit for grown in reversed(found.grown) if len(grown.effects) == 1}
+    best, chances = best_with(found), probabilities.effects
+    rows = []
+    for score in found.scan.scores:
+        name = score.influence.effect.name
+        refit = alone.get(name, best.get(name))
+        word = _effect_verdict(found, score, best.get(name), chances.get(name, 0.0), verdict)
+        rows.append(_candidate(found, score, refit, chances.get(name, 0.0), group_of.get(name, (name,)), word))
+    leader = leading(found, probabilities) if chances else ""
+    likeliest = max(probabilities.together, key=lambda names: probabilities.together[names], default=())
+    rows = [
+        replace(row, says=f"beside {leader}: {row.says}") if row.effect in likeliest and row.effect != leader else row
+        for row in rows
+    ]
+    rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
+    return rows
+
+
+def _candidate(
+    found: Search, score: Score, refit: Refit | None, probability: float, alike: tuple[str, ...], word: EffectVerdict
+) -> Candidate:
+    """One effect as it would be if it alone joined the model."""
+    base, effect = found.base, score.influence.effect
+    predicted = base.relative_rms * float(np.sqrt(max(score.predicted, 0.0) / max(base.rss, 1e-300)))
+    return Candidate(
+        effect=effect.name,
+        alike=alike,
+        probability=probability,
+        delta_bic=-np.inf if refit is None else 2.0 * (refit.log_evidence - base.log_evidence),
+        score=score.score,
+        verdict=word,
+        predicted_error=predicted,
+        error_after=base.relative_rms if refit is None else refit.relative_rms,
+        bound=score.bound,
+        parameters={} if refit is None else _parameters(refit, effect),
+        says=effect.summary,
+    )
+
+
+def _effect_verdict(
+    found: Search, score: Score, best: Refit | None, probability: float, verdict: Verdict
+) -> EffectVerdict:
+    gain = -np.inf if best is None else 2.0 * (best.log_evidence - found.base.log_evidence)
+    if verdict == "effect-missing" and probability > 0.5 and gain >= 6.0:
+        return "missing"
+    return "absent" if gain < 0.0 and score.bound < SEEN else "cannot-tell"
+
+
+def _parameters(refit: Refit, effect: Effect) -> dict[str, Value]:
+    """The effect's own parameters in printed units, without the prefix of its name."""
+    own = {}
+    for name, value in printed(refit).items():
+        prefix, _, short = name.rpartition(".")
+        if prefix.partition("#")[0] == effect.name:
+            own[short] = value
+    return own
+
+
+def printed(refit: Refit) -> dict[str, Value]:
+    """All parameters with their 95 % intervals, in the units in which they are printed."""
+    units = refit.fit.measurement.units
+    low, high = Uncertainty(refit.fit, absolute=True).interval()
+    rows = {}
+    for i, parameter in enumerate(refit.model.parameters):
+        factor, label = units.of(parameter.unit)
+        rows[parameter.name] = Value(
+            float(refit.theta[i]) * factor, float(low[i]) * factor, float(high[i]) * factor, label
+        )
+    return rows

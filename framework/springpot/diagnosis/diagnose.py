@@ -1,0 +1,201 @@
+"""The diagnosis from end to end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.identification import require_conditions
+from springpot.measurement import Measurement
+from springpot.rheology import Effect, Model
+
+from .candidates import candidates_of
+from .experiment import next_experiment
+from .floor import fitted_to_floor, sharpened
+from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
+from .result import Diagnosis, Error, NextExperiment, Verdict
+from .search import Search, search
+from .validation import validation
+from .where import where
+
+LIBRARY_ALARM = 0.01
+"""Chance of a false alarm granted to the scan of the library."""
+STRUCTURE_ALARM = 0.008
+"""Chance of a false alarm granted to the test for structure of any kind."""
+REPEATS_ALARM = 0.002
+"""Chance of a false alarm granted to the test of the repeats' scatter."""
+CLEAR_EVIDENCE = 6.0
+"""Drop of the information criterion from which an effect counts as missing."""
+DECISIVE = 10.0
+"""Drop of the information criterion from which the best model is trusted to tell the noise."""
+BEYOND_DOUBT = 0.002
+"""Chance of a false alarm below which something is missing even if the evidence names it weakly."""
+REMAINDER = 0.005
+"""Share of the misfit that named effects may leave and still be the verdict."""
+MOST_POINTS = 1500
+"""Points that are diagnosed at most; of more, evenly many of every sweep are taken."""
+FEWEST_SPARE = 4
+"""Degrees of freedom below which data cannot be judged."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """All that a diagnosis found, for those who go on from it.
+
+    Attributes
+    ----------
+    found : Search
+        Fits and scans.
+    probabilities : Posterior
+        Of every effect.
+    diagnosis : Diagnosis
+        The answer.
+    """
+
+    found: Search
+    probabilities: Posterior
+    diagnosis: Diagnosis
+
+
+def diagnose(
+    measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator
+) -> Diagnosis:
+    """Find what is missing from a model of measured data.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        The model to be judged.
+    library : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+
+    Raises
+    ------
+    DataError
+        If there are too few data to judge anything.
+    ModelError
+        If the data lack a column that the model needs.
+    """
+    return examine(measurement, model, library, rng).diagnosis
+
+
+def examine(measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator) -> Case:
+    """As `diagnose`, with the fits and scans behind the answer."""
+    require_conditions(model, measurement)
+    measured, measurement = len(measurement), thinned(measurement)
+    base = fitted_to_floor(model, measurement)
+    if base.fit.dof < 1:
+        raise DataError(
+            f"{measurement.name}: {len(base.fit.measurement)} distinct points cannot judge a model of "
+            f"{len(base.theta)} parameters; measure at more frequencies"
+        )
+    found = search(base, library, rng)
+    if _gain(found) >= DECISIVE and (sharper := sharpened(base, found.best)) is not None:
+        found = search(base := sharper, library, rng)
+    probabilities = posterior(found)
+    verdict = _verdict(found, probabilities)
+    if verdict == "effect-missing":
+        probabilities = probabilities.without_unknown()
+    groups = [] if verdict == "adequate" else classes(found, probabilities)
+    ranked = candidates_of(found, probabilities, groups, verdict)
+    diagnosis = Diagnosis(
+        data=measurement.name,
+        model=model,
+        error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
+        verdict=verdict,
+        says=_sentence(verdict, base.relative_rms / base.floor, groups),
+        where=tuple(where(found.frame)),
+        candidates=tuple(ranked),
+        classes=tuple(tuple(group) for group in groups),
+        next_experiment=_next_experiment(found, probabilities) if groups else None,
+        notes=tuple(_notes(found, measured)),
+        evidence={
+            "p_library": found.scan.p_value,
+            "p_structure": found.structure.p_value,
+            "p_left": found.left.p_value,
+            "p_repeats": found.repeats.p_value,
+            "nothing": probabilities.nothing,
+            "unknown": probabilities.unknown,
+        },
+    )
+    return Case(found, probabilities, diagnosis)
+
+
+def thinned(measurement: Measurement) -> Measurement:
+    """At most `MOST_POINTS` rows, evenly from the whole measurement in the order in which it was made."""
+    if len(measurement) <= MOST_POINTS:
+        return measurement
+    return measurement.subset(np.linspace(0, len(measurement) - 1, MOST_POINTS).round().astype(np.int64))
+
+
+def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment | None:
+    """What would separate the leading effect from its likeliest rival."""
+    if not probabilities.together:
+        return None
+    chances = rivals_of(found, probabilities, leading(found, probabilities))
+    first, *others = sorted(chances, key=lambda name: -chances[name])
+    best = best_with(found)
+    return next_experiment(best[first], best[others[0]], (first, others[0])) if others else None
+
+
+def _notes(found: Search, measured: int) -> Iterator[str]:
+    """What else the user should know."""
+    if found.base.noise.doubt:
+        yield found.base.noise.doubt
+    if measured > MOST_POINTS:
+        yield f"diagnosed on {MOST_POINTS} of the {measured} points"
+    if found.repeats.p_value < REPEATS_ALARM:
+        yield f"repeats differ by more than chance ({found.repeats.kind}): drift or a disturbance common to a sweep"
+    if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
+        ratio = found.best.relative_rms / found.best.floor
+        yield f"the best model found, {found.best.model}, still leaves structure ({ratio:.2g} x the noise floor)"
+    yield from validation(found)
+
+
+def _verdict(found: Search, probabilities: Posterior) -> Verdict:
+    by_library = found.scan.p_value < LIBRARY_ALARM
+    by_structure = found.structure.p_value < STRUCTURE_ALARM
+    if found.repeats.p_value < REPEATS_ALARM:
+        return "unexplained"
+    if not (by_library or by_structure):
+        return "inconclusive" if found.base.fit.dof < FEWEST_SPARE else "adequate"
+    gain = _gain(found)
+    left = found.left.p_value < STRUCTURE_ALARM or probabilities.unknown > 0.5
+    if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
+        return "unexplained"
+    certain = min(found.scan.p_value, found.structure.p_value) < BEYOND_DOUBT
+    return "effect-missing" if gain >= CLEAR_EVIDENCE or (certain and gain > 0.0) else "inconclusive"
+
+
+def _gain(found: Search) -> float:
+    """Drop of the information criterion that the best grown model brings."""
+    return 2.0 * (found.best.log_evidence - found.base.log_evidence)
+
+
+def _all_but_explained(found: Search) -> bool:
+    """Whether named effects explain nearly all of a misfit, and what they leave is small beside the noise.
+
+    Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
+    """
+    spare = found.base.fit.dof
+    excess = [refit.rss / spare - 1.0 for refit in (found.base, found.best)]
+    small = found.best.relative_rms < 2.0 * found.best.floor
+    return excess[0] > 1.0 and excess[1] < REMAINDER * excess[0] and small
+
+
+def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]]) -> str:
+    error = f"the error is {ratio:.2g} x the noise floor"
+    if verdict == "adequate":
+        return f"nothing is missing down to the noise floor: {error}"
+    if verdict == "effect-missing":
+        return f"{error}; missing is {' or '.join(groups[0])}"
+    if verdict == "unexplained":
+        return f"{error}; something is missing that no effect of the library explains"
+    return f"{error}; these data cannot tell whether something is missing"

@@ -1,0 +1,155 @@
+"""What an effect could change: its influence on K over a grid of physically possible settings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from springpot.measurement import Measurement
+from springpot.rheology import Complex, Effect, Model, Parameter, Real
+
+DECADES = 5.0
+"""How far below and above the natural size of the data the size of an effect is tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Influence:
+    """How K changes when an effect joins a fitted model with the model's parameters held.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect.
+    model : Model
+        The grown model.
+    theta : ndarray, shape (g, p)
+        Parameters of the grown model on the grid: the fitted ones and a setting of the effect.
+    change : ndarray of complex, shape (g, n)
+        K of the grown model minus K of the fitted one.
+    relative : ndarray, shape (g,)
+        Root mean square of |change| / |K|.
+    added : tuple of str
+        Names of the effect's own parameters, its size first.
+    """
+
+    effect: Effect
+    model: Model
+    theta: Real
+    change: Complex
+    relative: Real
+    added: tuple[str, ...]
+
+    def sized(self, setting: int, factor: float) -> dict[str, float]:
+        """The effect's own parameters at a setting, its size changed so that it changes K `factor` times as much."""
+        values = {name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added}
+        values[self.added[0]] *= factor if self.effect.vanishes_at == 0.0 else 1.0 / factor
+        return values
+
+
+@dataclass(frozen=True)
+class Window:
+    """Natural sizes of a measurement: where its stiffness, time and amplitude lie, and how far they reach."""
+
+    stiffness: float
+    time: float
+    amplitude: float
+    time_decades: float
+    amplitude_decades: float
+
+    @classmethod
+    def of(cls, measurement: Measurement) -> Window:
+        """The window of a measurement."""
+        log_omega = np.log10(measurement.omega)
+        amplitude = np.log10(np.maximum(measurement.conditions.get("amplitude", np.ones(1)), 1e-300))
+        return cls(
+            float(np.exp(np.mean(np.log(measurement.magnitude)))),
+            float(10.0 ** -np.mean(log_omega)),
+            float(10.0 ** np.mean(amplitude)),
+            float(np.ptp(log_omega)),
+            float(np.ptp(amplitude)),
+        )
+
+
+def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> Real:
+    """Quasi-random settings (count, q) of an effect's parameters over all that is physically possible."""
+    unit = _low_discrepancy(count, len(parameters))
+    columns: dict[str, Real] = {}
+    for u, parameter in sorted(
+        zip(unit.T, parameters, strict=True), key=lambda pair: isinstance(pair[1].unit.time, str)
+    ):
+        columns[parameter.name] = _setting(parameter, u, window, columns)
+    return np.column_stack([columns[parameter.name] for parameter in parameters])
+
+
+def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real]) -> Real:
+    unit = parameter.unit
+    power = done[unit.time] if isinstance(unit.time, str) else unit.time
+    natural = window.stiffness**unit.stiffness * window.time**power * window.amplitude**unit.amplitude
+    natural = natural * parameter.typical
+    if parameter.scale == "linear" and parameter.upper < inf and parameter.lower > -inf:
+        return parameter.lower + (parameter.upper - parameter.lower) * u
+    if parameter.scale == "linear":
+        sign = np.where(u < 0.5, -1.0, 1.0)
+        reach = np.abs(2.0 * u - 1.0)
+        return np.clip(sign * natural * 10.0 ** (DECADES * (reach - 1.0)), parameter.lower, parameter.upper)
+    decades = _reach(parameter, window)
+    return np.clip(natural * 10.0 ** (decades * (2.0 * u - 1.0)), max(parameter.lower, 1e-300), parameter.upper)
+
+
+def _reach(parameter: Parameter, window: Window) -> float:
+    """Decades to either side of the natural size in which a positive parameter is tried."""
+    unit = parameter.unit
+    if unit.stiffness:
+        return DECADES
+    if unit.time and isinstance(unit.time, int | float):
+        return 0.5 * abs(unit.time) * window.time_decades + 0.7
+    if unit.amplitude:
+        return 0.5 * abs(unit.amplitude) * window.amplitude_decades + 0.7
+    return 1.5
+
+
+def _low_discrepancy(count: int, dimension: int) -> Real:
+    """Additive recurrence with the generalised golden ratio, shape (count, dimension)."""
+    ratio = 1.5
+    for _ in range(60):
+        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
+    steps = ratio ** -np.arange(1.0, dimension + 1.0)
+    return (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
+
+
+def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, measurement: Measurement) -> Influence:
+    """What `effect` would change at a fitted model, over a grid of its settings.
+
+    Parameters
+    ----------
+    model : Model
+        The fitted model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    stiffness : ndarray of complex, shape (n,)
+        Its K at the measured points.
+    effect : Effect
+        The effect that may be missing.
+    measurement : Measurement
+        The data.
+    """
+    grown = model + effect
+    old = [grown.names.index(name) for name in model.names]
+    new = [i for i in range(len(grown.names)) if i not in old]
+    added = tuple(grown.parameters[i] for i in new)
+    grid = settings(added, Window.of(measurement), 64 if len(added) == 1 else 160 * (len(added) - 1) + 96)
+    full = np.empty((len(grid), len(grown.names)))
+    full[:, old] = theta
+    full[:, new] = grid
+    with np.errstate(all="ignore"):  # settings beyond what floating-point numbers hold are left out below
+        change = _finite(grown.network.respond(full, measurement.points).value - stiffness)
+    relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
+    usable = np.isfinite(relative) & (relative > 1e-7)
+    names = tuple(parameter.name for parameter in added)
+    return Influence(effect, grown, full[usable], change[usable], relative[usable], names)
+
+
+def _finite(values: Complex) -> Complex:
+    return np.where(np.isfinite(values), values, np.nan)

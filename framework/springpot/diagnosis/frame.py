@@ -1,0 +1,130 @@
+"""The linear geometry of a fit: whitened residuals, what the fitted parameters can absorb, and what they cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+
+import numpy as np
+
+from springpot.identification import weighted
+from springpot.measurement import Measurement
+from springpot.rheology import Complex, Real
+
+SMOOTH_DEGREE = 5
+"""Highest degree of the slow polynomials in ln omega that count as structure rather than as noise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A fit seen in units of the noise.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, repeats averaged.
+    model_stiffness : ndarray of complex, shape (n,)
+        K of the fitted model.
+    weights : ndarray of complex, shape (n,)
+        Reciprocal standard deviations of K' and K''.
+    jacobian : ndarray of complex, shape (p, n)
+        dK/dtheta at the fit.
+    scale_dof : float
+        Degrees of freedom behind the common scale of the noise; infinite where it is known.
+    """
+
+    measurement: Measurement
+    model_stiffness: Complex
+    weights: Complex
+    jacobian: Complex
+    scale_dof: float = inf
+
+    def whiten(self, values: Complex) -> Real:
+        """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
+        return weighted(values, self.weights)
+
+    @cached_property
+    def residual(self) -> Real:
+        """Whitened residual (2n,): measured minus modelled."""
+        return self.whiten(self.measurement.stiffness - self.model_stiffness)
+
+    @cached_property
+    def absorbed(self) -> Real:
+        """Orthonormal basis (2n, q) of all that the fitted parameters can follow."""
+        return orthonormal(self.whiten(self.jacobian).T)
+
+    @property
+    def size(self) -> int:
+        """Number of real data."""
+        return 2 * len(self.measurement)
+
+    @cached_property
+    def rest(self) -> Real:
+        """Residual (2n,) without what the fitted parameters can follow."""
+        return self.project(self.residual[:, None])[:, 0]
+
+    def scale_draws(self, count: int, rng: np.random.Generator) -> Real | float:
+        """Draws (count,) of estimated over true variance, by which a simulated score is to be divided."""
+        return 1.0 if self.scale_dof == inf else rng.chisquare(self.scale_dof, count) / self.scale_dof
+
+    def project(self, columns: Real) -> Real:
+        """Columns (2n, m) without what the fitted parameters can follow."""
+        return columns - self.absorbed @ (self.absorbed.T @ columns)
+
+    @cached_property
+    def smooth(self) -> Real:
+        """Orthonormal basis of slow structure that the parameters cannot follow, shape (2n, q).
+
+        Polynomials in ln omega for each sweep, in magnitude and in phase: what a missing effect looks like,
+        whichever it is.
+        """
+        shapes = slow_shapes(self.measurement)
+        columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
+        return orthonormal(self.project(np.concatenate(columns).T), 1e-6)
+
+    @cached_property
+    def rough(self) -> Real:
+        """Residual (2n,) that neither the parameters nor slow structure can follow: noise, if all is well."""
+        return self.rest - self.smooth @ (self.smooth.T @ self.rest)
+
+    @property
+    def rough_dof(self) -> int:
+        """Degrees of freedom of `rough`."""
+        return self.size - int(self.absorbed.shape[1]) - int(self.smooth.shape[1])
+
+
+def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
+    """Orthonormal basis of the column space; columns are scaled first, so that units do not matter."""
+    size = np.sqrt(np.sum(columns * columns, axis=0))
+    columns = columns[:, size > 0] / size[size > 0]
+    if columns.shape[1] == 0:
+        return np.zeros((len(columns), 0))
+    u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    return u[:, s > tolerance * s[0]]
+
+
+def slow_shapes(measurement: Measurement) -> Real:
+    """Legendre polynomials in ln omega of each sweep, shape (m, n), zero outside their sweep."""
+    shapes: list[Real] = []
+    log_omega = np.log(measurement.omega)
+    for rows in sweeps_of(measurement):
+        points = len(np.unique(log_omega[rows]))
+        degree = min(SMOOTH_DEGREE, max(0, points // 3 - 1))
+        x = log_omega[rows]
+        span = float(x.max() - x.min())
+        x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))
+        for polynomial in np.polynomial.legendre.legvander(x, degree).T:
+            shape = np.zeros(len(measurement))
+            shape[rows] = polynomial
+            shapes.append(shape)
+    return np.array(shapes)
+
+
+def sweeps_of(measurement: Measurement) -> Sequence[np.ndarray[tuple[int], np.dtype[np.int64]]]:
+    """Rows of each sweep; if conditions differ from row to row, all rows are one sweep."""
+    sweeps = [rows for _, rows in measurement.sweeps()]
+    if len(sweeps) > max(1, len(measurement) // 3):
+        return [np.arange(len(measurement))]
+    return sweeps

@@ -1,0 +1,193 @@
+"""The ladder: effects accepted one after the other, and the error falling to the noise floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.measurement import Measurement
+from springpot.rheology import Effect, Model
+
+from .candidates import printed
+from .diagnose import Case, examine
+from .display import draw, html_of_ladder
+from .refit import Refit, refit
+from .result import Diagnosis, Value, Verdict
+
+CLEAR = 1e-3
+"""Chance of a false alarm below which an effect is accepted without asking."""
+DECISIVE = 10.0
+"""Drop of the information criterion from which an effect is accepted without asking."""
+LONGEST = 6
+"""Effects accepted at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One rung: a model, what was accepted to reach it, and its error against the floor.
+
+    Attributes
+    ----------
+    model : Model
+        The model of this rung.
+    accepted : str or None
+        The effect that was added, None for the first rung.
+    relative_rms, noise_floor : float
+        Relative error and what noise alone leaves.
+    predicted_error : float or None
+        What the rung before foretold.
+    parameters : dict of str to Value
+        All parameters with their intervals.
+    changed : dict of str to float
+        Old parameters that moved by more than their interval, with the ratio new over old.
+    case : Case
+        The examination of this rung's model: fit, noise, scan and diagnosis.
+    alike : tuple of str
+        Effects that the data could not tell from the accepted one, itself included.
+    """
+
+    model: Model
+    accepted: str | None
+    relative_rms: float
+    noise_floor: float
+    predicted_error: float | None
+    parameters: dict[str, Value]
+    changed: dict[str, float]
+    case: Case
+    alike: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema."""
+        row = {name: getattr(self, name) for name in ("accepted", "relative_rms", "noise_floor", "predicted_error")}
+        values = {name: asdict(value) for name, value in self.parameters.items()}
+        return {
+            "model": self.model.name,
+            **row,
+            "class": list(self.alike),
+            "parameters": values,
+            "changed": self.changed,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """Steps from the user's model to the last accepted one, with the last diagnosis."""
+
+    data: str
+    steps: tuple[Step, ...]
+    verdict: Verdict
+    diagnosis: Diagnosis
+
+    @property
+    def model(self) -> Model:
+        """The model of the last rung."""
+        return self.steps[-1].model
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.discovery/1``."""
+        return {
+            "schema": "springpot.discovery/1",
+            "data": self.data,
+            "steps": [step.to_dict() for step in self.steps],
+            "verdict": self.verdict,
+            "diagnosis": self.diagnosis.to_dict(),
+        }
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """The error falling to the noise floor; see `springpot.report.ladder.figure_ladder`."""
+        return draw("ladder", self, path)
+
+    def _repr_html_(self) -> str:
+        return html_of_ladder(self)
+
+
+def discover(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    accept: Sequence[Effect] | None = None,
+) -> Ladder:
+    """Accept effects until nothing significant is left, or the given ones in order.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        Where to begin.
+    library : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    accept : sequence of Effect, optional
+        Effects to accept in this order; without it every decision is taken by the evidence.
+    """
+    case = examine(measurement, model, library, rng)
+    steps = [_step(case, None, None)]
+    wanted = list(accept) if accept is not None else None
+    while len(steps) <= LONGEST if wanted is None else wanted:
+        effect = wanted.pop(0) if wanted else _decisive(case, library) if wanted is None else None
+        if effect is None:
+            break
+        predicted = _predicted(case, effect)
+        previous, case = case, examine(measurement, case.found.base.model + effect, library, rng)
+        steps.append(replace(_step(case, effect.name, predicted, previous), alike=_alike(previous, effect)))
+    if accept is None and len(steps) > 2:
+        case, steps = _pruned(measurement, case, steps, library, rng)
+    return Ladder(measurement.name, tuple(steps), case.diagnosis.verdict, case.diagnosis)
+
+
+def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
+    """The effect whose absence is beyond doubt, if there is one."""
+    diagnosis = case.diagnosis
+    if diagnosis.verdict not in ("effect-missing", "unexplained") or not diagnosis.candidates:
+        return None
+    alarm = min(case.found.scan.p_value, case.found.structure.p_value)
+    gain = 2.0 * (case.found.best.log_evidence - case.found.base.log_evidence)
+    if alarm > CLEAR or gain < DECISIVE:
+        return None
+    best = diagnosis.candidates[0]
+    return next(effect for effect in library if effect.name == best.effect)
+
+
+def _predicted(case: Case, effect: Effect) -> float | None:
+    found = [c.predicted_error for c in case.diagnosis.candidates if c.effect == effect.name]
+    return found[0] if found else None
+
+
+def _alike(case: Case, effect: Effect) -> tuple[str, ...]:
+    found = [c.alike for c in case.diagnosis.candidates if c.effect == effect.name]
+    return found[0] if found else (effect.name,)
+
+
+def _step(case: Case, accepted: str | None, predicted: float | None, before: Case | None = None) -> Step:
+    base = case.found.base
+    parameters = printed(base)
+    changed = {}
+    if before is not None:
+        for name, old in printed(before.found.base).items():
+            new = parameters.get(name)
+            if new is not None and old.value and not old.low <= new.value <= old.high:
+                changed[name] = new.value / old.value
+    error = case.diagnosis.error
+    return Step(base.model, accepted, error.relative_rms, error.noise_floor, predicted, parameters, changed, case)
+
+
+def _pruned(
+    measurement: Measurement, case: Case, steps: list[Step], library: Sequence[Effect], rng: np.random.Generator
+) -> tuple[Case, list[Step]]:
+    """Drop accepted effects that later ones have made needless."""
+    base = case.found.base
+    added = [step.accepted for step in steps[1:] if step.accepted]
+    for name in added[:-1]:
+        smaller: Refit = refit(base.model - name, base.data, base.noise)
+        if smaller.log_evidence > base.log_evidence:
+            previous, case = case, examine(measurement, smaller.model, library, rng)
+            dropped = replace(_step(case, None, None, previous), accepted=f"-{name}")
+            return case, [*steps, dropped]
+    return case, steps

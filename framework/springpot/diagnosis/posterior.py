@@ -1,0 +1,209 @@
+"""What the evidence says: probabilities of effects, and classes that the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .frame import Frame
+from .refit import Refit
+from .search import Grown, Search
+
+CREDIBLE = 0.97
+"""A class holds at least this share of the probability of all explanations."""
+CLOSE = 0.35
+"""Curves this close (root mean square, in units of the noise) are one curve for these data."""
+UNKNOWN_SIZE = float(np.log(10.0 * np.log(10.0) / np.sqrt(2.0 * np.pi)))
+"""Cost of a size that may lie anywhere in ten decades."""
+MOST_UNKNOWN = 1.0 - 1e-12
+TWIN = 0.03
+"""Share of the probability from which a rival with the same curve joins the first class."""
+PRIOR_NOTHING = 0.5
+PRIOR_PAIR = 0.5
+"""Prior weight of two missing effects against one, spread over the pairs."""
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Probabilities of what is missing.
+
+    Attributes
+    ----------
+    nothing : float
+        That the model is complete.
+    unknown : float
+        That something is missing which no effect of the library explains.
+    together : dict of tuple of str to float
+        For each set of effects (names in order), that it is just what is missing.
+    """
+
+    nothing: float
+    unknown: float
+    together: dict[tuple[str, ...], float]
+
+    @property
+    def effects(self) -> dict[str, float]:
+        """For each effect, that it is among what is missing."""
+        found: dict[str, float] = {}
+        for names, weight in self.together.items():
+            for name in set(names):
+                found[name] = found.get(name, 0.0) + weight
+        return found
+
+    def without_unknown(self) -> Posterior:
+        """The same, taking for granted that the library explains what is missing."""
+        known = max(1.0 - self.unknown, 1e-300)
+        return Posterior(self.nothing / known, 0.0, {names: p / known for names, p in self.together.items()})
+
+
+def posterior(found: Search) -> Posterior:
+    """Probabilities from the evidence of the fitted models and the prior weights of the effects."""
+    total = max(sum(score.influence.effect.prior for score in found.scan.scores), 1.0)
+    names: list[tuple[str, ...]] = []
+    logs = [
+        found.base.log_likelihood + np.log(PRIOR_NOTHING),
+        _unknown_evidence(found) + np.log((1.0 - PRIOR_NOTHING) / total),
+    ]
+    for grown in _distinct(found.grown):
+        prior = (1.0 - PRIOR_NOTHING) * PRIOR_PAIR ** (len(grown.effects) - 1)
+        for effect in grown.effects:
+            prior *= effect.prior / total
+        names.append(tuple(sorted(grown.names)))
+        logs.append(_evidence(found, grown) + np.log(max(prior, 1e-300)))
+    # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
+    known = np.array([logs[0], *logs[2:]])
+    weights = np.exp(known - known.max())
+    weights /= weights.sum()
+    odds = float(np.exp(np.clip(logs[1] - known.max() - np.log(np.sum(np.exp(known - known.max()))), -700, 700)))
+    unknown = min(odds / (1.0 + odds), MOST_UNKNOWN)
+    weights *= 1.0 - unknown
+    return Posterior(float(weights[0]), unknown, dict(zip(names, weights[1:].tolist(), strict=True)))
+
+
+def _distinct(grown: Sequence[Grown]) -> list[Grown]:
+    """One model for each set of effects: the order in which they were added does not matter."""
+    seen: dict[tuple[str, ...], Grown] = {}
+    for each in grown:
+        key = tuple(sorted(each.names))
+        if key not in seen or each.refit.log_evidence > seen[key].refit.log_evidence:
+            seen[key] = each
+    return list(seen.values())
+
+
+def _evidence(found: Search, grown: Grown) -> float:
+    """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
+
+    What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
+    size is positive and of unknown order of magnitude; its other parameters are known the better, the more the
+    effect explains: to a relative width of one over the square root of the drop in chi-square (MacKay 1992,
+    doi:10.1162/neco.1992.4.3.415).
+    """
+    spent = len(grown.refit.theta) - len(found.base.theta)
+    return _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
+
+
+def _unknown_evidence(found: Search) -> float:
+    """The same for slow structure of any kind on top of the base model: costly, as it has many parameters."""
+    frame = found.frame
+    likelihood = found.base.noise.log_likelihood(float(frame.rough @ frame.rough), frame.size)
+    return _discounted(found, likelihood, int(frame.smooth.shape[1]), 1)
+
+
+def _discounted(found: Search, log_likelihood: float, spent: int, effects: int) -> float:
+    drop = max(2.0 * (log_likelihood - found.base.log_likelihood), 0.0)
+    return float(log_likelihood - effects * UNKNOWN_SIZE - 0.5 * spent * np.log1p(drop))
+
+
+def distance(frame: Frame, first: Refit, second: Refit) -> float:
+    """Root mean square difference of two fitted curves in units of the noise."""
+    difference: Real = frame.whiten(first.stiffness - second.stiffness)
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+def classes(found: Search, probabilities: Posterior) -> list[list[str]]:
+    """Effects that these data cannot tell apart, the likeliest class first.
+
+    The first class is the smallest set of rivals that holds nearly all of their probability, with those whose fitted
+    curve is the leader's and that need no more parameters; the rest are grouped by their curves.
+    """
+    best = best_with(found)
+    ranked = sorted(best, key=lambda name: -probabilities.effects.get(name, 0.0))
+    if not ranked:
+        return []
+    leader = leading(found, probabilities)
+    chances = rivals_of(found, probabilities, leader)
+    total, covered = sum(chances.values()), 0.0
+    first: list[str] = []
+    for name in sorted(chances, key=lambda name: -chances[name]):
+        twin = (
+            chances[name] > TWIN * total
+            and len(best[name].theta) <= len(best[leader].theta)
+            and distance(found.frame, best[leader], best[name]) < CLOSE
+        )
+        if covered < CREDIBLE * total or twin:
+            first.append(name)
+        covered += chances[name]
+    return [first, *_grouped(found, [name for name in ranked if name not in first])]
+
+
+def leading(found: Search, probabilities: Posterior) -> str:
+    """The effect to name first: of the likeliest explanation, the one that does most by itself."""
+    alone = {grown.names[0]: grown.refit.log_evidence for grown in found.grown if len(grown.effects) == 1}
+    likeliest = max(probabilities.together, key=lambda names: probabilities.together[names])
+    return max(likeliest, key=lambda name: alone.get(name, -np.inf))
+
+
+def rivals_of(found: Search, probabilities: Posterior, leader: str) -> dict[str, float]:
+    """Effects that could stand in the leading one's place, with their chances.
+
+    Where the best explanation holds a second effect, that one stays while rivals of the leader are counted.
+    """
+    with_leader = [names for names in probabilities.together if leader in names]
+    best = max(with_leader, key=lambda names: probabilities.together[names])
+    partners = list(best)
+    partners.remove(leader)
+    chances: dict[str, float] = {}
+    for names, weight in probabilities.together.items():
+        rest = list(names)
+        for partner in partners:
+            if partner in rest:
+                rest.remove(partner)
+        if len(names) == len(best) and len(rest) == 1:
+            chances[rest[0]] = chances.get(rest[0], 0.0) + weight
+        elif len(names) < len(best):
+            chances[names[0]] = chances.get(names[0], 0.0) + (weight if names[0] not in partners else 0.0)
+    return chances
+
+
+def best_with(found: Search) -> dict[str, Refit]:
+    """For each effect, the best fitted model that has it."""
+    return {name: grown.refit for name, grown in _best_grown(found).items()}
+
+
+def _best_grown(found: Search) -> dict[str, Grown]:
+    best: dict[str, Grown] = {}
+    for grown in found.grown:
+        for name in grown.names:
+            if name not in best or grown.refit.log_evidence > best[name].refit.log_evidence:
+                best[name] = grown
+    return best
+
+
+def _grouped(found: Search, names: Sequence[str]) -> list[list[str]]:
+    """Effects whose fitted curves agree; two that work together in one model are no rivals."""
+    best = _best_grown(found)
+    groups: list[list[str]] = []
+    for name in names:
+        for group in groups:
+            first = best[group[0]]
+            together = name in first.names or group[0] in best[name].names
+            if not together and distance(found.frame, best[name].refit, first.refit) < CLOSE:
+                group.append(name)
+                break
+        else:
+            groups.append([name])
+    return groups

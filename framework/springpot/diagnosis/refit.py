@@ -1,0 +1,133 @@
+"""Refits of grown models and the evidence for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification import Fit, Objective, fit, weighted
+from springpot.rheology import GRADIENT, Complex, Model, Real
+
+from .frame import Frame
+from .noise import Averaged, Noise
+
+NO_INFLUENCE = 1e-6
+"""Relative change of K per relative change of a parameter below which the parameter is without influence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """A model fitted to averaged data in units of their noise.
+
+    Attributes
+    ----------
+    fit : Fit
+        The fit; its cost is the whitened residual sum of squares.
+    noise : Noise
+        The noise it was weighted by.
+    data : Averaged
+        The data, raw and averaged.
+    """
+
+    fit: Fit
+    noise: Noise
+    data: Averaged
+
+    @property
+    def model(self) -> Model:
+        """The fitted model."""
+        return self.fit.model
+
+    @property
+    def theta(self) -> Real:
+        """Its parameters, shape (p,)."""
+        return self.fit.theta
+
+    @property
+    def rss(self) -> float:
+        """Whitened residual sum of squares."""
+        return self.fit.cost
+
+    @cached_property
+    def stiffness(self) -> Complex:
+        """K of the fitted model at the measured points, shape (n,)."""
+        return self.model.stiffness(self.theta, self.fit.measurement.points)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Log-likelihood at the fit."""
+        return self.noise.log_likelihood(self.rss, 2 * len(self.fit.measurement))
+
+    @property
+    def log_evidence(self) -> float:
+        """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136)."""
+        size = 2 * len(self.fit.measurement)
+        return self.log_likelihood - 0.5 * len(self.theta) * float(np.log(size))
+
+    @cached_property
+    def relative_rms(self) -> float:
+        """Root mean square of |K - K_m| / |K_m| over all measured rows."""
+        return self.data.relative_rms(self.model, self.theta)
+
+    @property
+    def floor(self) -> float:
+        """The relative error that noise alone leaves."""
+        return self.data.floor(self.noise)
+
+    def frame(self) -> Frame:
+        """The linear geometry at this fit."""
+        measurement = self.fit.measurement
+        with np.errstate(all="ignore"):
+            response = self.model.network.respond(self.theta, measurement.points, GRADIENT)
+        by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
+        free = by_theta[self._free(by_theta, response.value)]
+        return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof)
+
+    def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
+        """Which parameters can follow a residual: not those at a bound beyond which the fit would improve.
+
+        A positive parameter without influence has gone to its end (nothing, or rigid) and counts as at a bound.
+        """
+        parameters = self.model.parameters
+        logs = np.array([parameter.scale == "log" for parameter in parameters])
+        bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
+        influence = np.linalg.norm(by_theta * np.where(logs, self.theta, 1.0)[:, None] / np.abs(value), axis=1)
+        downhill = weighted(by_theta, self.noise.weights) @ weighted(
+            self.fit.measurement.stiffness - value, self.noise.weights
+        )
+        room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
+        blocked = ((self.theta <= bounds[:, 0] + room) & (downhill < 0)) | (
+            (self.theta >= bounds[:, 1] - room) & (downhill > 0)
+        )
+        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))))
+        return free
+
+
+def noise_objective(noise: Noise) -> Objective:
+    """Differences of K' and K'' in units of their noise."""
+    weights = noise.weights
+    return Objective("noise", "the differences over the standard deviations of the noise", lambda _: weights)
+
+
+def refit(model: Model, data: Averaged, noise: Noise, seeds: Sequence[Real] = (), starts: int = 8) -> Refit:
+    """Fit `model` in units of the noise.
+
+    Parameters
+    ----------
+    model : Model
+        What to fit.
+    data : Averaged
+        The data.
+    noise : Noise
+        The noise of their averages.
+    seeds : sequence of ndarray, shape (p,)
+        Starts worth trying beside those read off the data.
+    starts : int
+        Starts read off the data.
+    """
+    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds))
+    return Refit(found, noise, data)

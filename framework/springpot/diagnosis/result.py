@@ -1,0 +1,169 @@
+"""What a diagnosis says, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+from springpot.rheology import Model
+
+from .display import html_of_diagnosis
+
+Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
+EffectVerdict = Literal["missing", "absent", "cannot-tell"]
+
+
+@dataclass(frozen=True)
+class Error:
+    """Error of the model against the noise floor, both relative to |K|."""
+
+    relative_rms: float
+    noise_floor: float
+    noise_source: str
+    doubt: str = ""
+
+
+@dataclass(frozen=True)
+class Where:
+    """One place or direction in which the model fails."""
+
+    plane: str
+    condition: str
+    low: float
+    high: float
+    size: float
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema, where the ends of the range are called from and to."""
+        row = asdict(self)
+        return {"from" if key == "low" else "to" if key == "high" else key: value for key, value in row.items()}
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter with its 95 % interval, in the unit in which it is printed."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect and what adding it would do.
+
+    Attributes
+    ----------
+    effect : str
+        Its name.
+    alike : tuple of str
+        Effects that these data cannot tell from it, itself included.
+    probability : float
+        That it is among what is missing.
+    delta_bic : float
+        Drop of the Bayesian information criterion when it joins; positive speaks for it.
+    score : float
+        Squared residual along what it would change, in units of noise variance, before any refit.
+    verdict : {"missing", "absent", "cannot-tell"}
+        In one word.
+    predicted_error, error_after : float
+        Relative error foretold by the scan and reached by the refit.
+    bound : float
+        Relative change of K above which the effect would have been seen.
+    parameters : dict of str to Value
+        Its own parameters.
+    says : str
+        One sentence of physics.
+    """
+
+    effect: str
+    alike: tuple[str, ...]
+    probability: float
+    delta_bic: float
+    score: float
+    verdict: EffectVerdict
+    predicted_error: float
+    error_after: float
+    bound: float
+    parameters: dict[str, Value]
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema, where `alike` is called class."""
+        return {"class" if key == "alike" else key: value for key, value in asdict(self).items()}
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """The feasible measurement that would best tell the leading effects apart."""
+
+    says: str
+    separates: tuple[str, ...]
+    expected_separation_sigma: float
+    action: dict[str, list[float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The answer to the question what is missing from a model.
+
+    Attributes
+    ----------
+    data, model : str
+        What was diagnosed.
+    error : Error
+        The model's error and the noise floor.
+    verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
+        Overall.
+    says : str
+        The verdict in one sentence.
+    where : tuple of Where
+        Where the model fails.
+    candidates : tuple of Candidate
+        Effects, the best first.
+    classes : tuple of tuple of str
+        Effects that these data cannot tell apart.
+    next_experiment : NextExperiment or None
+        What would tell the leading ones apart.
+    notes : tuple of str
+        What else the user should know.
+    """
+
+    data: str
+    model: Model
+    error: Error
+    verdict: Verdict
+    says: str
+    where: tuple[Where, ...]
+    candidates: tuple[Candidate, ...]
+    classes: tuple[tuple[str, ...], ...]
+    next_experiment: NextExperiment | None = None
+    notes: tuple[str, ...] = ()
+    evidence: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def best(self) -> Candidate | None:
+        """The effect that should be added, or None if none is missing."""
+        return self.candidates[0] if self.candidates and self.verdict == "effect-missing" else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.diagnosis/1``."""
+        return {
+            "schema": "springpot.diagnosis/1",
+            "data": self.data,
+            "model": self.model.name,
+            "error": asdict(self.error),
+            "verdict": self.verdict,
+            "says": self.says,
+            "where": [where.to_dict() for where in self.where],
+            "candidates": [candidate.to_dict() for candidate in self.candidates],
+            "classes": [list(names) for names in self.classes],
+            "next_experiment": asdict(self.next_experiment) if self.next_experiment else None,
+            "notes": list(self.notes),
+            "evidence": self.evidence,
+        }
+
+    def _repr_html_(self) -> str:
+        return html_of_diagnosis(self)

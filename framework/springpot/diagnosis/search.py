@@ -1,0 +1,181 @@
+"""Which grown models explain the data: single effects first, pairs where one effect leaves structure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from springpot.measurement import Measurement
+from springpot.rheology import Effect
+
+from .directions import influence
+from .frame import Frame
+from .pairs import best_pairs
+from .refit import Refit, refit
+from .scan import Scan, Score, scan
+from .structure import Structure, repeats_structure, structure
+
+SINGLES = 12
+"""Effects refitted after the first scan."""
+BEAM = 4
+"""Single effects from which a second one is sought."""
+SECONDS = 4
+"""Second effects refitted for each of them."""
+TOGETHER = 8
+"""Pairs refitted that explain the residual only together."""
+LEFT_OVER = 1e-2
+"""Chance of a false alarm at which something is held to be left over."""
+RARE = 0.3
+"""Prior weight below which an effect alone is not taken for an answer before pairs of common ones are tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grown:
+    """The fitted model with effects added.
+
+    Attributes
+    ----------
+    effects : tuple of Effect
+        Those added.
+    refit : Refit
+        The fit.
+    predicted : float
+        Whitened residual sum of squares that the scan foretold.
+    """
+
+    effects: tuple[Effect, ...]
+    refit: Refit
+    predicted: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects added."""
+        return tuple(effect.name for effect in self.effects)
+
+
+@dataclass(eq=False)
+class Search:
+    """A model's fit, the scan of the library on it, and the grown models that were fitted.
+
+    Attributes
+    ----------
+    base : Refit
+        The user's model.
+    frame : Frame
+        Its linear geometry.
+    scan : Scan
+        Scores of the library.
+    structure : Structure
+        The test for structure of any kind in its residual.
+    grown : list of Grown
+        Grown models, the best evidence first.
+    left : Structure
+        The test on the residual of the best model.
+    repeats : Structure
+        The test on the scatter of repeats.
+    """
+
+    base: Refit
+    frame: Frame
+    scan: Scan
+    structure: Structure
+    grown: list[Grown] = field(default_factory=list)
+    left: Structure = field(default_factory=lambda: Structure(1.0, {}))
+    repeats: Structure = field(default_factory=lambda: Structure(1.0, {}))
+
+    @property
+    def best(self) -> Refit:
+        """The model with the best evidence, the base included."""
+        refits = [self.base, *(grown.refit for grown in self.grown)]
+        return max(refits, key=lambda found: found.log_evidence)
+
+
+def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+    """Look for what is missing from a fitted model.
+
+    Parameters
+    ----------
+    base : Refit
+        The fit of the user's model.
+    library : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    effects = usable(library, base.fit.measurement)
+    frame = base.frame()
+    scanned = scan_effects(base, frame, effects, rng)
+    found = Search(base, frame, scanned, structure(frame, rng))
+    found.left = found.structure
+    found.repeats = repeats_structure(base.data, rng)
+    found.grown = [_grow(base, (), score) for score in scanned.scores[:SINGLES]]
+    _sort(found)
+    if found.grown and min(scanned.p_value, found.structure.p_value) < 5 * LEFT_OVER:
+        found.left = structure(found.best.frame(), rng)
+        if found.left.p_value < LEFT_OVER * 20 or _strained(found):
+            _seek_pairs(found, effects, rng)
+    return found
+
+
+def _strained(found: Search) -> bool:
+    """Whether the best single effect is a rare one, or one with so many parameters that it may stand for two."""
+    best = found.grown[0]
+    spent = len(best.refit.theta) - len(found.base.theta)
+    return spent > 1 or any(effect.prior < RARE for effect in best.effects)
+
+
+def usable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
+    """Effects whose conditions these data hold."""
+    return [effect for effect in library if effect.prior > 0 and effect.needs <= set(measurement.conditions)]
+
+
+def scan_effects(
+    base: Refit, frame: Frame, effects: Sequence[Effect], rng: np.random.Generator | None = None
+) -> Scan:
+    """Score effects at a fit."""
+    measurement = base.fit.measurement
+    influences = [influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects]
+    return scan(frame, [each for each in influences if len(each.theta)], rng)
+
+
+def _grow(base: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
+    """Refit with one more effect."""
+    grown = score.influence.model
+    found = refit(grown, base.data, base.noise, list(score.starts), starts=2)
+    return Grown((*before, score.influence.effect), found, score.predicted)
+
+
+def _sort(found: Search) -> None:
+    found.grown.sort(key=lambda grown: -grown.refit.log_evidence)
+
+
+def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
+    """Seek a second effect beside several first ones, and pairs that only work together."""
+    base = found.base
+    pairs = [
+        Grown(
+            (pair.first.influence.effect, pair.second.influence.effect),
+            refit(pair.model, base.data, base.noise, [pair.start], starts=1),
+            base.rss - pair.gain,
+        )
+        for pair in best_pairs(found.frame, found.scan.scores, base.model, base.theta, TOGETHER)
+    ]
+    for first in found.grown[:BEAM]:
+        frame = first.refit.frame()
+        seconds = scan_effects(first.refit, frame, effects).scores[:SECONDS]
+        pairs += [_grow(first.refit, first.effects, score) for score in seconds]
+    found.grown += pairs
+    _sort(found)
+    _add_singles(found)
+    found.left = structure(found.best.frame(), rng)
+
+
+def _add_singles(found: Search) -> None:
+    """Refit by themselves the effects that so far were only tried in good pairs: their rows tell what each does."""
+    alone = {grown.names[0] for grown in found.grown if len(grown.effects) == 1}
+    wanted = {name for grown in found.grown[:SINGLES] for name in grown.names} - alone
+    scores = [score for score in found.scan.scores if score.influence.effect.name in wanted]
+    found.grown += [_grow(found.base, (), score) for score in scores]
+    _sort(found)

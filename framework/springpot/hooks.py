@@ -1,0 +1,102 @@
+"""What a plugin may implement; every hook is optional and returns a sequence.
+
+A plugin is any module or object with functions marked by `hookimpl`, named in the entry-point group ``springpot``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pluggy
+
+if TYPE_CHECKING:
+    from springpot.identification import Objective, Optimiser
+    from springpot.measurement.catalogue import DataSet
+    from springpot.measurement.reader import Reader
+    from springpot.rheology import Effect, Model
+    from springpot.rheology.family import Family
+
+GROUP = "springpot"
+
+hookspec = pluggy.HookspecMarker(GROUP)
+hookimpl = pluggy.HookimplMarker(GROUP)
+
+
+@dataclass(frozen=True)
+class Race:
+    """A small study of optimisers, each data set with its own model.
+
+    Parameters
+    ----------
+    name : str
+        Names its folder.
+    datasets, optimisers : tuple of str
+        Names.
+    objective : str
+        How the misfit is measured.
+    repetitions, budget : int
+        Trials of each cell, and evaluations of each trial.
+    """
+
+    name: str
+    datasets: tuple[str, ...]
+    optimisers: tuple[str, ...]
+    objective: str
+    repetitions: int
+    budget: int
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A part of the demonstration: a command, or a race.
+
+    Parameters
+    ----------
+    title : str
+        What it shows, in one line.
+    command : tuple of str
+        What a user would type behind ``springpot``; ``{out}`` stands for the folder of the results.
+    race : Race, optional
+        Run where there is no command.
+    """
+
+    title: str
+    command: tuple[str, ...] = ()
+    race: Race | None = None
+
+
+@hookspec
+def springpot_models() -> Iterable[Model | Family]:  # type: ignore[empty-body]
+    """Rheological models, or families of them such as ``prony-N``."""
+
+
+@hookspec
+def springpot_effects() -> Iterable[Effect]:  # type: ignore[empty-body]
+    """Physical effects that may be missing from a model; each takes part in every diagnosis."""
+
+
+@hookspec
+def springpot_optimisers() -> Iterable[type[Optimiser]]:  # type: ignore[empty-body]
+    """Optimisers, as classes whose default instance is used."""
+
+
+@hookspec
+def springpot_objectives() -> Iterable[Objective]:  # type: ignore[empty-body]
+    """Ways to measure the misfit."""
+
+
+@hookspec
+def springpot_datasets() -> Iterable[DataSet]:  # type: ignore[empty-body]
+    """Registered data sets, loaded only when used."""
+
+
+@hookspec
+def springpot_readers() -> Iterable[Reader]:  # type: ignore[empty-body]
+    """Readers of measurement files, chosen by content."""
+
+
+@hookspec
+def springpot_demo() -> Iterable[Chapter]:  # type: ignore[empty-body]
+    """Chapters of ``springpot demo``, in order."""

@@ -1,0 +1,43 @@
+"""Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
+
+from .identify import Identification, identify
+from .leastsquares import Solution, levenberg_marquardt
+from .native import Fit, default_objective, fit, fit_batch, scanned_starts
+from .objective import Objective, weighted
+from .optimiser import BatchedOptimiser, Card, Optimiser
+from .problem import Problem
+from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
+from .run import Run, run, run_batch
+from .space import SearchSpace, paper_box, require_conditions
+from .uncertainty import Uncertainty, bootstrap, profile
+
+__all__ = [
+    "BatchedOptimiser",
+    "BudgetSpent",
+    "Card",
+    "Fit",
+    "Identification",
+    "Objective",
+    "Optimiser",
+    "Problem",
+    "Recorder",
+    "RecorderGroup",
+    "Run",
+    "SearchSpace",
+    "Solution",
+    "Uncertainty",
+    "all_points",
+    "bootstrap",
+    "default_objective",
+    "fit",
+    "fit_batch",
+    "identify",
+    "levenberg_marquardt",
+    "paper_box",
+    "profile",
+    "require_conditions",
+    "run",
+    "run_batch",
+    "scanned_starts",
+    "weighted",
+]

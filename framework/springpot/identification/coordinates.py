@@ -1,0 +1,158 @@
+"""Search coordinates: every parameter as a ratio to its natural size, so that all directions are alike.
+
+A parameter searched by its logarithm becomes ln(theta / size). A springpot's constant becomes the logarithm of its
+stiffness at the reference frequency, c omega^alpha, which unlike c itself is all but independent of alpha.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Parameter, Real
+
+WIDEST = 12.0 * float(np.log(10.0))
+"""A parameter twelve decades from its natural size leaves no trace in the data."""
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """The map between a model's parameters and the coordinates of the native solver.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        The model's parameters.
+    size : ndarray, shape (B, p)
+        Natural size for each data set, without the power of time of a fractional order.
+    log : ndarray of bool, shape (p,)
+        Which are searched by their logarithm.
+    pairs : tuple of (int, int)
+        Positions of each constant whose unit holds a fractional order, and of that order.
+    log_omega : float
+        Logarithm of the reference frequency.
+    amplitude : float
+        Typical amplitude.
+    """
+
+    parameters: tuple[Parameter, ...]
+    size: Real
+    log: NDArray[np.bool_]
+    pairs: tuple[tuple[int, int], ...]
+    log_omega: float
+    amplitude: float = 1.0
+
+    @classmethod
+    def of(
+        cls, parameters: Sequence[Parameter], log_omega: float, stiffness: Real, amplitude: float = 1.0
+    ) -> Coordinates:
+        """Coordinates for data of these sizes.
+
+        Parameters
+        ----------
+        parameters : sequence of Parameter
+            The model's parameters, length p.
+        log_omega : float
+            Mean logarithm of the angular frequencies.
+        stiffness : ndarray, shape (B,)
+            Typical |K| of each data set.
+        amplitude : float
+            Typical amplitude.
+        """
+        layout = _layout(tuple(parameters))
+        return cls(
+            tuple(parameters),
+            layout.sizes(log_omega, stiffness, amplitude),
+            layout.log,
+            layout.pairs,
+            log_omega,
+            amplitude,
+        )
+
+    def at_unit_stiffness(self) -> Coordinates:
+        """The same for data whose typical |K| is 1, shape (1, p)."""
+        size = _layout(self.parameters).sizes(self.log_omega, np.ones(1), self.amplitude)
+        return replace(self, size=size)
+
+    def rows(self, which: NDArray[np.intp]) -> Coordinates:
+        """Those of some of the data sets."""
+        return replace(self, size=self.size[which])
+
+    def theta(self, u: Real, size: Real) -> Real:
+        """Parameters (..., p) at `u` (..., p), the sizes being `size` (..., p)."""
+        with np.errstate(over="ignore"):
+            theta: Real = np.where(self.log, np.exp(u), u) * size
+            for constant, order in self.pairs:
+                theta[..., constant] *= np.exp(-self.log_omega * theta[..., order])
+        return theta
+
+    def u(self, theta: Real, size: Real) -> Real:
+        """Search coordinates (..., p) of the parameters `theta` (..., p)."""
+        ratio = theta / size
+        for constant, order in self.pairs:
+            ratio[..., constant] *= np.exp(self.log_omega * theta[..., order])
+        tiny = np.exp(-2.0 * WIDEST)
+        return np.where(self.log, np.log(np.where(self.log, np.maximum(ratio, tiny), 1.0)), ratio)
+
+    def carry(self, by_theta: Real, theta: Real, size: Real) -> Real:
+        """Turn derivatives by theta (..., p, m) into those by u, in place."""
+        for constant, order in self.pairs:
+            drift = -self.log_omega * theta[..., constant, None]
+            by_theta[..., order, :] += drift * by_theta[..., constant, :]
+        by_theta *= np.where(self.log, theta, size)[..., None]
+        return by_theta
+
+    def slopes(self, theta: Real, size: Real) -> Real:
+        """Derivative of theta by u at one point, shape (p, p)."""
+        return self.carry(np.eye(len(theta)), theta, size).T
+
+    def bounds(self) -> tuple[Real, Real]:
+        """Lower and upper u for each data set, shape (B, p); half-open ones are twelve decades wide."""
+        lower = np.array([p.lower for p in self.parameters]) / self.size
+        upper = np.array([p.upper for p in self.parameters]) / self.size
+        with np.errstate(divide="ignore", invalid="ignore"):
+            low = np.where(self.log, np.maximum(np.log(np.maximum(lower, 0.0)), -WIDEST), lower)
+            high = np.where(self.log, np.minimum(np.log(np.maximum(upper, 0.0)), WIDEST), upper)
+        return low, high
+
+
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """What a model's parameters say about its coordinates, whatever the data."""
+
+    base: Real
+    powers: Real
+    log: NDArray[np.bool_]
+    pairs: tuple[tuple[int, int], ...]
+
+    def sizes(self, log_omega: float, stiffness: Real, amplitude: float) -> Real:
+        """Natural sizes (B, p) of the parameters of data with these |K| (B,)."""
+        ends = np.array([-log_omega, np.log(amplitude)])
+        sizes: Real = np.exp(np.log(stiffness)[:, None] * self.powers[0] + ends @ self.powers[1:]) * self.base
+        return sizes
+
+
+@lru_cache(maxsize=256)
+def _layout(parameters: tuple[Parameter, ...]) -> _Layout:
+    names = {parameter.name: i for i, parameter in enumerate(parameters)}
+    pairs = tuple((i, names[p.unit.time]) for i, p in enumerate(parameters) if p.unit.time in names)
+    sized = [_size(p) for p in parameters]
+    return _Layout(
+        np.array([size[0] for size in sized]),
+        np.array([size[1:] for size in sized]).T,
+        np.array([p.scale == "log" for p in parameters]),
+        pairs,
+    )
+
+
+def _size(parameter: Parameter) -> tuple[float, float, float, float]:
+    """Natural size as a factor and powers of |K|, time and amplitude."""
+    if parameter.scale == "linear" and np.isfinite(parameter.upper - parameter.lower):
+        return parameter.upper - parameter.lower, 0.0, 0.0, 0.0
+    unit = parameter.unit
+    time = 0.0 if isinstance(unit.time, str) else float(unit.time)
+    return parameter.typical, float(unit.stiffness), time, float(unit.amplitude)

@@ -1,0 +1,272 @@
+"""Levenberg-Marquardt for many small least-squares problems side by side.
+
+Every row is a problem of its own with its own damping; rows leave the batch as they converge. There is no loop over
+rows, so that one call costs about as much for one start as for twenty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+Rows: TypeAlias = NDArray[np.intp]
+Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
+
+START_DAMPING = 1e-2
+LEAST_DAMPING = 1e-13
+SHRINK = 0.05
+"""Strongest reduction of the damping after a step that did as foretold."""
+FLAT = 1e-13
+"""A predicted drop of this fraction of the objective moves no parameter by a millionth of its deviation."""
+STILL = 1e-12
+"""A step of this size in search coordinates (ratios) changes nothing that is printed."""
+REACH = 3.0
+"""Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm."""
+
+
+TRIED = ("u", "cost", "gradient", "jtj", "residual")
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where the rows ended.
+
+    Attributes
+    ----------
+    u : ndarray, shape (R, p)
+        Search coordinates.
+    cost : ndarray, shape (R,)
+        Sum of squared residuals.
+    jtj : ndarray, shape (R, p, p)
+        Jacobian times its transpose at `u`.
+    residual : ndarray, shape (R, m)
+        Residuals at `u`.
+    converged : ndarray of bool, shape (R,)
+        Whether the row stopped by itself; false where its team no longer needed it or the iterations ran out.
+    evaluations : int
+        Rows evaluated in all, each with its derivative.
+    """
+
+    u: Real
+    cost: Real
+    jtj: Real
+    residual: Real
+    converged: NDArray[np.bool_]
+    evaluations: int
+
+
+@dataclass
+class _State:
+    """The rows still at work."""
+
+    rows: Rows
+    u: Real
+    cost: Real
+    gradient: Real
+    jtj: Real
+    residual: Real
+    damping: Real
+    growth: Real
+
+    def put(self, better: NDArray[np.bool_], other: tuple[Real, Real, Real, Real, Real]) -> None:
+        """Take over the trial wherever it was better."""
+        worse = np.flatnonzero(~better)
+        for name, new in zip(TRIED, other, strict=True):
+            if len(worse):
+                new[worse] = getattr(self, name)[worse]
+            setattr(self, name, new)
+
+    def keep(self, which: NDArray[np.bool_]) -> None:
+        """Drop the other rows."""
+        for name, value in vars(self).items():
+            setattr(self, name, value[which])
+
+
+def levenberg_marquardt(
+    evaluate: Evaluate,
+    u0: Real,
+    lower: Real,
+    upper: Real,
+    *,
+    floor: Real | float = 0.0,
+    team: Rows | None = None,
+    confirm: int = 3,
+    iterations: int = 100,
+    damping: float = START_DAMPING,
+    flat: float = FLAT,
+) -> Solution:
+    """Minimise the sum of squared residuals of every row, within its box.
+
+    Parameters
+    ----------
+    evaluate : callable
+        From search points (r, p) and their row numbers (r,) to residuals (r, m) and their derivative (r, p, m).
+    u0 : ndarray, shape (R, p)
+        Starts.
+    lower, upper : ndarray, shape (R, p) or (p,)
+        The box; infinite where there is none.
+    floor : ndarray, shape (R,), or float
+        Objective at which nothing but rounding is left.
+    team : ndarray of int, shape (R,), optional
+        Rows that are starts of one problem: they stop together once one reaches its floor, or once `confirm` of
+        them have converged to the best objective seen.
+    confirm : int
+        How many rows of a team must agree.
+    iterations : int
+        Steps at most.
+    damping : float
+        Of the first step.
+    flat : float
+        A row has converged once the drop foretold is this fraction of its objective.
+
+    Returns
+    -------
+    Solution
+        One row for each start.
+
+    Notes
+    -----
+    Steps are damped in proportion to the diagonal of J J' (D. W. Marquardt, 1963, doi:10.1137/0111030); the damping
+    grows as in H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05. A variable at a bound towards
+    which the objective falls is frozen for the step.
+    """
+    count = len(u0)
+    if lower.shape != u0.shape or upper.shape != u0.shape:
+        lower, upper = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
+    floors = np.broadcast_to(np.asarray(floor, dtype=float), (count,))
+    with np.errstate(all="ignore"):
+        state = _first(evaluate, np.clip(u0, lower, upper), damping)
+        ended = _State(**{name: value.copy() for name, value in vars(state).items()})
+        converged = np.zeros(count, dtype=bool)
+        evaluations = count
+        finished = state.cost <= floors
+        for _ in range(iterations):
+            if finished.any():
+                converged[state.rows[finished]] = True
+                _retire(state, ended, finished, team, converged, floors, confirm)
+            if not len(state.rows):
+                break
+            low, high = (lower, upper) if len(state.rows) == count else (lower[state.rows], upper[state.rows])
+            evaluations += len(state.rows)
+            finished = _advance(evaluate, state, low, high, floors[state.rows], flat)
+        if len(state.rows):
+            converged[state.rows[finished]] = True
+            _store(state, ended)
+    return Solution(ended.u, ended.cost, ended.jtj, ended.residual, converged, evaluations)
+
+
+def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
+    rows = np.arange(len(u))
+    residual, jacobian = evaluate(u, rows)
+    cost, gradient, jtj = _normal(residual, jacobian)
+    cost = np.where(np.isfinite(cost), cost, np.inf)
+    return _State(rows, u, cost, gradient, jtj, residual, np.full(len(u), damping), np.full(len(u), 2.0))
+
+
+def _normal(residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
+    """Objective, half its gradient, and J J'."""
+    cost: Real = np.matmul(residual[:, None, :], residual[:, :, None])[:, 0, 0]
+    gradient: Real = np.matmul(jacobian, residual[:, :, None])[:, :, 0]
+    return cost, gradient, np.matmul(jacobian, jacobian.transpose(0, 2, 1))
+
+
+def _advance(
+    evaluate: Evaluate, state: _State, lower: Real, upper: Real, floor: Real, flat: float
+) -> NDArray[np.bool_]:
+    """One damped step of every row; says which rows are finished."""
+    trial = np.minimum(np.maximum(state.u + _step(state, lower, upper), lower), upper)
+    step = trial - state.u
+    bent = np.matmul(state.jtj, step[:, :, None])[:, :, 0]
+    predicted = -(step * (2.0 * state.gradient + bent)).sum(axis=1)
+    residual, jacobian = evaluate(trial, state.rows)
+    cost, gradient, jtj = _normal(residual, jacobian)
+    gain = state.cost - cost
+    better = gain > 0.0
+    still = np.abs(step).max(axis=1, initial=0.0) <= STILL
+    level = np.abs(predicted) <= flat * state.cost
+    _damp(state, better, gain / predicted)
+    state.put(better, (trial, cost, gradient, jtj, residual))
+    finished: NDArray[np.bool_] = still | level | (state.cost <= floor)
+    return finished
+
+
+def _step(state: _State, lower: Real, upper: Real) -> Real:
+    """The damped Gauss-Newton step, no longer than `REACH`, frozen at bounds."""
+    if state.u.shape[1] == 0:
+        return np.zeros_like(state.u)
+    downhill = -state.gradient
+    frozen = ((state.u <= lower) & (downhill < 0.0)) | ((state.u >= upper) & (downhill > 0.0))
+    matrix = state.jtj.copy()
+    p = matrix.shape[-1]
+    diagonal = matrix.reshape(-1, p * p)[:, :: p + 1]
+    stiffest = diagonal.max(axis=1, keepdims=True)
+    diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + 1e-300
+    if frozen.any():
+        matrix[frozen] = 0.0
+        matrix.transpose(0, 2, 1)[frozen] = 0.0
+        diagonal[frozen] = 1.0
+        downhill = np.where(frozen, 0.0, downhill)
+    step = _solved(matrix, downhill)
+    longest = np.abs(step).max(axis=1, keepdims=True, initial=1e-300)
+    shortened: Real = step * np.minimum(1.0, REACH / longest)
+    return shortened
+
+
+def _solved(matrix: Real, right: Real) -> Real:
+    """Solutions of the damped normal equations; zero where they are not finite."""
+    try:
+        step: Real = np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=float)
+    except np.linalg.LinAlgError:
+        scale = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
+        shifted = matrix + 1e-14 * scale * np.eye(matrix.shape[-1])
+        step = np.asarray(np.linalg.solve(shifted, right[:, :, None])[:, :, 0], dtype=float)
+    return np.where(np.isfinite(step), step, 0.0)
+
+
+def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
+    """Less damping the better the quadratic model foretold the drop, ever more after failures."""
+    miss = 2.0 * ratio - 1.0
+    trust = np.maximum(1.0 - miss * miss * miss, SHRINK)
+    damping = state.damping * np.where(better, trust, state.growth)
+    state.damping = np.maximum(damping, LEAST_DAMPING)
+    state.growth = np.where(better, 2.0, 2.0 * state.growth)
+
+
+def _retire(
+    state: _State,
+    ended: _State,
+    finished: NDArray[np.bool_],
+    team: Rows | None,
+    converged: NDArray[np.bool_],
+    floors: Real,
+    confirm: int,
+) -> None:
+    """Store the rows and let go those that are finished, with the team-mates that are no longer needed."""
+    _store(state, ended)
+    done = finished
+    if team is not None:
+        done = done | _settled(team, converged, ended.cost, floors, confirm)[team[state.rows]]
+    state.keep(~done)
+
+
+def _store(state: _State, ended: _State) -> None:
+    for name in ("u", "cost", "jtj", "residual"):
+        getattr(ended, name)[state.rows] = getattr(state, name)
+
+
+def _settled(team: Rows, converged: NDArray[np.bool_], cost: Real, floors: Real, confirm: int) -> NDArray[np.bool_]:
+    """Teams of which one row has reached its floor or enough rows agree on the best objective."""
+    teams = int(team.max()) + 1
+    best = np.full(teams, np.inf)
+    np.minimum.at(best, team, cost)
+    agree = converged & (cost <= best[team] * (1.0 + 1e-9))
+    votes = np.bincount(team, weights=agree, minlength=teams)
+    reached = np.bincount(team, weights=converged & (cost <= floors), minlength=teams)
+    settled: NDArray[np.bool_] = (votes >= confirm) | (reached > 0)
+    return settled

@@ -1,0 +1,345 @@
+"""The native solver: Levenberg-Marquardt from starts read off the data, all of them in one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.measurement import Measurement
+from springpot.rheology import Complex, Model, Points, Real
+
+from .leastsquares import Rows, Solution
+from .objective import Objective
+from .problem import Problem
+from .space import require_conditions
+from .starts import shape_count
+from .task import Task
+
+COARSE_POINTS = 500
+"""Larger data sets are first fitted at this many of their points."""
+LAST = 20
+"""Steps with all points of a large data set; most of the way was gone with a few of them."""
+QUICK = 10
+"""Steps in all parameters before the shapes are searched."""
+AGREE = 3
+"""Starts that must end in the same optimum for it to be believed."""
+JITTERS = 32
+POLISHED = 3
+"""Shapes that go on to the search in all parameters."""
+
+
+def relative_objective() -> Objective:
+    """The differences of K' and K'' over |K|: the objective where none is asked for."""
+    return Objective("relative", "the differences of K' and K'' over |K_m|", _over_magnitude)
+
+
+def _over_magnitude(measurement: Measurement) -> Complex:
+    size = measurement.magnitude
+    return np.asarray((1.0 + 1.0j) / np.maximum(size, 1e-9 * size.max()), dtype=np.complex128)
+
+
+def _over_sd(measurement: Measurement) -> Complex:
+    sd = measurement.sd
+    assert sd is not None
+    return np.asarray(1.0 / sd.real + 1.0j / sd.imag, dtype=np.complex128)
+
+
+def default_objective(measurement: Measurement) -> Objective:
+    """Weighted by the given standard deviations, or relative where none are given."""
+    if measurement.sd is None:
+        return relative_objective()
+    return Objective("weighted", "the differences over their given standard deviations", _over_sd)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model fitted to a measurement.
+
+    Attributes
+    ----------
+    model, measurement, objective
+        What was fitted to what, and how the misfit was measured.
+    theta : ndarray, shape (p,)
+        The parameters.
+    cost : float
+        The objective there: the sum of squared residuals.
+    evaluations : int
+        Model evaluations spent, those of the start scan included.
+    converged : bool
+        Whether the best start came to rest.
+    seconds : float
+        Time taken.
+    confirmed : bool
+        Whether nothing but rounding is left, or at least two starts ended there.
+    """
+
+    model: Model
+    measurement: Measurement
+    objective: Objective
+    theta: Real
+    cost: float
+    evaluations: int = 0
+    converged: bool = True
+    seconds: float = 0.0
+    confirmed: bool = True
+
+    @cached_property
+    def task(self) -> Task:
+        """The data as a batch of one."""
+        return _task(self.model, self.measurement, self.objective)
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom: twice the number of points less the number of parameters."""
+        return 2 * len(self.measurement) - len(self.theta)
+
+    @cached_property
+    def residual(self) -> Real:
+        """Weighted residuals (2n,): those of the real part, then those of the imaginary part."""
+        return _in_parts(self._at_solution[0])
+
+    @cached_property
+    def jacobian_u(self) -> Real:
+        """Derivative of the residuals by the search coordinates, shape (2n, p)."""
+        return _in_parts(self._at_solution[1]).T
+
+    @cached_property
+    def _at_solution(self) -> tuple[Real, Real]:
+        evaluate = self.task.evaluator(np.zeros(1, dtype=np.intp))
+        with np.errstate(all="ignore"):
+            residual, jacobian = evaluate(self.u[None, :], np.zeros(1, dtype=np.intp))
+        return residual[0], jacobian[0]
+
+    @cached_property
+    def u(self) -> Real:
+        """The solution in search coordinates, shape (p,)."""
+        return self.to_u(self.theta)
+
+    def to_u(self, theta: Real) -> Real:
+        """Search coordinates (..., p) of parameters (..., p)."""
+        return self.task.coordinates.u(theta, self.task.coordinates.size[0])
+
+    def from_u(self, u: Real) -> Real:
+        """Parameters (..., p) of search coordinates (..., p)."""
+        return self.task.coordinates.theta(u, self.task.coordinates.size[0])
+
+
+def _in_parts(interleaved_values: Real) -> Real:
+    """Real parts, then imaginary parts, along the last axis."""
+    return np.concatenate([interleaved_values[..., ::2], interleaved_values[..., 1::2]], axis=-1)
+
+
+def _task(model: Model, measurement: Measurement, objective: Objective) -> Task:
+    weights = objective.weights(measurement)
+    return Task(model, measurement.points, measurement.stiffness[None], weights[None], objective.logarithmic)
+
+
+def fit(
+    model: Model,
+    measurement: Measurement,
+    objective: Objective | None = None,
+    *,
+    starts: int = 8,
+    seeds_theta: Sequence[Real] = (),
+    rng: np.random.Generator | None = None,
+) -> Fit:
+    """Fit a model to a measurement.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    measurement : Measurement
+        To what.
+    objective : Objective, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+    starts : int
+        Starts read off the data.
+    seeds_theta : sequence of ndarray, shape (p,)
+        Further starts, such as the fit of a simpler model with a small effect added; they come first.
+    rng : numpy.random.Generator, optional
+        Moves the scanned shapes; without it they are always the same.
+
+    Returns
+    -------
+    Fit
+        The best of all starts.
+
+    Raises
+    ------
+    ModelError
+        If the data lack a column that the model needs.
+    DataError
+        If there are more unknowns than data.
+    """
+    began = perf_counter()
+    require_conditions(model, measurement)
+    require_enough(model, measurement)
+    objective = default_objective(measurement) if objective is None else objective
+    task = _task(model, measurement, objective)
+    offset = 0.0 if rng is None else _offset(rng)
+    size = task.coordinates.size[0]
+    seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
+    coarse = task.thin(COARSE_POINTS)
+    solution, evaluations = _search(coarse, seeds, starts, offset)
+    if coarse is not task:
+        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
+        evaluations += solution.evaluations
+    best = int(np.argmin(solution.cost))
+    theta = _within(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
+    return Fit(
+        model,
+        measurement,
+        objective,
+        theta,
+        float(solution.cost[best]),
+        evaluations,
+        bool(solution.converged[best]),
+        perf_counter() - began,
+        _settled(solution, task.floor[0], 2, 1e-6),
+    )
+
+
+def _search(task: Task, seeds: Real, starts: int, offset: float) -> tuple[Solution, int]:
+    """Solutions for one data set from `seeds` (s, p) and from starts read off the data, and the evaluations spent.
+
+    Most fits are settled by a few steps in all parameters. Where they are not, a narrow curved valley holds them up:
+    then the shapes are searched, with the gains projected out.
+    """
+    u, evaluations = seeds, 0
+    if starts:
+        shapes, placed = task.starts(starts, offset)
+        u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
+    quick = task.solve(u[None], iterations=QUICK, damping=1e-4)
+    evaluations += quick.evaluations
+    if _settled(quick, task.floor[0], AGREE, 1e-9):
+        return quick, evaluations
+    best = quick.u[np.argsort(quick.cost)[:1]]
+    v = task.shaped(np.concatenate([best, seeds]))
+    valley = task.solve_shapes((np.concatenate([v, shapes[0]]) if starts else v)[None])
+    keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
+    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6)
+    return last, evaluations + valley.evaluations + last.evaluations
+
+
+def _offset(rng: np.random.Generator) -> float:
+    """How far the scanned shapes are moved; one of a few, so that their scan on a grid need not be repeated."""
+    return float(rng.integers(JITTERS)) / JITTERS
+
+
+def _settled(solution: Solution, floor: float, votes: int, slack: float) -> bool:
+    """Whether a start has reached the floor, or enough of them have come to rest at the best objective."""
+    least = solution.cost.min()
+    agree = solution.converged & (solution.cost <= least * (1.0 + slack))
+    return bool(least <= floor or np.count_nonzero(agree) >= votes)
+
+
+def scanned_starts(problem: Problem, rng: np.random.Generator) -> Real:
+    """Search points (Q, d) of a scan of the model's shapes, each with its best gains, best first."""
+    task = _task(problem.model, problem.measurement, problem.objective)
+    u = task.starts(shape_count(task.branches), _offset(rng))[1]
+    with np.errstate(all="ignore"):
+        theta = task.coordinates.theta(u[0], task.coordinates.size[0])
+        points: Real = problem.space.from_theta(_within(problem.model, theta))
+    return points
+
+
+def require_enough(model: Model, measurement: Measurement) -> None:
+    """Check that there are no more unknowns than data.
+
+    Raises
+    ------
+    DataError
+        If there are.
+    """
+    unknowns, data = len(model.parameters), 2 * len(measurement)
+    if unknowns > data:
+        raise DataError(
+            f"{measurement.name}: {model.name} has {unknowns} parameters but the {len(measurement)} measured points "
+            f"give only {data} numbers; choose a simpler model or measure at more frequencies"
+        )
+
+
+def _within(model: Model, theta: Real) -> Real:
+    lower = np.array([p.lower for p in model.parameters])
+    upper = np.array([p.upper for p in model.parameters])
+    return np.clip(theta, lower, upper)
+
+
+def fit_batch(
+    model: Model,
+    points: Points,
+    stiffness: Complex,
+    weights: Complex,
+    starts: int = 8,
+    seeds_theta: Real | None = None,
+    logarithmic: bool = False,
+) -> tuple[Real, Real]:
+    """Fit one model to many data sets on one grid.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    points : Points
+        The n points.
+    stiffness, weights : ndarray of complex, shape (B, n)
+        Data, and weights of their real and imaginary parts.
+    starts : int
+        Starts for a data set at most. The best one goes first; only data sets that are not yet at the noise-free
+        level or whose optimum no second start has confirmed get more.
+    seeds_theta : ndarray, shape (B, s, p), optional
+        Given starts, taken before those read off the data.
+    logarithmic : bool
+        Compare ln K rather than K.
+
+    Returns
+    -------
+    theta : ndarray, shape (B, p)
+        The parameters.
+    cost : ndarray, shape (B,)
+        The sum of squared residuals.
+    """
+    task = Task(model, points, stiffness, np.broadcast_to(weights, stiffness.shape), logarithmic)
+    v = task.starts(starts)[0]
+    if seeds_theta is not None:
+        given = task.coordinates.u(np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :])
+        v = np.concatenate([task.shaped(given), v], axis=1)
+    best, cost = v[:, 0].copy(), np.full(len(v), np.inf)
+    _rounds(task, v, best, cost)
+    solution = task.solve(task.full(best[:, None, :]), damping=1e-6)
+    return _within(model, task.coordinates.theta(solution.u, task.coordinates.size)), solution.cost
+
+
+def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
+    """Search shapes from ever more of the starts (B, s, d); `best` and `cost` take the results."""
+    rows, first, width, iterations = np.arange(len(v)), 0, 1, 15
+    while len(rows) and first < v.shape[1]:
+        part = task if len(rows) == len(v) else task.rows(rows)
+        trials = v[rows, first : first + width]
+        if first:
+            trials = np.concatenate([best[rows, None], trials], axis=1)
+        solution = part.solve_shapes(trials, iterations)
+        agreed = _take_best(solution, best, cost, rows)
+        rows = rows[~(agreed | (cost[rows] <= part.shape_floor))]
+        first, width, iterations = first + width, width + (first > 0), 2 * iterations
+
+
+def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArray[np.bool_]:
+    """Enter improvements; says which data sets have now come to rest at their best objective from two starts."""
+    starts = len(solution.cost) // len(rows)
+    found, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
+    which = np.argmin(found, axis=1)
+    least = found[np.arange(len(rows)), which]
+    agree = solution.converged.reshape(found.shape) & (found <= least[:, None] * (1.0 + 1e-6))
+    better = least < cost[rows]
+    best[rows[better]] = at[better, which[better]]
+    cost[rows[better]] = least[better]
+    agreed: NDArray[np.bool_] = np.sum(agree, axis=1) >= 2
+    return agreed

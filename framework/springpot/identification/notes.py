@@ -1,0 +1,119 @@
+"""Plain sentences about a fit that its numbers alone do not say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from springpot.rheology import Parameter, Real
+
+from .native import Fit
+from .uncertainty import Uncertainty
+
+WEAK = 1.0
+CORRELATED = 0.98
+LOST = 1000.0
+LOOSE = 2.0
+PAIRS = 3
+
+
+def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
+    """What a user should know about a fit.
+
+    Parameters
+    ----------
+    known : Uncertainty
+        The fit and what the Jacobian says about it.
+    low, high : ndarray, shape (p,)
+        Ends of the parameters' intervals.
+
+    Returns
+    -------
+    list of str
+        Plain sentences, the gravest first.
+    """
+    return [
+        *_undetermined(known.fit),
+        *_bounds(known),
+        *_orders(known, low, high),
+        *_weak(known, low, high),
+        *_correlated(known),
+        *_too_narrow(known),
+    ]
+
+
+def _undetermined(fit: Fit) -> Iterator[str]:
+    if fit.dof == 0:
+        yield "there are as many parameters as measured numbers: nothing is left to judge the fit by"
+
+
+def _is_order(fit: Fit, parameter: Parameter) -> bool:
+    return (parameter.lower, parameter.upper) == (0.0, 1.0) and any(
+        other.unit.time == parameter.name for other in fit.model.parameters
+    )
+
+
+def _bounds(known: Uncertainty) -> Iterator[str]:
+    for parameter, side in zip(known.fit.model.parameters, known.at_bound.tolist(), strict=True):
+        name = parameter.name
+        if side == 0 or _is_order(known.fit, parameter):
+            continue
+        if side < 0 and parameter.lower == 0.0:
+            yield f"{name} is zero as far as these data show: a model without it fits as well"
+        elif side > 0 and np.isinf(parameter.upper):
+            yield f"{name} has grown without limit: its element is rigid as far as these data show"
+        else:
+            bound = parameter.lower if side < 0 else parameter.upper
+            yield f"{name} rests on its bound {bound:g}: the data ask for more than the model allows"
+
+
+def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
+    element = {0: "spring", 1: "dashpot"}
+    for i, parameter in enumerate(known.fit.model.parameters):
+        if not _is_order(known.fit, parameter):
+            continue
+        for bound, end in ((0, low[i]), (1, high[i])):
+            near = abs(known.fit.theta[i] - bound)
+            if near < 1e-6:
+                yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
+            elif near < 0.1 and abs(end - bound) < 1e-12:
+                yield f"{parameter.name} cannot be told from {bound}: a {element[bound]} for the springpot fits too"
+
+
+def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
+    for i, name in enumerate(known.fit.model.names):
+        if known.at_bound[i]:
+            continue
+        width = high[i] - low[i]
+        size = abs(known.fit.theta[i])
+        if np.isinf(known.covariance[i, i]) or not width < LOST * size:
+            yield f"{name} is not determined by these data: other values fit as well"
+        elif width > WEAK * size:
+            yield f"{name} is weakly identified: its interval is {100 * width / max(size, 1e-300):.0f} % of its value"
+
+
+def _correlated(known: Uncertainty) -> list[str]:
+    """The few most strongly correlated pairs."""
+    names = known.fit.model.names
+    correlation = np.nan_to_num(known.correlation)
+    rows, columns = np.tril_indices(len(names), -1)
+    order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:PAIRS].tolist()
+    pairs = [(int(rows[k]), int(columns[k])) for k in order]
+    return [
+        f"{names[j]} and {names[i]} are strongly correlated ({correlation[i, j]:+.3f}): the data fix a combination "
+        "of them better than either"
+        for i, j in pairs
+        if abs(correlation[i, j]) > CORRELATED
+    ]
+
+
+def _too_narrow(known: Uncertainty) -> Iterator[str]:
+    fit = known.fit
+    if known.absolute and fit.dof > 0:
+        ratio = float(np.sqrt(fit.cost / fit.dof))
+        if ratio > LOOSE:
+            yield (
+                f"the misfit is {ratio:.1f} times the given standard deviations: the model lacks something or they "
+                "are too small, and the intervals are too narrow"
+            )

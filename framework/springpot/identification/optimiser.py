@@ -1,0 +1,96 @@
+"""What an optimiser is: a frozen dataclass of options with a capability card and one method."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from springpot.errors import OptionError
+
+from .recorder import Recorder, RecorderGroup
+
+
+@dataclass(frozen=True)
+class Card:
+    """What an optimiser needs and can do.
+
+    Parameters
+    ----------
+    summary : str
+        One sentence on the method.
+    citation : str
+        Its source.
+    globally : bool
+        Searches the whole box rather than descending from one point.
+    gradient : bool
+        Uses exact derivatives.
+    batched : bool
+        Carries several repetitions side by side: a `BatchedOptimiser`.
+    stochastic : bool
+        Depends on the generator.
+    """
+
+    summary: str
+    citation: str = ""
+    globally: bool = True
+    gradient: bool = False
+    batched: bool = False
+    stochastic: bool = True
+
+
+class Optimiser(ABC):
+    """Base of all optimisers; a plugin is a frozen dataclass of this with its options as fields."""
+
+    name: ClassVar[str]
+    card: ClassVar[Card]
+
+    @abstractmethod
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search until done or until the recorder ends the run.
+
+        Parameters
+        ----------
+        problem : Recorder
+            Call it for values; it counts, keeps the best point and raises when the budget is spent.
+        budget : int
+            Evaluations that will be counted before that.
+        rng : numpy.random.Generator
+            The only source of randomness.
+        """
+
+    def _require(self, option: str, holds: bool, rule: str) -> None:
+        """Check an option in ``__post_init__``.
+
+        Raises
+        ------
+        OptionError
+            If the rule does not hold.
+        """
+        if not holds:
+            raise OptionError(f"{self.name}: option {option} is {getattr(self, option)!r} but must be {rule}")
+
+
+class BatchedOptimiser(Optimiser):
+    """An optimiser that carries several runs side by side; a single run is a batch of one."""
+
+    @abstractmethod
+    def minimise_batch(self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]) -> None:
+        """Search as `minimise` does for each run, with bit-identical results.
+
+        Parameters
+        ----------
+        problems : RecorderGroup
+            Values of all runs in one call.
+        budget : int
+            Evaluations of each run.
+        rngs : sequence of numpy.random.Generator
+            The only source of randomness of each run.
+        """
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search with a batch of one run."""
+        self.minimise_batch(RecorderGroup([problem]), budget, [rng])

@@ -1,0 +1,109 @@
+"""The optimisation problem: a model, a measurement, an objective and a box to search in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from springpot.measurement import Measurement
+from springpot.rheology import GRADIENT, Complex, Model, Real
+
+from .objective import Objective
+from .space import SearchSpace, paper_box
+
+BLOCK = 7000
+"""Points times frequencies evaluated at once: arrays of about 100 kB stay in the cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Minimise the objective over the box; eq. (44) to (47) of the paper in general form.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    measurement : Measurement
+        To what.
+    objective : Objective
+        How the misfit is measured.
+    space : SearchSpace
+        Where to search.
+    """
+
+    model: Model
+    measurement: Measurement
+    objective: Objective
+    space: SearchSpace
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        measurement: Measurement,
+        objective: Objective,
+        stiffness_scale: float | None = None,
+    ) -> Problem:
+        """The problem in the paper's box."""
+        return cls(model, measurement, objective, paper_box(model, measurement, stiffness_scale))
+
+    @cached_property
+    def weights(self) -> Complex:
+        """The objective's weights for these data."""
+        return self.objective.weights(self.measurement)
+
+    @property
+    def dimension(self) -> int:
+        """Number of searched parameters."""
+        return len(self.space.parameters)
+
+    @property
+    def lower(self) -> Real:
+        """Lower corner of the box."""
+        return self.space.lower
+
+    @property
+    def upper(self) -> Real:
+        """Upper corner of the box."""
+        return self.space.upper
+
+    def residuals(self, x: Real) -> Real:
+        """Weighted residuals (..., 2n) at search points (..., d)."""
+        stiffness = self.model.network.respond(self.space.theta(x), self.measurement.points).value
+        return self.objective.residual(stiffness, self.measurement, self.weights)
+
+    def evaluate(self, x: Real) -> Real:
+        """Objective (...) at search points (..., d): the sum of squared residuals.
+
+        Many points are taken in blocks that fit the processor's cache, whatever the number of measured ones.
+        """
+        theta, n = self.space.theta(x), len(self.measurement)
+        lead, d = theta.shape[:-1], theta.shape[-1]
+        if theta.size // d * n <= BLOCK:
+            return self._value(theta)
+        rows, step = theta.reshape(-1, d), max(1, BLOCK // n)
+        return np.concatenate([self._value(rows[i : i + step]) for i in range(0, len(rows), step)]).reshape(lead)
+
+    def _value(self, theta: Real) -> Real:
+        stiffness = self.model.network.respond(theta, self.measurement.points).value
+        return self.objective.value(stiffness, self.measurement, self.weights)
+
+    def jacobian(self, x: Real) -> Real:
+        """Exact derivative of the residuals, shape (..., 2n, d)."""
+        return self.residuals_and_jacobian(x)[1]
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (..., 2n) and their derivative (..., 2n, d) in one evaluation."""
+        response = self.model.network.respond(self.space.theta(x), self.measurement.points, GRADIENT)
+        residual = self.objective.residual(response.value, self.measurement, self.weights)
+        by_theta = self.objective.derivative(response.by_theta, response.value, self.weights)
+        by_x = np.matmul(np.swapaxes(by_theta, -1, -2), self.space.jacobian(x))
+        return residual, by_x
+
+    def gradient(self, x: Real) -> tuple[Real, Real]:
+        """Objective (...) and its exact gradient (..., d)."""
+        residual, jacobian = self.residuals_and_jacobian(x)
+        slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
+        return np.sum(residual * residual, axis=-1), slope

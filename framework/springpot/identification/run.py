@@ -1,0 +1,166 @@
+"""One supervised run of an optimiser, and what came of it according to the recorder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+from time import perf_counter
+
+import numpy as np
+
+from springpot.errors import OptionError
+from springpot.rheology import Real
+
+from .optimiser import BatchedOptimiser, Optimiser
+from .problem import Problem
+from .recorder import BudgetSpent, Diary, Recorder, RecorderGroup
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What one run found, as the recorder saw it; nothing that a library claims.
+
+    Parameters
+    ----------
+    optimiser : str
+        Its name.
+    status : str
+        ``budget``, ``target``, ``converged`` (ended by itself before either) or ``failed: REASON``.
+    best : float
+        Smallest objective recorded.
+    best_x : ndarray, shape (d,)
+        Where, in search parameters and with the order kinf > k0 restored; NaN if no value was finite.
+    theta : ndarray, shape (p,)
+        The same in element parameters.
+    evaluations, gradients, batched : int
+        Points evaluated, how many of them with a derivative, and how many in calls for several at once.
+    seconds : float
+        Duration of the optimiser's own call; in a batch, an equal share of it.
+    trace : tuple of (int, float)
+        Evaluation number and objective at every improvement.
+    diary : list, optional
+        Every point evaluated, if that was asked for.
+    """
+
+    optimiser: str
+    status: str
+    best: float
+    best_x: Real
+    theta: Real
+    evaluations: int
+    gradients: int
+    seconds: float
+    trace: tuple[tuple[int, float], ...]
+    batched: int = 0
+    diary: Diary | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the run ended by a fault."""
+        return self.status.startswith("failed")
+
+
+def run(
+    optimiser: Optimiser,
+    problem: Problem,
+    budget: int,
+    rng: np.random.Generator,
+    target: float = -inf,
+    diary: bool = False,
+) -> Run:
+    """Let `optimiser` minimise `problem`.
+
+    Parameters
+    ----------
+    optimiser : Optimiser
+        With its options.
+    problem : Problem
+        What is minimised.
+    budget : int
+        Evaluations that are made at most.
+    rng : numpy.random.Generator
+        The only source of randomness.
+    target : float
+        The run ends once the objective is this small.
+    diary : bool
+        Keep every point evaluated.
+
+    Raises
+    ------
+    OptionError
+        If the budget is not positive.
+    """
+    recorder = Recorder(problem, _checked(budget), target, [] if diary else None)
+    seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
+    return _outcome(optimiser.name, recorder, seconds, fault)
+
+
+def run_batch(
+    optimiser: Optimiser,
+    problem: Problem,
+    budget: int,
+    rngs: Sequence[np.random.Generator],
+    target: float = -inf,
+    diary: bool = False,
+) -> list[Run]:
+    """One run for each generator, side by side where the optimiser can; the results are those of `run`."""
+    if not isinstance(optimiser, BatchedOptimiser) or not rngs:
+        return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
+    recorders = [Recorder(problem, _checked(budget), target, [] if diary else None) for _ in rngs]
+    seconds, fault = _supervised(lambda: optimiser.minimise_batch(RecorderGroup(recorders), budget, rngs))
+    share = seconds / len(recorders)
+    return [_outcome(optimiser.name, recorder, share, fault) for recorder in recorders]
+
+
+def _checked(budget: int) -> int:
+    if budget < 1:
+        raise OptionError(f"the budget is {budget} evaluations but must be at least 1")
+    return budget
+
+
+def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
+    """Seconds that `call` took, and the exception that it ended with unless that was the end of the budget."""
+    fault: BaseException | None = None
+    start = perf_counter()
+    try:
+        with np.errstate(all="ignore"):
+            call()
+    except BudgetSpent:
+        pass
+    except (Exception, SystemExit) as error:
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            raise KeyboardInterrupt from error
+        fault = error
+    return perf_counter() - start, fault
+
+
+def _outcome(name: str, recorder: Recorder, seconds: float, fault: BaseException | None) -> Run:
+    space = recorder.problem.space
+    found = recorder.best_x.size > 0
+    x = space.repaired(recorder.best_x) if found else np.full(recorder.dimension, np.nan)
+    return Run(
+        name,
+        _status(recorder, fault),
+        recorder.best,
+        x,
+        space.theta(x),
+        recorder.evaluations,
+        recorder.gradients,
+        seconds,
+        tuple(recorder.trace),
+        recorder.batched,
+        recorder.diary,
+    )
+
+
+def _status(recorder: Recorder, fault: BaseException | None) -> str:
+    # A library may wrap the end of the budget in an exception of its own: only the recorder knows.
+    if fault is not None and recorder.left > 0:
+        lines = f"{type(fault).__name__}: {fault}".splitlines()
+        return f"failed: {lines[0][:200]}"
+    if not recorder.best_x.size:
+        return f"failed: no finite value in {recorder.evaluations} evaluations"
+    if recorder.met:
+        return "target"
+    return "budget" if recorder.spent else "converged"

@@ -1,0 +1,163 @@
+"""Where an optimiser searches: a box, and the exact map from it to a model's parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.measurement import Measurement
+from springpot.rheology import Model, Parameter, Real
+
+TINY = 1e-9
+"""Smallest positive value of a searched parameter, as a fraction of its upper bound."""
+
+HUGE = 1e100
+"""Stands for an infinite limit: its square is still a number."""
+
+
+@dataclass(frozen=True, eq=False)
+class SearchSpace:
+    """A box in the model's search form.
+
+    Parameters
+    ----------
+    model : Model
+        The model whose parameters are sought.
+    parameters : tuple of Parameter
+        What is searched: the model's published search form, then the parameters of its effects.
+    lower, upper : ndarray, shape (d,)
+        The box of bounded optimisers.
+    expected : ndarray, shape (d,)
+        Sizes of the order of the answer (the paper's k-bar, 1 s, 1): where a swarm is born.
+    """
+
+    model: Model
+    parameters: tuple[Parameter, ...]
+    lower: Real
+    upper: Real
+    expected: Real
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the searched parameters."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def lowest(self) -> Real:
+        """Limits (d,) that no point leaves, in the box or out of it: a positive parameter stays positive."""
+        tiny = TINY * np.minimum(self.expected, self.upper)
+        own = zip(self.parameters, tiny, strict=True)
+        return np.array([max(p.lower, -HUGE) if p.lower else least for p, least in own])
+
+    @cached_property
+    def highest(self) -> Real:
+        """Limits (d,) that no point exceeds."""
+        return np.array([min(p.upper, HUGE) for p in self.parameters])
+
+    def _split(self) -> int:
+        return len(self.model.search.parameters) if self.model.search else 0
+
+    def repaired(self, x: Real) -> Real:
+        """`x` with the thermodynamic order kinf > k0 restored (section 4 of the paper)."""
+        form = self.model.search
+        return x if form is None else form.repaired(x)
+
+    def theta(self, x: Real) -> Real:
+        """Element parameters (..., p) of search points (..., d)."""
+        form, q = self.model.search, self._split()
+        x = self.repaired(x)
+        if form is None:
+            return x
+        if q == x.shape[-1]:
+            return form.to_elements(x)
+        return np.concatenate([form.to_elements(x[..., :q]), x[..., q:]], axis=-1)
+
+    def jacobian(self, x: Real) -> Real:
+        """D theta / d x, shape (..., p, d), the repair of the order included."""
+        form, q = self.model.search, self._split()
+        d = len(self.parameters)
+        full = np.zeros((*x.shape[:-1], d, d))
+        full[...] = np.eye(d)
+        if form is None:
+            return full
+        full[..., :q, :q] = form.jacobian(self.repaired(x)[..., :q])
+        if form.ordered is not None:
+            low, high = form.ordered
+            violated = (x[..., high] <= x[..., low])[..., None]
+            # There kinf = 1.01 k0 is no variable of its own: what it does, k0 does.
+            full[..., low] += np.where(violated, form.margin * full[..., high], 0.0)
+            full[..., high] = np.where(violated, 0.0, full[..., high])
+        return full
+
+    def from_theta(self, theta: Real) -> Real:
+        """Search point (..., d) of element parameters (..., p)."""
+        form, q = self.model.search, self._split()
+        if form is None:
+            return theta
+        return np.concatenate([form.from_elements(theta[..., :q]), theta[..., q:]], axis=-1)
+
+
+def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | None = None) -> SearchSpace:
+    """The paper's box: times in (0, 1) s or the slowest cycle, orders in (0, 1), stiffnesses in (0, 2 k-bar).
+
+    The paper starts its swarm in (0, k-bar) and does not clamp stiffnesses; k-bar may be the very answer (its
+    own Maxwell-type example has kinf = k-bar), so bounded optimisers get twice that.
+
+    Parameters
+    ----------
+    model : Model
+        The model to be searched.
+    measurement : Measurement
+        Fixes the sizes where the paper gives none.
+    stiffness_scale : float, optional
+        k-bar; by default the measured |K| rounded up to 1, 2 or 5 times a power of ten.
+
+    Raises
+    ------
+    ModelError
+        If the data lack a column that the model needs.
+    """
+    require_conditions(model, measurement)
+    scale = rounded_up(float(np.max(measurement.magnitude))) if stiffness_scale is None else stiffness_scale
+    time = max(1.0, 1.0 / float(measurement.omega.min()))
+    form = model.search
+    names = model.parameters if form is None else form.parameters + model.parameters[len(form.parameters) :]
+    amplitude = measurement.conditions.get("amplitude")
+    reach = 1.0 if amplitude is None else float(np.max(amplitude))
+    expected = np.array([_expected(parameter, scale, time, reach) for parameter in names])
+    room = np.array([2.0 if parameter.unit.stiffness else 1.0 for parameter in names])
+    upper = np.minimum(room * expected, [parameter.upper for parameter in names])
+    lower = np.array([-u if p.lower < 0 else max(p.lower, TINY * u) for p, u in zip(names, upper, strict=True)])
+    return SearchSpace(model, names, lower, upper, expected)
+
+
+def _expected(parameter: Parameter, scale: float, time: float, reach: float) -> float:
+    unit = parameter.unit
+    power = 0.5 if isinstance(unit.time, str) else unit.time
+    size = scale**unit.stiffness * time**power * reach**unit.amplitude
+    bounded = parameter.scale == "linear" and parameter.upper < np.inf
+    return parameter.upper if bounded else float(size * parameter.typical)
+
+
+def rounded_up(value: float) -> float:
+    """`value` rounded up to 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-12)))
+
+
+def require_conditions(model: Model, measurement: Measurement) -> None:
+    """Check that the data have every column the model needs.
+
+    Raises
+    ------
+    ModelError
+        If one is missing.
+    """
+    missing = sorted(model.needs - set(measurement.conditions))
+    if missing:
+        raise ModelError(
+            f"{model.name} needs the column {', '.join(missing)}, which {measurement.name} does not have"
+        )

@@ -1,0 +1,194 @@
+"""Starts read off the data, for any network: a scan of its shapes, the gains of its branches projected out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import GRADIENT, Complex, Model, Node, Points, Real
+
+from .branches import Branches, branches_of, interleaved, non_negative, plane_data
+from .coordinates import Coordinates
+
+SHAPES = (1, 16, 64, 192, 320)
+"""Shapes scanned for 0, 1, 2, 3 and more free parameters of shape."""
+NEIGHBOURS = 4
+BLOCK = 1_000_000
+
+
+def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> Real:
+    """Points (count, dimension) that fill the unit cube evenly: multiples of powers of a generalised golden ratio.
+
+    See M. Roberts, The unreasonable effectiveness of quasirandom sequences (2018). `offset` moves all (modulo 1).
+    """
+    ratio = 2.0
+    for _ in range(40):
+        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1.0))
+    steps = ratio ** -np.arange(1.0, dimension + 1.0)
+    points: Real = (0.5 + np.arange(1, count + 1)[:, None] * steps + offset) % 1.0
+    return points
+
+
+def thinned(log_omega: Real, most: int) -> NDArray[np.intp]:
+    """At most `most` rows (and the two ends) spread evenly over the frequencies, whatever the order of conditions."""
+    n = len(log_omega)
+    if n <= most:
+        return np.arange(n)
+    picks = np.floor(low_discrepancy(most, 1)[:, 0] * n).astype(np.intp)
+    ends = np.array([0, n - 1])
+    return np.sort(np.argsort(log_omega, kind="stable")[np.unique(np.concatenate([picks, ends]))])
+
+
+def shape_count(branches: Branches) -> int:
+    """How many shapes are scanned."""
+    return SHAPES[min(len(branches.free), len(SHAPES) - 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """The scanned shapes of a network.
+
+    Parameters
+    ----------
+    v : ndarray, shape (Q, d)
+        Shape coordinates.
+    responses : ndarray, shape (m, Q, 2n)
+        What each branch adds at unit gain, real and imaginary parts interleaved.
+    compliance : bool
+        Whether compliances add.
+    neighbours : ndarray of int, shape (Q, j)
+        The nearest other shapes of each.
+    """
+
+    v: Real
+    responses: Real
+    compliance: bool
+    neighbours: NDArray[np.intp]
+
+    @classmethod
+    def of(
+        cls, network: Node, branches: Branches, points: Points, coordinates: Coordinates, offset: float = 0.0
+    ) -> Shapes:
+        """Scan the shapes of `network` at `points`."""
+        unit = coordinates.at_unit_stiffness()
+        cube = low_discrepancy(shape_count(branches), len(branches.free), offset)
+        low, high = _spread(unit, points)
+        v = low[branches.free] + cube * (high - low)[branches.free]
+        with np.errstate(all="ignore"):
+            theta = unit.theta(branches.shaped(v, unit.log), unit.size)
+            response = network.respond(theta, points, GRADIENT)
+            shares = branches.shares(theta, response.value, response.by_theta)
+        return cls(v, interleaved(np.swapaxes(shares, 0, 1)), branches.compliance, _nearest(*cube.shape))
+
+    def best(self, stiffness: Complex, weights: Complex, keep: int) -> tuple[Real, Real]:
+        """The best few shapes for every data set.
+
+        Parameters
+        ----------
+        stiffness, weights : ndarray of complex, shape (B, n)
+            Data and the weights of their real and imaginary parts.
+        keep : int
+            Shapes wanted.
+
+        Returns
+        -------
+        v : ndarray, shape (B, s, d)
+            Shape coordinates, best first; s is `keep` or the number of shapes if that is less.
+        gains : ndarray, shape (B, s, m)
+            Gains of the branches at unit stiffness.
+        """
+        keep = min(keep, len(self.v))
+        step = max(1, BLOCK // (len(self.v) * len(self.responses) ** 2))
+        target, weight = plane_data(stiffness, weights, self.compliance)
+        blocks = [slice(i, i + step) for i in range(0, len(stiffness), step)]
+        found = [self._chosen(target[block], weight[block], keep) for block in blocks]
+        v, gains = found[0] if len(found) == 1 else (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return v, gains
+
+    def _chosen(self, target: Real, weight: Real, keep: int) -> tuple[Real, Real]:
+        square = weight * weight
+        total = (square * target * target).sum(axis=1)
+        matrix, right, norm = self._normal(square, square * target)
+        right /= np.sqrt(total)[:, None, None]
+        x = non_negative(matrix, right)[0]
+        bent = np.matmul(matrix, x[..., None])[..., 0]
+        misfit = 1.0 + (x * (bent - 2.0 * right)).sum(axis=-1)
+        chosen = _ranked(np.where(np.isfinite(misfit), misfit, np.inf), self.neighbours, keep)
+        gains = np.take_along_axis(x / norm, chosen[:, :, None], axis=1) * np.sqrt(total)[:, None, None]
+        return self.v[chosen], gains
+
+    def _normal(self, square: Real, moment: Real) -> tuple[Real, Real, Real]:
+        """Gram matrices (B, Q, m, m) with unit diagonal, right sides and the norms (B, Q, m) divided out."""
+        m = len(self.responses)
+        matrix = np.empty((len(square), len(self.v), m, m))
+        right = np.empty(matrix.shape[:-1])
+        for i, one in enumerate(self.responses):
+            right[..., i] = moment @ one.T
+            for j, other in enumerate(self.responses[: i + 1]):
+                matrix[..., i, j] = matrix[..., j, i] = square @ (one * other).T
+        norm = np.sqrt(np.diagonal(matrix, axis1=-2, axis2=-1) + 1e-300)
+        matrix /= norm[..., :, None] * norm[..., None, :]
+        return matrix, right / norm, norm
+
+
+def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
+    """Range of each search coordinate over which shapes are drawn."""
+    lower, upper = (bound[0] for bound in unit.bounds())
+    reach = 0.5 * float(np.ptp(points.log_omega))
+    times = [0.5 if isinstance(p.unit.time, str) else abs(p.unit.time) for p in unit.parameters]
+    width = np.log(30.0) + reach * np.minimum(times, 1.0)
+    low = np.where(unit.log, np.maximum(lower, -width), np.where(np.isfinite(lower), lower, -1.0))
+    high = np.where(unit.log, np.minimum(upper, width), np.where(np.isfinite(upper), upper, 1.0))
+    edge = np.where(unit.log, 0.0, 0.03 * (high - low))
+    return low + edge, high - edge
+
+
+class Grid:
+    """Points and search coordinates, compared by what they hold, so that data sets on one grid share its scan."""
+
+    def __init__(self, points: Points, coordinates: Coordinates) -> None:
+        self.points = points
+        self.coordinates = coordinates
+        columns = (points.log_omega, points.amplitude, points.temperature)
+        self._key = (
+            *(None if column is None else column.tobytes() for column in columns),
+            points.reference_temperature,
+            coordinates.log_omega,
+            coordinates.amplitude,
+        )
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Grid) and self._key == other._key
+
+
+@lru_cache(maxsize=64)
+def shapes_of(model: Model, grid: Grid, offset: float) -> Shapes:
+    """The scanned shapes of a model on a grid, evaluated once."""
+    return Shapes.of(model.network, branches_of(model), grid.points, grid.coordinates, offset)
+
+
+@lru_cache(maxsize=64)
+def _nearest(count: int, dimension: int) -> NDArray[np.intp]:
+    """The nearest shapes of each, (Q, j), on the torus so that an offset changes nothing."""
+    if count <= NEIGHBOURS or dimension == 0:
+        return np.empty((count, 0), dtype=np.intp)
+    cube = low_discrepancy(count, dimension)
+    gap = np.abs(cube[:, None, :] - cube[None, :, :])
+    distance = np.sum(np.minimum(gap, 1.0 - gap) ** 2, axis=-1)
+    return np.argsort(distance, axis=1)[:, 1 : NEIGHBOURS + 1]
+
+
+def _ranked(misfit: Real, neighbours: NDArray[np.intp], keep: int) -> NDArray[np.intp]:
+    """The best shapes, (B, keep), best first: those better than all their neighbours, then the rest."""
+    key = misfit
+    if keep > 1 and neighbours.shape[1]:
+        key = misfit + np.where(misfit <= misfit[:, neighbours].min(axis=-1), 0.0, 10.0)
+    best = np.argpartition(key, keep - 1, axis=1)[:, :keep] if keep < key.shape[1] else np.argsort(key, axis=1)
+    order = np.argsort(np.take_along_axis(key, best, axis=1), axis=1, kind="stable")
+    return np.take_along_axis(best, order, axis=1)

@@ -1,0 +1,248 @@
+"""Many data sets on one grid, ready to be fitted by one model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from springpot.rheology import GRADIENT, Complex, Model, Points, Real
+
+from .branches import Branches, branches_of, interleaved, plane_data, project
+from .coordinates import Coordinates
+from .leastsquares import Evaluate, Rows, Solution, levenberg_marquardt
+from .starts import Grid, shapes_of, thinned
+
+SCAN_POINTS = 64
+ROUNDING = 1e-28
+"""Objective, relative to that of the data, at which only rounding is left."""
+NEARLY = 1e-20
+"""The same at which the search for shapes hands over."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """Many data sets on one grid, ready to be fitted by one model.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    points : Points
+        The n points.
+    stiffness, weights : ndarray of complex, shape (B, n)
+        Data, and weights of their real and imaginary parts.
+    logarithmic : bool
+        Compare ln K rather than K.
+    given : Coordinates, optional
+        Search coordinates of a task that this one is a part of.
+    """
+
+    model: Model
+    points: Points
+    stiffness: Complex
+    weights: Complex
+    logarithmic: bool = False
+    given: Coordinates | None = None
+
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        """Search coordinates, sized by the mean of ln|K| of each data set."""
+        if self.given is not None:
+            return self.given
+        amplitude = self.points.amplitude
+        return Coordinates.of(
+            self.model.parameters,
+            float(np.mean(self.points.log_omega)),
+            self.scale,
+            1.0 if amplitude is None else float(np.mean(amplitude)),
+        )
+
+    @cached_property
+    def scale(self) -> Real:
+        """Typical |K| of each data set, shape (B,)."""
+        size = np.abs(self.stiffness)
+        scale: Real = np.exp(np.mean(np.log(np.maximum(size, 1e-12 * size.max())), axis=1))
+        return scale
+
+    @cached_property
+    def floor(self) -> Real:
+        """Objective (B,) at which nothing but rounding is left."""
+        if self.logarithmic:
+            return np.asarray(ROUNDING * np.sum(np.abs(self.weights) ** 2, axis=1))
+        size = interleaved(self.weights) * interleaved(self.stiffness)
+        floor: Real = ROUNDING * np.sum(size * size, axis=1)
+        return floor
+
+    @cached_property
+    def branches(self) -> Branches:
+        """The branches whose gains are linear."""
+        return branches_of(self.model)
+
+    @cached_property
+    def _plane_weights(self) -> Complex:
+        """Weights (B, n) of differences of K that match the objective to first order."""
+        weights = self.weights / np.abs(self.stiffness) if self.logarithmic else self.weights
+        return np.broadcast_to(weights, self.stiffness.shape)
+
+    @cached_property
+    def shape_floor(self) -> Real:
+        """Objective (B,) of the shapes at which the search in all parameters takes over."""
+        at, weight = self._plane
+        return np.asarray(NEARLY * np.sum((at * weight) ** 2, axis=1))
+
+    @cached_property
+    def _plane(self) -> tuple[Real, Real]:
+        return plane_data(self.stiffness, self._plane_weights, self.branches.compliance)
+
+    @cached_property
+    def _target(self) -> Real:
+        return interleaved(self.stiffness)
+
+    @cached_property
+    def _weight(self) -> Real:
+        return interleaved(np.broadcast_to(self.weights, self.stiffness.shape))
+
+    def rows(self, which: Rows) -> Task:
+        """Some of the data sets."""
+        return replace(
+            self, stiffness=self.stiffness[which], weights=self.weights[which], given=self.coordinates.rows(which)
+        )
+
+    def thin(self, most: int) -> Task:
+        """The data at no more than `most` of the points."""
+        if self.stiffness.shape[1] <= most:
+            return self
+        pick = thinned(self.points.log_omega, most)
+        at = self.points
+        points = replace(
+            at,
+            log_omega=at.log_omega[pick],
+            amplitude=None if at.amplitude is None else at.amplitude[pick],
+            temperature=None if at.temperature is None else at.temperature[pick],
+        )
+        return replace(
+            self,
+            points=points,
+            stiffness=self.stiffness[:, pick],
+            weights=self.weights[:, pick],
+            given=self.coordinates,
+        )
+
+    def evaluator(self, owner: Rows) -> Evaluate:
+        """Residuals (r, 2n) and derivative (r, p, 2n) of rows, of which row i belongs to data set `owner[i]`."""
+        coordinates, network = self.coordinates, self.model.network
+        single = len(self.stiffness) == 1
+
+        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
+            which = slice(None) if single else owner[rows]
+            size, weight = coordinates.size[which], self._weight[which]
+            theta = coordinates.theta(u, size)
+            response = network.respond(theta, self.points, GRADIENT)
+            by_theta = response.by_theta
+            if self.logarithmic:
+                residual = interleaved(np.log(response.value / self.stiffness[which]))
+                by_theta = by_theta / response.value[:, None, :]
+            else:
+                residual = interleaved(response.value) - self._target[which]
+            jacobian = interleaved(by_theta) * weight[:, None, :]
+            return residual * weight, coordinates.carry(jacobian, theta, size)
+
+        return evaluate
+
+    def shape_evaluator(self, owner: Rows) -> Evaluate:
+        """The same for shapes (r, d): residuals with the gains projected out, and Kaufman's derivative of them."""
+        coordinates, branches = self.coordinates, self.branches
+        single = len(self.stiffness) == 1
+        at, weight = self._plane
+        target = at * weight
+
+        def evaluate(v: Real, rows: Rows) -> tuple[Real, Real]:
+            which = slice(None) if single else owner[rows]
+            size, scale = coordinates.size[which], weight[which][:, None, :]
+            theta, value, by_theta, shares = self._unit_gain(v, size)
+            basis = interleaved(shares) * scale
+            gains, residual, inverse = project(basis, target[which])
+            slopes = by_theta * self._by_owner(gains, shares)
+            if branches.compliance:
+                slopes /= -(value * value)[:, None, :]
+            jacobian = coordinates.carry(interleaved(slopes) * scale, theta, size)[:, branches.free]
+            inside = np.matmul(np.matmul(jacobian, basis.transpose(0, 2, 1)), inverse)
+            jacobian -= np.matmul(inside, basis)
+            return residual, jacobian
+
+        return evaluate
+
+    def _unit_gain(self, v: Real, size: Real) -> tuple[Real, Complex, Complex, Complex]:
+        """Parameters, K, dK/dtheta and the branches' shares of shapes (r, d) at unit gain."""
+        theta = self.coordinates.theta(self.branches.shaped(v, self.coordinates.log), size)
+        response = self.model.network.respond(theta, self.points, GRADIENT)
+        return theta, response.value, response.by_theta, self.branches.shares(theta, *response[:2])
+
+    def _by_owner(self, gains: Real, shares: Complex) -> Complex | Real:
+        """The factor by which the gains change the derivative by each parameter, shape (r, p, n or 1)."""
+        owner = self.branches.owner
+        factor: Real = gains[:, owner][:, :, None]
+        if owner.min() >= 0:
+            return factor
+        common = np.matmul(gains[:, None, :], shares) / np.sum(shares, axis=1, keepdims=True)
+        return np.where(owner[:, None] < 0, common, factor)
+
+    def shaped(self, u: Real) -> Real:
+        """Shapes (..., d) of search coordinates (..., p)."""
+        return self.branches.shape(u, self.coordinates.log)
+
+    def full(self, v: Real) -> Real:
+        """Search coordinates (B, s, p) of shapes (B, s, d), with the best gains."""
+        count, starts, d = v.shape
+        owner = np.repeat(np.arange(count), starts)
+        at, weight = self._plane
+        with np.errstate(all="ignore"):
+            *_, shares = self._unit_gain(v.reshape(count * starts, d), self.coordinates.size[owner])
+            gains = project(interleaved(shares) * weight[owner][:, None, :], (at * weight)[owner])[0]
+        log_gain = np.log(gains).reshape(count, starts, -1) * (-1.0 if self.branches.compliance else 1.0)
+        return self._scaled(v, log_gain)
+
+    def solve_shapes(self, v: Real, iterations: int = 60) -> Solution:
+        """Descend from shapes (B, s, d) with the gains projected out; rows run over data sets, then starts."""
+        count, starts, d = v.shape
+        owner = np.repeat(np.arange(count), starts)
+        lower, upper = (bound[:, self.branches.free] for bound in self.coordinates.bounds())
+        return levenberg_marquardt(
+            self.shape_evaluator(owner),
+            v.reshape(count * starts, d),
+            lower[owner],
+            upper[owner],
+            floor=self.shape_floor[owner],
+            flat=1e-10,
+            team=owner if starts > 1 else None,
+            iterations=iterations,
+        )
+
+    def solve(self, u: Real, iterations: int = 100, damping: float = 1e-2) -> Solution:
+        """Descend from search coordinates (B, s, p); rows of the result run over data sets, then starts."""
+        count, starts, p = u.shape
+        owner = np.repeat(np.arange(count), starts)
+        lower, upper = self.coordinates.bounds()
+        return levenberg_marquardt(
+            self.evaluator(owner),
+            u.reshape(-1, p),
+            lower[owner],
+            upper[owner],
+            floor=self.floor[owner],
+            team=owner if starts > 1 else None,
+            iterations=iterations,
+            damping=damping,
+        )
+
+    def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:
+        """Shapes (B, s, d) read off the data, best first, and search coordinates (B, s, p) with their gains."""
+        thin = self.thin(SCAN_POINTS)
+        shapes = shapes_of(self.model, Grid(thin.points, self.coordinates), offset)
+        v, gains = shapes.best(thin.stiffness, thin._plane_weights, keep)
+        log_gain = np.log(gains) * (-1.0 if self.branches.compliance else 1.0) - np.log(self.scale)[:, None, None]
+        return v, self._scaled(v, log_gain)
+
+    def _scaled(self, v: Real, log_gain: Real) -> Real:
+        return self.branches.scaled(self.branches.shaped(v, self.coordinates.log), log_gain, self.coordinates.log)

@@ -1,0 +1,64 @@
+"""HTML that cannot be broken by data: plain text is escaped wherever it enters a page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+
+
+class Html(str):
+    """Text that already is HTML."""
+
+    __slots__ = ()
+
+
+VOID = frozenset({"br", "img", "meta"})
+"""Elements without an end."""
+
+
+def html(part: str | int | float) -> Html:
+    """`part` as HTML: text is escaped, `Html` stays as it is."""
+    return part if isinstance(part, Html) else Html(escape(str(part)))
+
+
+def joined(parts: Iterable[str]) -> Html:
+    """Parts one after the other."""
+    return Html("".join(html(part) for part in parts))
+
+
+def tag(name: str, /, *children: str, **attributes: str) -> Html:
+    """An element with its children.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``p``.
+    *children : str
+        Text, which is escaped, or `Html`.
+    **attributes : str
+        Values are escaped; an underscore at the end of a name is dropped (``class_``), others become hyphens.
+    """
+    given = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
+    end = "" if name in VOID else f"</{name}>"
+    return Html(f"<{name}{given}>{joined(children)}{end}")
+
+
+def table(headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterable[str] = ()) -> Html:
+    """A table; cells are text, which is escaped, or `Html`.
+
+    Parameters
+    ----------
+    headers : iterable of str
+        One for each column.
+    rows : iterable of iterables of str
+        As many cells each.
+    numbers : iterable of str
+        Headers of the columns that are set flush right.
+    """
+    headers, numbers = list(headers), set(numbers)
+    kinds: list[dict[str, str]] = [{"class_": "number"} if header in numbers else {} for header in headers]
+    head = tag("tr", *(tag("th", header, **kind) for header, kind in zip(headers, kinds, strict=True)))
+    # Each cell repeats its header, for screens too narrow for columns.
+    named = [{**kind, "data_label": header} for header, kind in zip(headers, kinds, strict=True)]
+    body = [tag("tr", *(tag("td", cell, **kind) for cell, kind in zip(row, named, strict=True))) for row in rows]
+    return tag("table", tag("thead", head), tag("tbody", *body))

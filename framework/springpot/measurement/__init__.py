@@ -1,0 +1,61 @@
+"""Measurement: dynamic test data and their units, time signals, noise."""
+
+from .catalogue import DataSet
+from .measurement import CONDITIONS, KELVIN, Measurement
+from .noise import with_noise
+from .opening import open_measurement, parts_of, pick_reader, select
+from .reader import Choice, Part, Reader
+from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
+from .units import (
+    AMPLITUDE_UNITS,
+    ANGLE_UNITS,
+    FORCE_UNITS,
+    FREQUENCY_UNITS,
+    LENGTH_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    STIFFNESS_UNITS,
+    STRAIN_UNITS,
+    TEMPERATURE_UNITS,
+    TIME_UNITS,
+    TORQUE_UNITS,
+    Units,
+    known_unit,
+    normal_unit,
+    temperature_in_celsius,
+)
+
+__all__ = [
+    "AMPLITUDE_UNITS",
+    "ANGLE_UNITS",
+    "CONDITIONS",
+    "Choice",
+    "DataSet",
+    "FORCE_UNITS",
+    "FREQUENCY_UNITS",
+    "Harmonics",
+    "KELVIN",
+    "LENGTH_UNITS",
+    "MODULUS_UNITS",
+    "Measurement",
+    "PRESSURE_UNITS",
+    "Part",
+    "Reader",
+    "STIFFNESS_UNITS",
+    "STRAIN_UNITS",
+    "Signals",
+    "TEMPERATURE_UNITS",
+    "TIME_UNITS",
+    "TORQUE_UNITS",
+    "Units",
+    "harmonics_of",
+    "known_unit",
+    "measurement_from_signals",
+    "normal_unit",
+    "open_measurement",
+    "parts_of",
+    "pick_reader",
+    "select",
+    "temperature_in_celsius",
+    "with_noise",
+]

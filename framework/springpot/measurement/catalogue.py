@@ -1,0 +1,68 @@
+"""Registered data sets: what they are and how to load them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from springpot.errors import DataError
+
+from .measurement import Measurement
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """A data set that can be named instead of a file.
+
+    Parameters
+    ----------
+    name : str
+        What users type.
+    summary : str
+        One sentence on what was measured, or that nothing was.
+    load : callable
+        Gives the measurement; called only when the set is used.
+    kind : str
+        ``measured``, ``artificial`` or ``reconstruction`` (computed from published parameters, never measured).
+    licence : str
+        Terms under which the numbers may be used.
+    citation : str
+        Who measured, with a DOI where there is one.
+    size : int
+        Number of points, 0 if unknown before loading.
+    truth : mapping of str to float
+        Element parameters behind artificial data and reconstructions.
+    model : str
+        Model behind them, or the one used in the literature.
+    stiffness_scale : float or None
+        The paper's k-bar for these data.
+    physics : tuple of str
+        What is known to be in the data: friction, a shift with temperature, an artefact of the instrument.
+    unavailable : str
+        Empty, or why the set cannot be loaded here and how to mend it.
+    """
+
+    name: str
+    summary: str
+    load: Callable[[], Measurement]
+    kind: str = "measured"
+    licence: str = ""
+    citation: str = ""
+    size: int = 0
+    truth: dict[str, float] = field(default_factory=dict)
+    model: str = ""
+    stiffness_scale: float | None = None
+    physics: tuple[str, ...] = ()
+    unavailable: str = ""
+
+    def open(self) -> Measurement:
+        """The measurement.
+
+        Raises
+        ------
+        DataError
+            If the set is unavailable here, or its plugin fails.
+        """
+        if self.unavailable:
+            raise DataError(f"data set '{self.name}' is unavailable: {self.unavailable}")
+        return self.load()

@@ -1,0 +1,225 @@
+"""Least squares of offset, drift, harmonics and transient to two channels, block by block; eq. (36)-(41)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.rheology import Complex, Real
+
+from .record import Record
+from .spectrum import LocalSpectrum
+
+GONE = 80.0
+"""Time constants after which a transient is below rounding."""
+GROUPS = 64
+"""Whole cycles are gathered into at most this many groups, each fitted by itself as well."""
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Offset, drift, the cosines and sines of the harmonics, and a decaying transient.
+
+    Parameters
+    ----------
+    omega : float
+        Angular frequency in rad/s.
+    start, stop : float
+        The part of the record that is fitted, in seconds.
+    harmonics : int
+        How many harmonics.
+    transient : float
+        Time constant in seconds of a transient that decays from `start` on; 0 for none.
+    """
+
+    omega: float
+    start: float
+    stop: float
+    harmonics: int
+    transient: float = 0.0
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return 2 + 2 * self.harmonics + 2 * (self.transient > 0)
+
+    @property
+    def slow(self) -> list[int]:
+        """Columns of drift and transient, which belong to the part as a whole."""
+        return [1, *range(2 + 2 * self.harmonics, self.size)]
+
+    def columns(self, time: Real) -> Real:
+        """Columns 1, drift, cos 1, sin 1, cos 2, ..., transient and its change with the time constant: (m, size)."""
+        middle, half = 0.5 * (self.start + self.stop), 0.5 * (self.stop - self.start)
+        turns = np.exp(1j * self.omega * (time - middle))
+        powers = np.cumprod(np.broadcast_to(turns[:, None], (len(time), self.harmonics)), axis=1)
+        flat = powers.view(np.float64)
+        parts = [np.ones((len(time), 1)), ((time - middle) / half)[:, None], flat]
+        if self.transient > 0:
+            age = np.minimum((time - self.start) / self.transient, GONE)[:, None]
+            parts += [np.exp(-age), age * np.exp(-age)]
+        return np.concatenate(parts, axis=1)
+
+    def frequency_column(self, columns: Real, coefficients: Real) -> Real:
+        """Derivative of the fitted signal by omega, (m,), for one channel's coefficients (size,)."""
+        half = 0.5 * (self.stop - self.start)
+        order = np.arange(1, self.harmonics + 1)
+        cosines, sines = slice(2, 2 + 2 * self.harmonics, 2), slice(3, 2 + 2 * self.harmonics, 2)
+        turned = columns[:, cosines] @ (order * coefficients[sines]) - columns[:, sines] @ (
+            order * coefficients[cosines]
+        )
+        return np.asarray(half * columns[:, 1] * turned)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Harmonics of both channels with their covariance.
+
+    Parameters
+    ----------
+    amplitude : ndarray of complex, shape (2, h)
+        Complex amplitudes X of displacement and force: the signal is Re X exp(i h omega t), X = q_c - i q_s.
+    level, drift : ndarray, shape (2,)
+        Mean, and its change from the middle to the end.
+    inverse : ndarray, shape (2, 2)
+        Inverse normal matrix of the first cosine and sine.
+    noise : ndarray, shape (3,)
+        Variance per sample near omega, see `LocalSpectrum`: of displacement, of force, and of what moves the
+        stiffness K, the force less K times the displacement.
+    freedom : float
+        Its degrees of freedom.
+    residual : ndarray, shape (2,)
+        Root mean square of the residuals.
+    groups : ndarray of complex, shape (g, 2)
+        First-harmonic amplitudes of groups of whole cycles.
+    begins : ndarray, shape (g,)
+        When each group begins, in seconds.
+    samples : int
+        Complete samples in the part.
+    """
+
+    amplitude: Complex
+    level: Real
+    drift: Real
+    inverse: Real
+    noise: Real
+    freedom: float
+    residual: Real
+    groups: Complex
+    begins: Real
+    samples: int
+
+
+def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[Basis, float]:
+    """The basis at the best-fitting frequency, and that frequency's standard deviation.
+
+    Variable projection: the harmonics are linear, so that only omega is iterated (Gauss-Newton).
+    """
+    coefficients = _solve(*_moments(record, basis, None))[:, 0]
+    width, variance = 1.0 / (basis.stop - basis.start), 0.0
+    for _ in range(rounds):
+        normal, right, square, count = _moments(record, basis, coefficients)
+        solution = _solve(normal, right, square, count)[:, 0]
+        coefficients, step = solution[:-1], float(np.clip(solution[-1], -width, width))
+        left = max(float(square[0, 0] - solution @ right[:, 0]), 0.0) / max(count - len(solution), 1)
+        variance = left * float(np.linalg.pinv(normal)[-1, -1])
+        basis = replace(basis, omega=basis.omega + step)
+        if abs(step) < max(1e-10 * width, 1e-3 * np.sqrt(variance)):
+            break
+    return basis, float(np.sqrt(variance))
+
+
+def _moments(record: Record, basis: Basis, coefficients: Real | None) -> tuple[Real, Real, Real, int]:
+    """Normal matrix, right-hand sides, squares and count over the part."""
+    size = basis.size + (coefficients is not None)
+    normal, right, square, count = np.zeros((size, size)), np.zeros((size, 2)), np.zeros((2, 2)), 0
+    for time, both in record.blocks(basis.start, basis.stop):
+        columns = basis.columns(time)
+        if coefficients is not None:
+            columns = np.column_stack([columns, basis.frequency_column(columns, coefficients)])
+        normal += columns.T @ columns
+        right += columns.T @ both
+        square += both.T @ both
+        count += len(time)
+    return normal, right, square, count
+
+
+def _solve(normal: Real, right: Real, *_: object) -> Real:
+    # Columns of very different size (the frequency's grows with amplitude and duration) are scaled first.
+    scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+    solution: Real = np.linalg.lstsq(normal / np.outer(scale, scale), right / scale[:, None], rcond=1e-13)[0]
+    return solution / scale[:, None]
+
+
+def fit_harmonics(record: Record, basis: Basis) -> Fit:
+    """Least squares at a known frequency over the part that `basis` covers."""
+    groups, period = _groups(basis)
+    edges: Real = basis.start + period * np.arange(groups + 1, dtype=float)
+    size = basis.size
+    normal, right = np.zeros((groups, size, size)), np.zeros((groups, size, 2))
+    for time, both in record.blocks(basis.start, basis.stop):
+        columns = basis.columns(time)
+        cuts = np.searchsorted(time, edges[1:-1]).tolist()
+        for g, (low, high) in enumerate(zip([0, *cuts], [*cuts, len(time)], strict=True)):
+            if high > low:
+                normal[g] += columns[low:high].T @ columns[low:high]
+                right[g] += columns[low:high].T @ both[low:high]
+    total = normal.sum(axis=0)
+    solution = _solve(total, right.sum(axis=0))
+    enough = normal[:, 0, 0] >= 2 * size
+    inverse = _inverse(total)
+    noise, freedom, residual, samples = _residuals(record, basis, solution, inverse)
+    return Fit(
+        amplitude=_amplitudes(solution[: 2 + 2 * basis.harmonics]),
+        level=solution[0],
+        drift=solution[1],
+        inverse=inverse[2:4, 2:4],
+        noise=noise,
+        freedom=freedom,
+        residual=residual,
+        groups=_group_amplitudes(normal[enough], right[enough], basis, solution),
+        begins=np.asarray(edges[:-1][enough], dtype=float),
+        samples=samples,
+    )
+
+
+def _groups(basis: Basis) -> tuple[int, float]:
+    # Each group holds a whole cycle at least: less than that hardly tells cosine, sine and mean apart.
+    cycles = max(1, int((basis.stop - basis.start) * basis.omega / (2 * np.pi) + 0.05))
+    groups = min(cycles, GROUPS)
+    return groups, (basis.stop - basis.start) / groups
+
+
+def _amplitudes(solution: Real) -> Complex:
+    """Complex amplitudes (2, h) from coefficients (size, 2)."""
+    return np.asarray((solution[2::2] - 1j * solution[3::2]).T)
+
+
+def _inverse(normal: Real) -> Real:
+    scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+    return np.asarray(np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale))
+
+
+def _group_amplitudes(normal: Real, right: Real, basis: Basis, solution: Real) -> Complex:
+    """First harmonics of each group, after the common drift and transient: (g, 2)."""
+    keep, slow = np.r_[0, 2 : 2 + 2 * basis.harmonics], basis.slow
+    right = right - normal[:, :, slow] @ solution[slow]
+    found = [_solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)]
+    stacked = np.reshape(found, (-1, 2, 2))
+    return np.asarray(stacked[:, 0] - 1j * stacked[:, 1])
+
+
+def _residuals(record: Record, basis: Basis, solution: Real, inverse: Real) -> tuple[Real, float, Real, int]:
+    """Variance near omega (3,) with its freedom, root mean squares (2,) and the number of samples."""
+    square, count, local = np.zeros((2, 2)), 0, LocalSpectrum(basis.omega, basis.start, basis.stop, basis.size)
+    for time, both in record.blocks(basis.start, basis.stop):
+        columns = basis.columns(time)
+        left = both - columns @ solution
+        square += left.T @ left
+        count += len(time)
+        local.add(time, left, columns)
+    moved, force = _amplitudes(solution[:4])[:, 0]
+    seen = np.array([[1, 0], [0, 1], [-force / moved if moved else 0, 1]])
+    noise, freedom = local.density(seen, inverse, square / max(count - basis.size, 1))
+    return noise, freedom, np.sqrt(np.diag(square) / max(count, 1)), count

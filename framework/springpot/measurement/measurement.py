@@ -1,0 +1,187 @@
+"""Dynamic test data: complex stiffness against frequency and the conditions of the test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sized
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.rheology import Complex, Points, Real
+
+from .units import Units
+
+KELVIN = 273.15
+CONDITIONS = ("temperature", "amplitude")
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Measured complex stiffness (or modulus) with its conditions.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (n,)
+        Angular frequency in rad/s.
+    stiffness : ndarray of complex, shape (n,)
+        K' + i K'' in ``units.stiffness``.
+    sd : ndarray of complex, shape (n,), optional
+        Standard deviation of K' (real part) and of K'' (imaginary part), in the same unit.
+    conditions : mapping of str to ndarray, shape (n,)
+        Columns beside the frequency: ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others.
+    repeat : ndarray of int, shape (n,), optional
+        Which repetition a row belongs to.
+    harmonics : ndarray of complex, shape (n, h), optional
+        Higher force harmonics H_2, H_3, ... over the first, nan where not measured. Time is counted from the maximum
+        of the displacement's first harmonic: with x = X cos(omega t) the force is the real part of
+        K X (exp(i omega t) + H_2 exp(2 i omega t) + H_3 exp(3 i omega t) + ...). So H_n = (U_n / U_1)
+        exp(-i (n - 1) phi) for amplitudes U_n and phi the phase of X_1; Coulomb friction has H_3 = 1/3, a hardening
+        cubic spring k3 x^3 alone H_3 = 1/3 as well, with K real.
+    units : Units
+        The units the data came in.
+    name : str
+        Shown in reports.
+    provenance : mapping of str to str
+        Where the data come from.
+    labels : mapping of str to ndarray of str, shape (n,)
+        Columns of words beside the frequency, such as the specimen or the file.
+
+    Raises
+    ------
+    DataError
+        If the columns differ in length or hold values that cannot be measured.
+    """
+
+    omega: Real
+    stiffness: Complex
+    sd: Complex | None = None
+    conditions: Mapping[str, Real] = field(default_factory=dict)
+    repeat: NDArray[np.int64] | None = None
+    harmonics: Complex | None = None
+    units: Units = field(default_factory=Units)
+    name: str = "measurement"
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    labels: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for mapping in ("conditions", "provenance", "labels"):
+            object.__setattr__(self, mapping, MappingProxyType(dict(getattr(self, mapping))))
+        n = len(self.omega)
+        columns: dict[str, Sized | None] = {
+            "stiffness": self.stiffness,
+            "sd": self.sd,
+            "repeat": self.repeat,
+            "harmonics": self.harmonics,
+        }
+        columns |= {**self.conditions, **self.labels}
+        for column, values in columns.items():
+            if values is not None and len(values) != n:
+                raise DataError(f"{self.name}: column {column} has {len(values)} rows where omega has {n}")
+        if n == 0:
+            raise DataError(f"{self.name}: no measured points")
+        if not (np.all(np.isfinite(self.omega)) and np.all(self.omega > 0)):
+            raise DataError(f"{self.name}: frequencies must be positive and finite")
+        if not np.all(np.isfinite(self.stiffness)):
+            raise DataError(f"{self.name}: storage and loss must be finite")
+        if self.sd is not None and not (np.all(self.sd.real > 0) and np.all(self.sd.imag > 0)):
+            raise DataError(f"{self.name}: standard deviations must be positive")
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        # Mapping proxies cannot cross to a worker process; plain dictionaries can.
+        plain = (
+            dict(self.conditions),
+            self.repeat,
+            self.harmonics,
+            self.units,
+            self.name,
+            dict(self.provenance),
+            dict(self.labels),
+        )
+        return Measurement, (self.omega, self.stiffness, self.sd, *plain)
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    @property
+    def frequency(self) -> Real:
+        """Frequency f = omega / 2 pi in Hz."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def storage(self) -> Real:
+        """Storage modulus K'."""
+        return self.stiffness.real
+
+    @property
+    def loss(self) -> Real:
+        """Loss modulus K''."""
+        return self.stiffness.imag
+
+    @cached_property
+    def magnitude(self) -> Real:
+        """|K|."""
+        return np.abs(self.stiffness)
+
+    @cached_property
+    def reference_temperature(self) -> float:
+        """Measured temperature nearest to the median, in kelvin: where a shift factor is one."""
+        temperature = self.conditions.get("temperature")
+        if temperature is None:
+            return 293.15
+        return float(np.sort(temperature)[(len(temperature) - 1) // 2]) + KELVIN
+
+    @cached_property
+    def points(self) -> Points:
+        """Where a model of these data is evaluated."""
+        temperature = self.conditions.get("temperature")
+        return Points(
+            np.log(self.omega),
+            self.conditions.get("amplitude"),
+            None if temperature is None else temperature + KELVIN,
+            self.reference_temperature,
+        )
+
+    def subset(self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None) -> Measurement:
+        """The rows chosen by a mask or by indices."""
+        return replace(
+            self,
+            omega=self.omega[rows],
+            stiffness=self.stiffness[rows],
+            sd=None if self.sd is None else self.sd[rows],
+            conditions={key: column[rows] for key, column in self.conditions.items()},
+            labels={key: column[rows] for key, column in self.labels.items()},
+            repeat=None if self.repeat is None else self.repeat[rows],
+            harmonics=None if self.harmonics is None else self.harmonics[rows],
+            name=self.name if name is None else name,
+        )
+
+    def sweeps(self, tolerance: float = 2e-3) -> Iterator[tuple[str, NDArray[np.int64]]]:
+        """Labels and row numbers of the frequency sweeps, one for each set of conditions and repeat.
+
+        Parameters
+        ----------
+        tolerance : float
+            Neighbouring values that differ by less than this share of the largest are one condition.
+        """
+        columns = {name: self.conditions[name] for name in CONDITIONS if name in self.conditions}
+        if self.repeat is not None:
+            columns["repeat"] = self.repeat.astype(float)
+        if not columns:
+            yield "all", np.arange(len(self))
+            return
+        keys = np.column_stack([_clusters(column, tolerance) for column in columns.values()])
+        combinations, which = np.unique(keys, axis=0, return_inverse=True)
+        for i in range(len(combinations)):
+            rows = np.flatnonzero(which.ravel() == i)
+            yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+
+
+def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:
+    """Number of the cluster of neighbouring values that each value belongs to, in ascending order."""
+    values, which = np.unique(column, return_inverse=True)
+    apart = np.diff(values) > tolerance * float(np.max(np.abs(values)))
+    return np.concatenate([[0], np.cumsum(apart)])[which.ravel()].astype(np.int64)

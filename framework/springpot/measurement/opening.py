@@ -1,0 +1,295 @@
+"""Opens what a user names: a file of any known format or a registered data set, with conditions chosen by ``@``.
+
+Of a file, ``#`` chooses a part and ``?`` says what it leaves open: ``FILE#2?frequency=Hz@temperature=20``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError, SpringpotError
+from springpot.rheology import Real
+
+from .catalogue import DataSet
+from .measurement import Measurement
+from .naming import file_and_choice, is_file, short
+from .reader import Choice, Part, Reader
+from .signals import Signals, measurement_from_signals
+
+T = TypeVar("T")
+
+HEAD = 1 << 16
+"""Bytes by which a reader recognises its format."""
+KELVINS = 0.5
+"""Temperatures that agree to this belong to one choice."""
+CLOSE = {"amplitude": 0.05}
+"""Relative agreement of a condition, where it is coarser than one per cent."""
+SHOWN = 12
+
+
+def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Iterable[Reader]) -> Measurement:
+    """The measurement that `spec` names.
+
+    Parameters
+    ----------
+    spec : str or Path
+        A file, or the name of a data set, either with conditions: ``nist-srm2491@temperature=20``; a file
+        also with a part and what it leaves open: ``FILE#2?frequency=Hz``.
+    datasets : iterable of DataSet
+        The registered data sets.
+    readers : iterable of Reader
+        The known formats; the one that is surest of a file's content reads it.
+
+    Raises
+    ------
+    DataError
+        If there is no such thing, it cannot be read, or no row has the conditions.
+    """
+    text = str(spec)
+    if is_file(text):
+        return _read(Path(text), Choice(), readers)
+    name, at, wanted = text.rpartition("@")
+    if not at:
+        return _named(text, datasets, readers)
+    return select(_named(name, datasets, readers), _conditions(wanted, text))
+
+
+def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) -> Measurement:
+    name, choice = file_and_choice(text)
+    if is_file(name):
+        return _read(Path(name), choice, readers)
+    known = {data.name: data for data in datasets}
+    if text in known:
+        return known[text].open()
+    if choice and name in known:
+        raise DataError(
+            f"'{short(text)}': '#' and '?' are for files; choose from a data set by {name}@temperature=20"
+        )
+    text = name
+    if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
+        raise DataError(f"{short(text)}: there is no such file")
+    near = get_close_matches(text, known, n=3, cutoff=0.5)
+    hint = f"did you mean {', '.join(near)}?" if near else "see 'springpot list datasets'"
+    raise DataError(f"'{short(text)}' is neither a file nor a registered data set: {hint}")
+
+
+def read_head(path: Path) -> bytes:
+    """The first bytes of a file.
+
+    Raises
+    ------
+    DataError
+        If it is a folder, empty, or cannot be read.
+    """
+    if path.is_dir():
+        raise DataError(f"{path}: this is a folder, name a file in it")
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEAD)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise DataError(f"{short(str(path))}: cannot be read: {reason}") from None
+    if not head:
+        raise DataError(f"{path}: the file is empty")
+    return head
+
+
+def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
+    """The reader that is surest of the file's content.
+
+    Raises
+    ------
+    DataError
+        If none recognises it.
+    """
+    head = read_head(path)
+    known = list(readers)
+    scored = [(_confidence(reader, head), -i, reader) for i, reader in enumerate(known)]
+    best = max(scored, default=(0.0, 0, None), key=lambda entry: entry[:2])
+    if best[2] is None or not best[0] > 0:
+        names = ", ".join(reader.name for reader in known) or "none"
+        raise DataError(f"{path}: no reader recognises this file (readers: {names})")
+    return best[2]
+
+
+def _confidence(reader: Reader, head: bytes) -> float:
+    try:
+        return float(reader.recognises(head))
+    except Exception:
+        # A reader that stumbles over a foreign format simply does not recognise it.
+        return 0.0
+
+
+def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
+    reader = pick_reader(path, readers)
+    return _guarded(reader, path, lambda: reader.read(path, choice))
+
+
+def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
+    """The steps, sweeps or sheets of the file that `spec` names; none for anything that holds but one.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read.
+    """
+    text = str(spec)
+    for name in (text, text.rpartition("@")[0]):
+        path = file_and_choice(name)[0] if name else ""
+        if is_file(path):
+            return _parts(Path(path), list(readers))
+    return ()
+
+
+def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
+    reader = pick_reader(path, readers)
+    list_parts = reader.parts
+    return () if list_parts is None else tuple(_guarded(reader, path, lambda: list_parts(path)))
+
+
+def _guarded(reader: Reader, path: Path, action: Callable[[], T]) -> T:
+    try:
+        return action()
+    except SpringpotError:
+        raise
+    except Exception as error:
+        first = (str(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
+
+
+def signals_to_measurement(
+    paths: Sequence[str | Path],
+    readers: Iterable[Reader],
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+    name: str | None = None,
+) -> Measurement:
+    """Step one of the paper for files: one row of K' and K'' for each file of time signals.
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        Files of displacement and force against time, one test in each; ``FILE?force=kN`` says what is left open.
+    readers : iterable of Reader
+        The known formats.
+    omega, n_harmonics, window, name
+        As in `measurement_from_signals`.
+
+    Raises
+    ------
+    DataError
+        If a file holds no time signals or cannot be evaluated.
+    """
+    known = list(readers)
+    return measurement_from_signals(
+        (_signals(str(path), known) for path in paths),
+        omega=omega,
+        n_harmonics=n_harmonics,
+        window=window,
+        name=name,
+    )
+
+
+def _signals(text: str, readers: list[Reader]) -> Signals:
+    name, choice = file_and_choice(text)
+    path = Path(name)
+    reader = pick_reader(path, readers)
+    if reader.signals is None and choice.columns:
+        # Who says which columns are time and force means signals, whatever their names look like.
+        reader = pick_reader(path, [each for each in readers if each.signals is not None])
+    load = reader.signals
+    if load is None:
+        advice = f"if they are, say which: '{path}?1=time[s],2=displacement[mm],3=force[N]'"
+        raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}")
+    return _guarded(reader, path, lambda: load(path, choice))
+
+
+def _conditions(text: str, spec: str) -> dict[str, str]:
+    wanted = {}
+    for part in text.split(","):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if not (key and equals and value):
+            raise DataError(f"'{short(spec)}': write conditions as NAME@temperature=20,amplitude=1")
+        wanted[key] = value
+    return wanted
+
+
+def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
+    """The rows that have all the wanted conditions.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    wanted : mapping of str to str
+        Condition, label or ``repeat``, and its value. Numbers match within 0.5 K for ``temperature``, 5 % for
+        ``amplitude`` and 1 % otherwise; words match whole, or by their beginning.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, with those that there are.
+    """
+    rows = np.ones(len(measurement), dtype=bool)
+    for key, value in wanted.items():
+        rows &= _matching(measurement, key, value)
+    if not rows.any():
+        chosen = ", ".join(f"{key}={value}" for key, value in wanted.items())
+        raise DataError(f"{measurement.name}: no row has {chosen} together")
+    chosen = ",".join(f"{key}={value}" for key, value in wanted.items())
+    return measurement.subset(rows, f"{measurement.name}@{chosen}")
+
+
+def _matching(measurement: Measurement, key: str, value: str) -> NDArray[np.bool_]:
+    if key in measurement.labels:
+        return _matching_words(measurement, key, value)
+    column: Real | None = measurement.conditions.get(key)
+    if key == "repeat" and measurement.repeat is not None:
+        column = measurement.repeat.astype(float)
+    if column is None:
+        there = [
+            *measurement.conditions,
+            *measurement.labels,
+            *(["repeat"] if measurement.repeat is not None else []),
+        ]
+        raise DataError(f"{measurement.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})")
+    try:
+        number = float(value)
+    except ValueError:
+        raise DataError(f"{measurement.name}: {key}={value} is no number") from None
+    reach = KELVINS if key == "temperature" else CLOSE.get(key, 0.01) * abs(number)
+    rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
+    if not rows.any():
+        known = np.unique([float(f"{v:.3g}") for v in np.unique(column[np.isfinite(column)])])
+        raise DataError(
+            f"{measurement.name}: no {key} near {value} (there are: {_listed([f'{v:g}' for v in known])})"
+        )
+    return rows
+
+
+def _matching_words(measurement: Measurement, key: str, value: str) -> NDArray[np.bool_]:
+    column = measurement.labels[key]
+    known = [str(word) for word in np.unique(column)]
+    low = value.lower()
+    exact = [word for word in known if word.lower() == low]
+    begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
+    within = [word for word in known if low in word.lower()]
+    found = exact or begins or within
+    if len(found) != 1:
+        many = f"several values of {key} match '{value}'" if found else f"no {key} '{value}'"
+        raise DataError(f"{measurement.name}: {many} (there are: {_listed(found or known)})")
+    return np.asarray(column == found[0])
+
+
+def _listed(values: list[str]) -> str:
+    shown = values if len(values) <= SHOWN else [*values[: SHOWN - 2], "...", values[-1]]
+    return ", ".join(shown)

@@ -1,0 +1,114 @@
+"""Displacement and force against time, read block by block so that a long record never needs room twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+BLOCK = 1 << 16
+"""Rows worked on at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """One test: displacement and force (strain and stress, angle and torque) against time.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Seconds, in any order, irregular or with gaps.
+    displacement, force : ndarray, shape (n,)
+        The two channels; nan where a sample is missing.
+    displacement_unit, force_unit : str
+        Their units, such as ``mm`` and ``N``.
+    name : str
+        Shown in reports.
+    provenance : mapping of str to str
+        Where the signals come from.
+    """
+
+    time: Real
+    displacement: Real
+    force: Real
+    displacement_unit: str = "mm"
+    force_unit: str = "N"
+    name: str = "signals"
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Signals in order of time, with what had to be mended.
+
+    Parameters
+    ----------
+    time, displacement, force : ndarray, shape (n,)
+        The channels; `time` does not fall.
+    name : str
+        Shown in errors.
+    notes : tuple of str
+        What was mended.
+    """
+
+    time: Real
+    displacement: Real
+    force: Real
+    name: str
+    notes: tuple[str, ...] = ()
+
+    def blocks(self, start: float = -np.inf, stop: float = np.inf) -> Iterator[tuple[Real, Real]]:
+        """Complete samples with start <= time < stop: times (m,) and the two channels (m, 2), block by block."""
+        first, last = np.searchsorted(self.time, [start, stop]).tolist()
+        for low in range(first, last, BLOCK):
+            rows = slice(low, min(low + BLOCK, last))
+            both = np.column_stack([self.displacement[rows], self.force[rows]])
+            good = np.isfinite(both).all(axis=1)
+            yield np.asarray(self.time[rows])[good], both[good]
+
+    @property
+    def span(self) -> float:
+        """Duration in seconds."""
+        return float(self.time[-1] - self.time[0])
+
+
+def in_order(time: Real, displacement: Real, force: Real, name: str = "signals") -> Record:
+    """The signals as a record: cut to the common length, sorted by time if need be.
+
+    Raises
+    ------
+    DataError
+        If fewer than eight samples are left, or time stands still.
+    """
+    notes = []
+    lengths = {len(time), len(displacement), len(force)}
+    if len(lengths) > 1:
+        common = min(lengths)
+        notes.append(f"time, displacement and force differ in length: cut to {common} samples")
+        time, displacement, force = time[:common], displacement[:common], force[:common]
+    if len(time) and not _rises(time):
+        keep = np.flatnonzero(np.isfinite(time))
+        keep = keep[np.argsort(time[keep], kind="stable")]
+        notes.append("time runs backwards or has gaps: samples were put in order")
+        time, displacement, force = time[keep], displacement[keep], force[keep]
+    record = Record(time, displacement, force, name, tuple(notes))
+    complete = sum(len(t) for t, _ in record.blocks())
+    if complete < 8:
+        raise DataError(f"{name}: {complete} complete samples of time, displacement and force; at least 8 are needed")
+    if not record.span > 0:
+        raise DataError(f"{name}: time stands still at {time[0]:g} s")
+    return record
+
+
+def _rises(time: Real) -> bool:
+    """Whether time is finite and never falls."""
+    for low in range(0, len(time), BLOCK):
+        # One sample of overlap sees a fall at the seam of two blocks.
+        block = time[max(low - 1, 0) : low + BLOCK]
+        if not (np.isfinite(block).all() and (np.diff(block) >= 0).all()):
+            return False
+    return True

@@ -1,0 +1,379 @@
+"""Step one of the paper: from signals against time to K' and K'' with their uncertainty, eq. (36)-(43)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from springpot.errors import DataError
+from springpot.rheology import Complex, Real
+
+from .fit import Basis, Fit, refined_frequency
+from .measurement import Measurement
+from .record import Record, Signals, in_order
+from .steady import Steady, coarse_frequency, steady_part
+from .transient import fit_with_transient, unsteady_cycles
+from .units import (
+    ANGLE_UNITS,
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    PRESSURE_UNITS,
+    STRAIN_UNITS,
+    TORQUE_UNITS,
+    Units,
+)
+
+__all__ = ["Harmonics", "Signals", "harmonics_of", "measurement_from_signals"]
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics:
+    """What one test at one frequency says.
+
+    Parameters
+    ----------
+    omega, omega_sd : float
+        Angular frequency in rad/s and its standard deviation (0 where it was given).
+    stiffness : complex
+        K' + i K'' = U_1 / X_1, force unit over displacement unit; eq. (43).
+    sd : complex
+        Standard deviations of K' and K'' that should be used.
+    sd_residual, sd_cycles : complex
+        Two estimates of them: from the residuals' spectrum near omega, and from the scatter between cycles
+        (nan with fewer than three).
+    displacement, force : ndarray of complex, shape (h,)
+        Amplitudes X_n, U_n: the signal is Re X_n exp(i n omega (t - t0)) with t0 the middle of the part.
+    level, drift, residual : ndarray, shape (2,)
+        Mean, change of the mean from the middle to the end, and rms residual, of displacement and of force.
+    start, stop : float
+        The steady part in seconds.
+    cycles : float
+        How many cycles it holds.
+    samples : int
+        Complete samples in it.
+    notes : tuple of str
+        What a user should know.
+    """
+
+    omega: float
+    omega_sd: float
+    stiffness: complex
+    sd: complex
+    sd_residual: complex
+    sd_cycles: complex
+    displacement: Complex
+    force: Complex
+    level: Real
+    drift: Real
+    residual: Real
+    start: float
+    stop: float
+    cycles: float
+    samples: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def amplitude(self) -> float:
+        """Displacement amplitude |X_1|."""
+        return float(abs(self.displacement[0]))
+
+    @property
+    def relative(self) -> Complex:
+        """Force harmonics 2, 3, ... over the first, (U_n / U_1) exp(-i (n - 1) phi) with phi the phase of X_1.
+
+        Time is counted from the maximum of the displacement, as in `Measurement.harmonics`; Coulomb friction has 1/3.
+        """
+        turn = self.displacement[0] / abs(self.displacement[0])
+        order = np.arange(1, len(self.force) + 1)
+        seen = self.force / turn**order
+        return np.asarray(seen[1:] / seen[0])
+
+
+def harmonics_of(
+    time: ArrayLike,
+    displacement: ArrayLike,
+    force: ArrayLike,
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+    name: str = "signals",
+) -> Harmonics:
+    """Harmonics of displacement and force by least squares on the steady part of a test.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Seconds; irregular sampling, gaps and disorder are fine.
+    displacement, force : array_like, shape (n,)
+        The channels, nan where a sample is missing.
+    omega : float, optional
+        Angular frequency in rad/s; estimated from the displacement where not given.
+    n_harmonics : int
+        How many harmonics of both channels are fitted; fewer where the sampling is too coarse for them.
+    window : tuple of float, optional
+        Start and stop in seconds of the part to use; by default the longest part of constant amplitude, from where
+        cycles have the stiffness of the later ones. A decaying transient of either channel is fitted along with
+        the harmonics where the residuals show one.
+    name : str
+        Shown in errors.
+
+    Returns
+    -------
+    Harmonics
+        Complex stiffness, its standard deviation and all amplitudes.
+
+    Raises
+    ------
+    DataError
+        If there is no oscillation (at `omega`, where it is given), not one full cycle, or too few samples.
+    """
+    clock, moved, pulled = (np.asarray(channel, dtype=float) for channel in (time, displacement, force))
+    record = in_order(clock, moved, pulled, name)
+    if omega is not None and not (np.isfinite(omega) and omega > 0):
+        raise DataError(f"{name}: the frequency must be positive, got omega = {omega} rad/s")
+    if n_harmonics < 1:
+        raise DataError(f"{name}: at least one harmonic is needed, got {n_harmonics}")
+    first = coarse_frequency(record) if omega is None else omega
+    part = steady_part(record, first) if window is None else _given_part(record, window)
+    basis, sd = _basis(record, part, first, omega is None, n_harmonics, trim=window is None)
+    notes = (*record.notes, *part.notes)
+    if basis.harmonics < n_harmonics:
+        notes = (*notes, f"too few samples for {n_harmonics} harmonics: {basis.harmonics} were fitted")
+    basis, fit = fit_with_transient(record, basis)
+    if window is None and (unsteady := unsteady_cycles(fit)):
+        begin = float(fit.begins[unsteady])
+        notes = (*notes, f"the stiffness settles only at {begin:.4g} s: what comes before was left out")
+        basis, fit = fit_with_transient(record, replace(basis, start=begin, transient=0.0))
+    if omega is not None:
+        _check_motion(record, basis, fit)
+    return _summary(basis, sd, fit, notes, record)
+
+
+def _check_motion(record: Record, basis: Basis, fit: Fit) -> None:
+    """Refuse a given frequency at which the displacement is no more than its noise there (F test, 0.1 %)."""
+    from scipy.special import fdtri
+
+    noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
+    if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, 0.999) * noise:
+        found = coarse_frequency(record)
+        raise DataError(
+            f"{record.name}: the displacement does not oscillate at {basis.omega:.4g} rad/s "
+            f"({basis.omega / (2 * np.pi):.4g} Hz); give the frequency at which it does, "
+            f"{found:.4g} rad/s ({found / (2 * np.pi):.4g} Hz), or none"
+        )
+
+
+def _given_part(record: Record, window: tuple[float, float]) -> Steady:
+    start, stop = window
+    if not start < stop or stop <= record.time[0] or start >= record.time[-1]:
+        raise DataError(
+            f"{record.name}: the window {start:g} to {stop:g} s holds no samples, "
+            f"the record runs from {record.time[0]:g} to {record.time[-1]:g} s"
+        )
+    return Steady(max(start, float(record.time[0])), min(stop, float(np.nextafter(record.time[-1], np.inf))))
+
+
+def _basis(
+    record: Record, part: Steady, omega: float, refine: bool, harmonics: int, trim: bool
+) -> tuple[Basis, float]:
+    """The basis of the final fit: frequency refined, part trimmed to whole cycles, harmonics that samples allow."""
+    affordable, sd = _affordable(record, part, omega, harmonics), 0.0
+    basis = Basis(omega, part.start, part.stop, 1 if refine else affordable)
+    if refine:
+        # The first harmonic alone leads to the frequency from farther away than all of them together.
+        basis, sd = refined_frequency(record, basis)
+        basis = replace(basis, harmonics=affordable)
+        basis, sd = refined_frequency(record, basis)
+    if not 0.3 * omega < basis.omega < 3 * omega:
+        raise DataError(f"{record.name}: no frequency found; give it with omega (CLI: --frequency)")
+    if trim:
+        basis = _whole_cycles(basis)
+        if refine:
+            basis, sd = refined_frequency(record, basis)
+    if (basis.stop - basis.start) * basis.omega < 0.95 * 2 * np.pi:
+        cycles = (basis.stop - basis.start) * basis.omega / (2 * np.pi)
+        raise DataError(f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s; at least one is needed")
+    return basis, sd
+
+
+def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> int:
+    count = sum(len(time) for time, _ in record.blocks(part.start, part.stop))
+    cycles = (part.stop - part.start) * omega / (2 * np.pi)
+    most = min(int(count / max(cycles, 1.0) / 2.5), (count - 4) // 6)
+    if most < 1:
+        raise DataError(f"{record.name}: {count} samples in {cycles:.3g} cycles are too few for one harmonic")
+    return min(harmonics, most)
+
+
+def _whole_cycles(basis: Basis) -> Basis:
+    """The middle of the part, cut to whole cycles, so that unfitted harmonics cannot leak into the fitted ones."""
+    period = 2 * np.pi / basis.omega
+    whole = np.floor((basis.stop - basis.start) / period + 0.02)
+    if whole < 3:
+        # Every sample counts here, and a third of them would be cut.
+        return basis
+    spare = max(basis.stop - basis.start - whole * period, 0.0)
+    start = basis.start + 0.5 * spare
+    return replace(basis, start=start, stop=min(start + whole * period, basis.stop))
+
+
+def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], record: Record) -> Harmonics:
+    moved, force = fit.amplitude
+    if not abs(moved[0]) > 0:
+        raise DataError(f"{record.name}: the displacement does not move")
+    stiffness = complex(force[0] / moved[0])
+    by_residual = _propagated(complex(moved[0]), fit)
+    by_cycles = _scatter(fit.groups)
+    sd, extra = _chosen(by_residual, by_cycles, len(fit.groups), fit.freedom)
+    if len(moved) >= 3 and abs(moved[2]) > 0.05 * abs(moved[0]):
+        extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
+    floor = 4 * np.finfo(float).eps * abs(stiffness)
+    inflation = np.sqrt(fit.noise[0]) / fit.residual[0] if fit.residual[0] > 0 else 1.0
+    return Harmonics(
+        basis.omega,
+        float(omega_sd * inflation),
+        stiffness,
+        complex(max(sd.real, floor), max(sd.imag, floor)),
+        by_residual,
+        by_cycles,
+        moved,
+        force,
+        fit.level,
+        fit.drift,
+        fit.residual,
+        basis.start,
+        basis.stop,
+        (basis.stop - basis.start) * basis.omega / (2 * np.pi),
+        fit.samples,
+        (*notes, *extra),
+    )
+
+
+def _propagated(moved: complex, fit: Fit) -> complex:
+    """Standard deviations of K' and K'' by dK = (dU - K dX) / X.
+
+    What matters is the noise of u - K x near omega, with K turning the displacement's noise: its cosine and sine
+    coefficients (a, b) have the covariance of noise times inverse, and the pair is the amplitude a - ib.
+    """
+    slopes = np.array([1.0, -1j]) / moved
+    jacobian = np.stack([slopes.real, slopes.imag])
+    covariance = fit.noise[2] * jacobian @ fit.inverse @ jacobian.T
+    return complex(*np.sqrt(np.maximum(np.diag(covariance), 0.0)))
+
+
+def _scatter(groups: Complex) -> complex:
+    """Standard deviations of the mean K' and K'' from their scatter between groups of cycles."""
+    if len(groups) < 3:
+        return complex(np.nan, np.nan)
+    each = groups[:, 1] / groups[:, 0]
+    root = np.sqrt(len(each))
+    return complex(np.std(each.real, ddof=1) / root, np.std(each.imag, ddof=1) / root)
+
+
+def _chosen(by_residual: complex, by_cycles: complex, groups: int, freedom: float) -> tuple[complex, tuple[str, ...]]:
+    """The residuals' estimate, unless cycles scatter more than chance (1 %, F test) allows."""
+    if groups < 3:
+        return by_residual, ()
+    from scipy.special import fdtri
+
+    limit = np.sqrt(fdtri(groups - 1, freedom, 0.99))
+    if by_cycles.real <= limit * by_residual.real and by_cycles.imag <= limit * by_residual.imag:
+        return by_residual, ()
+    larger = complex(max(by_residual.real, by_cycles.real), max(by_residual.imag, by_cycles.imag))
+    return larger, ("cycles differ by more than the noise within them: their scatter gives the uncertainty",)
+
+
+def stiffness_unit(displacement: str, force: str) -> tuple[float, str]:
+    """Factor and unit of force over displacement, such as (1.0, ``N/mm``) or (100.0, ``Pa``) for Pa over %.
+
+    Raises
+    ------
+    DataError
+        If the pair makes neither a stiffness, a modulus nor a torsional stiffness.
+    """
+    linear = force in FORCE_UNITS and displacement in LENGTH_UNITS
+    if linear or (force in TORQUE_UNITS and displacement in ANGLE_UNITS):
+        return 1.0, f"{force}/{displacement}"
+    if force in PRESSURE_UNITS and displacement in STRAIN_UNITS:
+        return 1.0 / STRAIN_UNITS[displacement], force
+    raise DataError(
+        f"[{force}] over [{displacement}] is no stiffness: "
+        "give force and length, stress and strain, or torque and angle"
+    )
+
+
+def measurement_from_signals(
+    tests: Iterable[Signals],
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+    name: str | None = None,
+    provenance: Mapping[str, str] | None = None,
+) -> Measurement:
+    """One measurement of several tests, a row for each.
+
+    Parameters
+    ----------
+    tests : iterable of Signals
+        Taken one after the other, so that long ones need not be in memory together; all in the same units.
+    omega, n_harmonics, window
+        As in `harmonics_of`, for every test.
+    name : str, optional
+        Name of the measurement; by default that of the first test.
+    provenance : mapping of str to str, optional
+        Where the signals come from; notes of the single tests are added.
+
+    Returns
+    -------
+    Measurement
+        With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``.
+    """
+    rows, names, units, origin = [], [], [], dict(provenance or {})
+    for test in tests:
+        row = harmonics_of(
+            test.time,
+            test.displacement,
+            test.force,
+            omega=omega,
+            n_harmonics=n_harmonics,
+            window=window,
+            name=test.name,
+        )
+        rows.append(row)
+        names.append(PurePath(test.name).stem)
+        units.append((test.displacement_unit, test.force_unit))
+        if row.notes:
+            origin[f"note {names[-1]}"] = "; ".join(row.notes)
+    if not rows:
+        raise DataError("no signals given: name at least one file")
+    if len(set(units)) > 1:
+        shown = ", ".join(sorted({f"[{d}] and [{f}]" for d, f in units}))
+        raise DataError(f"the signals come in different units ({shown}): convert them first")
+    return _measurement(rows, names, units[0], name or names[0], origin)
+
+
+def _measurement(
+    rows: list[Harmonics], names: list[str], units: tuple[str, str], name: str, provenance: dict[str, str]
+) -> Measurement:
+    factor, unit = stiffness_unit(*units)
+    width = max(len(row.force) for row in rows) - 1
+    relative = np.full((len(rows), width), complex(np.nan, np.nan))
+    for i, row in enumerate(rows):
+        relative[i, : len(row.force) - 1] = row.relative
+    return Measurement(
+        omega=np.array([row.omega for row in rows]),
+        stiffness=factor * np.array([row.stiffness for row in rows], dtype=np.complex128),
+        sd=factor * np.array([row.sd for row in rows], dtype=np.complex128),
+        conditions={"amplitude": np.array([row.amplitude for row in rows])},
+        harmonics=relative if width else None,
+        units=Units(unit, units[0]),
+        name=name,
+        provenance={"method": "least squares of harmonics, eq. (36)-(43)", **provenance},
+        labels={"file": np.array(names)},
+    )

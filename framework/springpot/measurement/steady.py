@@ -1,0 +1,192 @@
+"""Finds the frequency of a record and the part of it in which the oscillation is steady."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Complex, Real
+
+from .record import Record
+
+EXCERPT = 1 << 17
+"""Samples from which the frequency is first read."""
+QUARTERS = 4
+TOLERANCE = 0.02
+"""Displacement amplitudes that differ by less, relative, belong to one steady part."""
+
+
+@dataclass(frozen=True)
+class Steady:
+    """The steady part of a record.
+
+    Parameters
+    ----------
+    start, stop : float
+        Its limits in seconds.
+    notes : tuple of str
+        What a user should know about it.
+    """
+
+    start: float
+    stop: float
+    notes: tuple[str, ...] = ()
+
+
+def coarse_frequency(record: Record) -> float:
+    """Angular frequency of the strongest oscillation of the displacement, in rad/s, good to a fraction of 1/duration.
+
+    Raises
+    ------
+    DataError
+        If the displacement does not move.
+    """
+    n = len(record.time)
+    middle = slice(max(0, (n - EXCERPT) // 2), max(0, (n - EXCERPT) // 2) + EXCERPT)
+    omega, cycles = _peak(record, middle)
+    if cycles < 4 and n > EXCERPT:
+        # Sampled so finely that the excerpt holds no few cycles: every k-th sample of the whole shows them.
+        omega, _ = _peak(record, slice(None, None, -(-n // EXCERPT)))
+    return omega
+
+
+def _peak(record: Record, rows: slice) -> tuple[float, float]:
+    """Frequency with the largest Fourier amplitude, and the cycles that the rows hold at it."""
+    time, moved = np.asarray(record.time[rows]), np.asarray(record.displacement[rows])
+    good = np.isfinite(moved)
+    time, moved = time[good] - time[0], moved[good]
+    if len(time) < 8 or not np.ptp(moved) > 1e-12 * np.max(np.abs(moved)):
+        raise DataError(f"{record.name}: the displacement does not move")
+    even = np.linspace(time[0], time[-1], len(time))
+    span = even[-1] - even[0]
+    trend = np.polynomial.Polynomial.fit(even, moved, 1)
+    level = np.interp(even, time, moved)
+    smooth = level - trend(even)
+    padded = 1 << int(np.ceil(np.log2(8 * len(even))))
+    power = np.abs(np.fft.rfft(smooth * np.hanning(len(even)), padded))
+    power[: padded // (2 * len(even))] = 0.0
+    best = int(np.argmax(power))
+    omega = 2 * np.pi * best * (len(even) - 1) / (padded * span)
+    omega = _sharpened(even, level, omega)
+    return omega, omega * span / (2 * np.pi)
+
+
+def _sharpened(time: Real, values: Real, omega: float) -> float:
+    """The frequency near `omega` whose sinusoid fits best: a short record displaces the peak of its spectrum."""
+    per_cycle = 2 * np.pi / omega * len(time) / (time[-1] - time[0])
+    step = max(1, min(len(time) // 4096, int(per_cycle // 16)))
+    time, values = time[::step][: 1 << 14], values[::step][: 1 << 14]
+    width = 1.5 * np.pi / (time[-1] - time[0])
+    trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, 61)
+    left = [_left_over(time, values, trial) for trial in trials]
+    return float(trials[int(np.argmin(left))])
+
+
+def _left_over(time: Real, values: Real, omega: float) -> float:
+    drift = (time - time[0]) / (time[-1] - time[0])
+    basis = np.column_stack([np.ones_like(time), drift, np.cos(omega * time), np.sin(omega * time)])
+    fitted = basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
+    return float(np.sum((values - fitted) ** 2))
+
+
+def steady_part(record: Record, omega: float) -> Steady:
+    """The longest part in which the displacement amplitude is constant, without the force's initial transient.
+
+    Parameters
+    ----------
+    record : Record
+        The signals.
+    omega : float
+        Angular frequency in rad/s.
+
+    Returns
+    -------
+    Steady
+        The part; the whole record where the amplitude never settles, with a note that says so.
+    """
+    begin, end = float(record.time[0]), float(record.time[-1])
+    whole = Steady(begin, np.nextafter(end, np.inf))
+    quarter = 2 * np.pi / omega / QUARTERS
+    if record.span < 2 * QUARTERS * quarter:
+        return Steady(whole.start, whole.stop, ("fewer than two cycles: the whole record was used",))
+    moved, force, spread = _demodulated(record, omega)
+    size = np.abs(moved)
+    if not np.nanmax(size, initial=0.0) > 0:
+        return whole
+    loud = size > 0.2 * np.nanmax(size)
+    noise = float(np.nanmedian(spread[loud] / size[loud]))
+    for tolerance in max(TOLERANCE, 4 * noise) * np.array([1.0, 2.0, 4.0]):
+        first, last = _longest_level(np.where(loud, size, np.nan), float(tolerance))
+        if last - first > QUARTERS:
+            first += _transient(force[first:last] / moved[first:last])
+            start, stop = begin + first * quarter, begin + (last + QUARTERS - 1) * quarter
+            relaxed = tolerance > 2.5 * TOLERANCE
+            notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",) if relaxed else ()
+            return Steady(start, min(stop, whole.stop), notes)
+    return Steady(whole.start, whole.stop, ("the amplitude never settles: the whole record was used",))
+
+
+def _demodulated(record: Record, omega: float) -> tuple[Complex, Complex, Real]:
+    """First-harmonic amplitudes of both channels over one period, every quarter of a period.
+
+    Returns
+    -------
+    displacement, force : ndarray of complex, shape (m,)
+        Amplitudes, nan where samples are missing.
+    spread : ndarray, shape (m,)
+        Standard deviation of the displacement amplitude.
+    """
+    begin = float(record.time[0])
+    bins = int(record.span * omega / (2 * np.pi) * QUARTERS) + 1
+    # Sums over each quarter of (1, cos, sin) by itself, by the channels, and of the squared displacement.
+    sums, origin = np.zeros((bins, 16)), None
+    for time, both in record.blocks():
+        origin = both[0] if origin is None else origin
+        phase = omega * (time - begin)
+        which = np.minimum((phase * (QUARTERS / (2 * np.pi))).astype(int), bins - 1)
+        c, s = np.cos(phase), np.sin(phase)
+        q, u = (both - origin).T
+        terms = (None, c, s, c, c * c, c * s, s, c * s, s * s, q, q * c, q * s, u, u * c, u * s, q * q)
+        for column, term in enumerate(terms):
+            sums[:, column] += np.bincount(which, term, bins)
+    rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
+    normal, right = rolled[:, :9].reshape(-1, 3, 3), np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
+    # A period with gaps leaves cosine and sine alike: it tells nothing.
+    good = np.linalg.cond(np.nan_to_num(normal)) < 1e4
+    normal[~good] = np.eye(3)
+    solved = np.linalg.solve(normal, right)
+    amplitude = solved[:, 1] - 1j * solved[:, 2]
+    amplitude[~good] = np.nan
+    count = rolled[:, 0]
+    left = np.maximum(rolled[:, 15] - np.sum(solved[:, :, 0] * right[:, :, 0], axis=1), 0.0)
+    spread = np.sqrt(2 * left / np.maximum(count - 3, 1) / np.maximum(count, 1))
+    return amplitude[:, 0], amplitude[:, 1], spread
+
+
+def _longest_level(size: Real, tolerance: float) -> tuple[int, int]:
+    """The longest run of values within a relative `tolerance` of one level; the higher level wins a tie."""
+    best = (0, 0)
+    levels = np.unique(np.nanquantile(size, np.linspace(0.0, 1.0, 65)))[::-1]
+    for level in levels:
+        inside = np.abs(size - level) <= tolerance * level
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+        starts, stops = edges[::2], edges[1::2]
+        if len(starts):
+            longest = int(np.argmax(stops - starts))
+            run = int(starts[longest]), int(stops[longest])
+            best = max(best, run, key=lambda r: r[1] - r[0])
+    return best
+
+
+def _transient(stiffness: Complex) -> int:
+    """How many leading values differ from those of the second half by more than their scatter."""
+    settled = stiffness[len(stiffness) // 2 :]
+    centre = np.median(settled.real) + 1j * np.median(settled.imag)
+    away = np.abs(stiffness - centre)
+    limit = max(0.05 * abs(centre), 6 * float(np.median(away[len(away) // 2 :])))
+    outside = np.flatnonzero(away[: len(away) // 2] > limit)
+    # Only an unbroken beginning is a transient; what comes later is scatter.
+    leading = int(np.argmin(np.append(away[: len(away) // 2] > limit, False))) if len(outside) else 0
+    return min(leading, max(0, len(stiffness) - QUARTERS - 1))

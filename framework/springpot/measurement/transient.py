@@ -1,0 +1,105 @@
+"""The transient with which a test starts: its time constant by variable projection."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .fit import GONE, Basis, Fit, fit_harmonics
+from .record import Record
+
+STEP = 1.25
+"""Ratio of neighbouring time constants; the fit's second transient column makes up for what lies between them."""
+LONGEST = 4.0
+"""Periods; what dies away more slowly than that is a drift and cannot pass for a harmonic."""
+CHANCE = 1e-5
+"""Of taking noise for a transient; one that hides in the noise moves K by less than its standard deviation."""
+ROUNDING = 1e-20
+"""Share of the square of exact signals that is left over."""
+UNLIKE = 1e-3
+"""Chance by which a first cycle like the others is left out."""
+
+
+def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
+    """Least squares with a decaying transient from the beginning of the part on, if there is one.
+
+    The evidence is what the transient takes from the squared residuals, counted in the noise that it leaves near
+    omega: slow noise of the same colour is not mistaken for it.
+    """
+    from scipy.special import chdtri, fdtri
+
+    trial, gain, noise = _strongest(record, basis)
+    if np.any(gain > chdtri(1, CHANCE) * noise):
+        fit = fit_harmonics(record, trial)
+        if np.any(gain > fdtri(1, fit.freedom, 1 - CHANCE) * fit.noise[:2]):
+            return trial, fit
+    return basis, fit_harmonics(record, basis)
+
+
+def unsteady_cycles(fit: Fit) -> int:
+    """How many leading groups of cycles have a stiffness unlike that of the second half.
+
+    Compared with the mean and scatter of the second half (F test); what comes after the first steady group is
+    scatter and stays.
+    """
+    from scipy.special import fdtri
+
+    each = fit.groups[:, 1] / fit.groups[:, 0]
+    settled = each[len(each) // 2 :]
+    n = len(settled)
+    if n < 3 or not np.isfinite(each).all():
+        return 0
+    centre = settled.mean()
+    variance = max(float(np.sum(np.abs(settled - centre) ** 2)) / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
+    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - UNLIKE)
+    unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
+    return int(np.argmin(np.append(unlike, False)))
+
+
+def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
+    """The basis with the transient that explains most, its gain and the noise variance, (2,) for the channels.
+
+    A transient is linear but for its time constant, so that this alone is searched: each trial is one more column,
+    made orthogonal to the rest (variable projection, doi:10.1137/0710036).
+    """
+    period = 2 * np.pi / basis.omega
+    longest = min(LONGEST * period, (basis.stop - basis.start) / 4)
+    trials = np.exp(np.arange(np.log(period / 16), np.log(longest), np.log(STEP)))
+    size = basis.size
+    total = size + len(trials)
+    normal, right, square, count = np.zeros((total, total)), np.zeros((total, 2)), np.zeros(2), 0
+    for time, both in record.blocks(basis.start, basis.stop):
+        if not len(time):
+            continue
+        columns = basis.columns(time)
+        if time[0] - basis.start < GONE * longest:
+            columns = np.concatenate([columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1)
+        have = columns.shape[1]
+        normal[:have, :have] += columns.T @ columns
+        right[:have] += columns.T @ both
+        square += np.sum(both**2, axis=0)
+        count += len(time)
+    gain, explained = _gains(normal, right, size)
+    left = np.maximum(square - explained, ROUNDING * square) + np.finfo(float).tiny
+    best = int(np.argmax(np.sum(gain / left, axis=1)))
+    noise = np.maximum(left - gain[best], ROUNDING * square) / max(count - size - 2, 1)
+    if count <= 2 * size:
+        return basis, np.zeros(2), np.ones(2)
+    return replace(basis, transient=float(trials[best])), gain[best], noise
+
+
+def _gains(normal: Real, right: Real, size: int) -> tuple[Real, Real]:
+    """What each trial takes from the squared residuals, (t, 2), and what the columns before them explain, (2,)."""
+    scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+    normal, right = normal / np.outer(scale, scale), right / scale[:, None]
+    shared = np.linalg.lstsq(
+        normal[:size, :size], np.column_stack([right[:size], normal[:size, size:]]), rcond=1e-13
+    )[0]
+    remaining = 1 - np.sum(normal[:size, size:] * shared[:, 2:], axis=0)
+    reach = right[size:] - normal[size:, :size] @ shared[:, :2]
+    # A trial that the other columns can imitate gains nothing.
+    gain = np.where(remaining[:, None] > 1e-3, reach**2 / np.maximum(remaining, 1e-3)[:, None], 0.0)
+    return gain, np.sum(right[:size] * shared[:, :2], axis=0)

@@ -1,0 +1,198 @@
+"""Units of dynamic tests: a small table with exact factors to SI, and the units of a model's parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.rheology import Dimension
+
+T = TypeVar("T", float, NDArray[np.float64])
+
+FORCE_UNITS = {
+    "N": 1.0,
+    "kN": 1e3,
+    "mN": 1e-3,
+    "MN": 1e6,
+    "uN": 1e-6,
+    "lbf": 4.4482216152605,
+    "kip": 4448.2216152605,
+    "kgf": 9.80665,
+    "dyn": 1e-5,
+}
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048}
+TORQUE_UNITS = {
+    "N m": 1.0,
+    "kN m": 1e3,
+    "mN m": 1e-3,
+    "uN m": 1e-6,
+    "N mm": 1e-3,
+    "lbf in": 0.1129848290276167,
+}
+ANGLE_UNITS = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295}
+STIFFNESS_UNITS = {f"{f}/{d}": n / m for f, n in FORCE_UNITS.items() for d, m in LENGTH_UNITS.items()}
+TORSION_UNITS = {f"{t}/{a}": n / r for t, n in TORQUE_UNITS.items() for a, r in ANGLE_UNITS.items()}
+PRESSURE_UNITS = {
+    "Pa": 1.0,
+    "hPa": 1e2,
+    "kPa": 1e3,
+    "MPa": 1e6,
+    "GPa": 1e9,
+    "mPa": 1e-3,
+    "bar": 1e5,
+    "psi": 6894.757293168361,
+    "ksi": 6894757.293168361,
+    "N/mm^2": 1e6,
+    "N/m^2": 1.0,
+    "dyn/cm^2": 0.1,
+    "kgf/cm^2": 98066.5,
+}
+STRAIN_UNITS = {"-": 1.0, "%": 0.01}
+FREQUENCY_UNITS = {
+    "Hz": 6.283185307179586,
+    "rad/s": 1.0,
+    "kHz": 6283.185307179586,
+    "mHz": 0.006283185307179586,
+    "1/min": 0.10471975511965977,
+}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
+TEMPERATURE_UNITS = {"degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0}
+_USUAL = {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "lbf/in": STIFFNESS_UNITS["lbf/in"]}
+MODULUS_UNITS = _USUAL | PRESSURE_UNITS | STIFFNESS_UNITS | TORSION_UNITS
+AMPLITUDE_UNITS = LENGTH_UNITS | STRAIN_UNITS | ANGLE_UNITS
+
+_SPELLINGS = {
+    "°c": "degC", "degc": "degC", "c": "degC", "celsius": "degC", "deg c": "degC", "℃": "degC", "kelvin": "K",
+    "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rads/s": "rad/s", "rad s^-1": "rad/s",
+    "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
+    "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in",
+}  # fmt: skip
+_SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
+_SHOWN = 12
+
+
+def normal_unit(text: str) -> str:
+    """The usual spelling of a unit: `°C` and `degC` are one, but `mPa` and `MPa` stay two."""
+    unit = " ".join(text.translate(_SIGNS).split())
+    if (spelt := _SPELLINGS.get(unit.lower())) is not None:
+        return spelt
+    over, slash, under = (part.strip() for part in unit.partition("/"))
+    over = over.replace("Nm", "N m") if over in ("Nm", "mNm", "uNm", "kNm", "Nmm") else over
+    if not slash and over.endswith("^-1") and " " in over:
+        over, _, under = over[:-3].rpartition(" ")
+        slash = "/"
+    return f"{over}{slash}{under}"
+
+
+def known_unit(text: str, table: dict[str, float], what: str) -> str:
+    """`text` as the table spells it.
+
+    Raises
+    ------
+    DataError
+        If the unit is unknown, with the nearest known ones.
+    """
+    unit = normal_unit(text)
+    if unit in table:
+        return unit
+    folded = [known for known in table if known.lower() == unit.lower()]
+    # Case may be sloppy, but it must not turn mega into milli.
+    if len(folded) == 1 and (folded[0][0] == unit[0] or unit[0] not in "mM"):
+        return folded[0]
+    near = folded or get_close_matches(unit, table, n=2, cutoff=0.5)
+    hint = f"did you mean {' or '.join(f'[{n}]' for n in near)}? " if near else ""
+    shown = ", ".join(list(table)[:_SHOWN]) + (", ..." if len(table) > _SHOWN else "")
+    raise DataError(f"unknown unit [{text}] for {what}: {hint}known are {shown}")
+
+
+@dataclass(frozen=True)
+class Units:
+    """The units a measurement came in, in which its results are printed.
+
+    Parameters
+    ----------
+    stiffness : str
+        Unit of storage and loss, such as ``kN/m`` or ``Pa``.
+    amplitude : str
+        Unit of the amplitude, such as ``mm`` or ``-``.
+    """
+
+    stiffness: str = "Pa"
+    amplitude: str = "-"
+
+    @property
+    def is_modulus(self) -> bool:
+        """Whether stress over strain was measured, rather than force over displacement."""
+        return self.stiffness in PRESSURE_UNITS
+
+    def of(self, dimension: Dimension, order: float | None = None) -> tuple[float, str]:
+        """Factor and label with which a parameter of this dimension is printed.
+
+        Parameters
+        ----------
+        dimension : Dimension
+            Powers of stiffness, time and amplitude.
+        order : float, optional
+            Value of the order where it is the power of time.
+
+        Returns
+        -------
+        factor : float
+            Multiplies the value in the measurement's own units.
+        label : str
+            The unit, such as ``kg`` or ``kN s^alpha/m``.
+        """
+        if dimension.label:
+            return 1.0, dimension.label
+        special = self._mechanical(dimension)
+        return special if special else (1.0, self._plain(dimension))
+
+    def _mechanical(self, dimension: Dimension) -> tuple[float, str] | None:
+        powers = (dimension.stiffness, dimension.time, dimension.amplitude)
+        stiff = MODULUS_UNITS[self.stiffness]
+        if powers == (1, 2, 0):
+            label = "kg/m" if self.is_modulus else "kg m^2/rad^2" if self.stiffness in TORSION_UNITS else "kg"
+            return stiff, label
+        if powers == (1, 0, 1) and not self.is_modulus and self.amplitude in LENGTH_UNITS:
+            return stiff * LENGTH_UNITS[self.amplitude], "N"
+        if powers == (1, 0, 1) and self.is_modulus and self.amplitude in STRAIN_UNITS:
+            return STRAIN_UNITS[self.amplitude], self.stiffness
+        if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
+            reach = AMPLITUDE_UNITS[self.amplitude]
+            return 1.0 / (stiff * reach * reach), "m^3/W" if self.is_modulus else "1/W"
+        return None
+
+    def _plain(self, dimension: Dimension) -> str:
+        stiff = _with_time(self.stiffness, dimension.time) if dimension.stiffness == 1 else ""
+        if dimension.stiffness == -1:
+            stiff = f"1/({self.stiffness})" if "/" in self.stiffness else f"1/{self.stiffness}"
+        if not dimension.stiffness and dimension.time:
+            stiff = {1: "s", -1: "rad/s", 2: "s^2"}.get(dimension.time, f"s^{dimension.time}")  # type: ignore[call-overload]
+        length = _power(self.amplitude, dimension.amplitude) if self.amplitude != "-" else ""
+        return " ".join(part for part in (stiff, length) if part) or "-"
+
+
+def _power(unit: str, power: int) -> str:
+    return "" if power == 0 else unit if power == 1 else f"{unit}^{power}"
+
+
+def _with_time(unit: str, time: float | str) -> str:
+    """``kN/m`` with ``alpha`` gives ``kN s^alpha/m``, as the paper prints it."""
+    if time == 0:
+        return unit
+    name = time.rpartition(".")[2] if isinstance(time, str) else time
+    seconds = "s" if name == 1 else f"s^{name}"
+    over, slash, under = unit.partition("/")
+    return f"{over} {seconds}{slash}{under}"
+
+
+def temperature_in_celsius(value: T, unit: str) -> T:
+    """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits."""
+    if unit == "K":
+        return value - 273.15
+    return (value - 32.0) * TEMPERATURE_UNITS["degF"] if unit == "degF" else value

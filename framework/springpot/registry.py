@@ -1,0 +1,273 @@
+"""Finds plugins and keeps what they offer; a faulty one is named and set aside, the rest work on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pluggy
+
+from springpot import hooks
+from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
+from springpot.files import write_text
+from springpot.measurement import Measurement, Part, opening
+from springpot.rheology import Effect, Model
+from springpot.rheology.family import Family
+from springpot.rheology.lookup import use_finder
+from springpot.shelf import KINDS, Kind, Owner, Shelf
+
+T = TypeVar("T")
+
+PREFIX = f"{hooks.GROUP}_"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A plugin, or one of its hooks, that could not be used.
+
+    Parameters
+    ----------
+    plugin, distribution : str
+        Entry point and the installed distribution it comes from.
+    reason : str
+        What went wrong, in one line.
+    """
+
+    plugin: str
+    distribution: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"plugin '{self.plugin}' of {self.distribution} is unavailable: {self.reason}"
+
+
+class Registry:
+    """Plugins and what they offer.
+
+    Parameters
+    ----------
+    points : iterable of EntryPoint
+        Entry points of the group ``springpot``. Those of springpot itself come first, then one distribution after
+        the other by name, so that nothing depends on the order in which they were installed.
+    """
+
+    def __init__(self, points: Iterable[EntryPoint]) -> None:
+        self.faults: list[Fault] = []
+        self.manager = pluggy.PluginManager(hooks.GROUP)
+        self.manager.add_hookspecs(hooks)
+        self._owners: dict[str, Owner] = {}
+        for point in sorted(points, key=_order):
+            owner = self._owner(point)
+            with self._guarded(owner):
+                self.manager.register(point.load(), name=owner.plugin)
+        self._report_slips()
+        self.shelves = {word: self._fill(kind) for word, kind in KINDS.items()}
+
+    def _owner(self, point: EntryPoint) -> Owner:
+        """The plugin of an entry point; two distributions may well choose the same name for it."""
+        distribution = _distribution(point)
+        name = point.name if point.name not in self._owners else f"{point.name} ({distribution})"
+        return self._owners.setdefault(name, Owner(name, distribution))
+
+    @contextmanager
+    def _guarded(self, owner: Owner) -> Iterator[None]:
+        try:
+            yield
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            # Not only exceptions: a plugin may call sys.exit, and faults of extensions in Rust derive from the base.
+            known = isinstance(error, SpringpotError)
+            self._fault(owner, str(error) if known else f"{type(error).__name__}: {error}")
+
+    def _fault(self, owner: Owner, reason: str) -> None:
+        line = " ".join(reason.split())
+        self.faults.append(Fault(owner.plugin, owner.distribution, line if len(line) <= 300 else f"{line[:297]}..."))
+
+    def _report_slips(self) -> None:
+        known = [name for name in dir(hooks) if name.startswith(PREFIX)]
+        for name, plugin in self.manager.list_name_plugin():
+            with self._guarded(self._owners[name]):
+                for attribute in [each for each in dir(plugin) if each.startswith(PREFIX)]:
+                    slip = _slip(attribute, getattr(plugin, attribute), known)
+                    if slip:
+                        self._fault(self._owners[name], slip)
+
+    def _fill(self, kind: Kind[T]) -> Shelf[T]:
+        shelf: Shelf[T] = Shelf(kind)
+        for impl in getattr(self.manager.hook, kind.hook).get_hookimpls():
+            owner = self._owners[impl.plugin_name]
+            with self._guarded(owner):
+                for item in _sequence(impl.function(), kind):
+                    with self._guarded(owner):
+                        shelf.put(_accepted(item, kind), owner)
+        for owner, says in shelf.settle():
+            self._fault(owner, says)
+        return shelf
+
+    def names(self, word: str) -> list[str]:
+        """Names of all things of one kind whose name is not in dispute."""
+        return list(self.shelves[word].undisputed())
+
+    def items(self, word: str) -> Iterator[Any]:
+        """All things of one kind whose name is not in dispute."""
+        return iter(self.shelves[word].undisputed().values())
+
+    def find(self, word: str, name: str) -> Any:
+        """The thing of that kind and name.
+
+        Raises
+        ------
+        ModelError
+            If there is none, with the nearest names.
+        PluginError
+            If two plugins claim the name.
+        """
+        found = self.shelves[word].find(name)
+        if found is None:
+            near = get_close_matches(name, self.shelves[word].known(), n=3, cutoff=0.5)
+            hint = f"did you mean {', '.join(near)}?" if near else f"see 'springpot list {word.replace(' ', '')}s'"
+            raise ModelError(f"unknown {word} '{name}': {hint}")
+        return found
+
+    def model(self, name: str) -> Model:
+        """The model without effects called `name`, a member of a family included."""
+        shelf = self.shelves["model"]
+        found = shelf.find(name)
+        if found is None:
+            members = (item.member(name) for item in self.items("model") if isinstance(item, Family))
+            found = next((member for member in members if member is not None), None) or self.find("model", name)
+        if isinstance(found, Family):
+            raise ModelError(f"model '{name}' needs a number for N, such as {found.name[:-1]}3")
+        model: Model = found
+        return model
+
+    def effect(self, name: str) -> Effect:
+        """The effect called `name`."""
+        effect: Effect = self.find("effect", name)
+        return effect
+
+
+def _distribution(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else "an unknown distribution"
+
+
+def _order(point: EntryPoint) -> tuple[bool, str]:
+    name = _distribution(point)
+    return name != hooks.GROUP, name
+
+
+def _slip(attribute: str, value: object, known: list[str]) -> str:
+    """What is wrong with a function that looks like a hook, or nothing."""
+    marked = hasattr(value, f"{PREFIX}impl")
+    if marked and attribute not in known:
+        # The prefix that all hooks share would make anything look near.
+        words = [name.removeprefix(PREFIX) for name in known]
+        near = get_close_matches(attribute.removeprefix(PREFIX), words, n=1)
+        hint = f"did you mean {PREFIX}{near[0]}?" if near else f"known are {', '.join(known)}"
+        return f"there is no hook {attribute}: {hint}"
+    if attribute in known and callable(value) and not marked and not hasattr(value, f"{PREFIX}spec"):
+        return f"{attribute} is not marked with @hookimpl and does nothing"
+    return ""
+
+
+def _sequence(offered: object, kind: Kind[Any]) -> Iterable[object]:
+    if isinstance(offered, str | bytes | Mapping) or not isinstance(offered, Iterable):
+        raise PluginError(f"{kind.hook} must return a list of {kind.word}s, not {offered!r:.80}")
+    return offered
+
+
+def _accepted(item: Any, kind: Kind[T]) -> T:
+    if not kind.accepts(item):
+        hint = " (offer the class itself, with minimise written)" if kind.word == "optimiser" else ""
+        raise PluginError(f"{kind.hook} offers {item!r:.80}, which is no {kind.word}{hint}")
+    accepted: T = item
+    return accepted
+
+
+@cache
+def plugins() -> Registry:
+    """The plugins installed here, loaded once."""
+    found = Registry(entry_points(group=hooks.GROUP))
+    use_finder(found.effect)
+    return found
+
+
+def parse_model(expression: str) -> Model:
+    """The model that an expression such as ``fractional-maxwell + inertia`` names.
+
+    Raises
+    ------
+    ModelError
+        If a part of it is unknown or empty.
+    """
+    parts = [part.strip() for part in expression.split("+")]
+    if not all(parts):
+        raise ModelError(f"'{expression}' has an empty part: write MODEL + EFFECT + EFFECT")
+    found = plugins()
+    try:
+        model = found.model(parts[0])
+    except ModelError:
+        if parts[0] not in {effect.name for effect in found.items("effect")}:
+            raise
+        raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
+    for name in parts[1:]:
+        model = model + found.effect(name)
+    return model
+
+
+def open_measurement(spec: str | Path) -> Measurement:
+    """The measurement that a user names: a file, or a data set, either with conditions (``NAME@temperature=20``).
+
+    Raises
+    ------
+    DataError
+        If there is no such thing, it cannot be read, or no row has the conditions.
+    """
+    found = plugins()
+    return opening.open_measurement(spec, found.items("data set"), found.items("reader"))
+
+
+def parts_of(spec: str | Path) -> tuple[Part, ...]:
+    """The steps, sweeps or sheets of the file that a user names, chosen by ``FILE#2``; none for anything else.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read.
+    """
+    return opening.parts_of(spec, plugins().items("reader"))
+
+
+def signals_to_measurement(
+    paths: Sequence[str | Path],
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+    name: str | None = None,
+) -> Measurement:
+    """Files of displacement and force against time, one test each, as one measurement; see `harmonics_of`."""
+    return opening.signals_to_measurement(
+        paths, plugins().items("reader"), omega=omega, n_harmonics=n_harmonics, window=window, name=name
+    )
+
+
+def write_measurement(measurement: Measurement, path: str | Path) -> Path:
+    """Write a measurement to a file that opens again as the same bits.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written there.
+    """
+    for reader in plugins().items("reader"):
+        if reader.text is not None:
+            return write_text(path, reader.text(measurement))
+    raise OutputError(f"cannot write {path}: no plugin offers a format to write measurements in")

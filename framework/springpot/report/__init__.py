@@ -1,0 +1,1 @@
+"""Reports: numbers, tables, figures and pages made from results."""

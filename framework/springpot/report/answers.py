@@ -1,0 +1,209 @@
+"""Diagnoses, ladders and comparisons as text for people."""
+
+from __future__ import annotations
+
+from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value, Where
+
+from .numbers import number, percent, with_interval
+from .text import Table
+
+SHOWN = 6
+"""Candidates in a table; JSON has all."""
+RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
+SEEN_AT = 8
+"""Absent effects that are named."""
+
+
+def diagnosis_text(diagnosis: Diagnosis) -> str:
+    """The whole answer: verdict, error, where, ranking, what is absent, what to measure next."""
+    parts = [
+        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}\n{diagnosis.says}",
+        error_line(diagnosis),
+        where_text(diagnosis.where),
+        ranking_text(diagnosis),
+        _absent(diagnosis),
+        _next(diagnosis),
+        "\n".join(f"note: {note}" for note in diagnosis.notes),
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def error_line(diagnosis: Diagnosis) -> str:
+    """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``."""
+    error, best = diagnosis.error, diagnosis.best
+    floor = f"noise floor {percent(error.noise_floor)} ({error.noise_source})"
+    if best is None:
+        return f"error {percent(error.relative_rms)}, {times(error.relative_rms, error)}; {floor}"
+    after = f"{percent(best.error_after)} with {best.effect}, {times(best.error_after, error)}"
+    return f"error {percent(error.relative_rms)} -> {after}; {floor}"
+
+
+def times(value: float, error: Error) -> str:
+    """An error in units of the noise floor."""
+    return f"{number(value / error.noise_floor, 2)} x floor" if error.noise_floor > 0 else "no noise floor"
+
+
+def where_text(places: tuple[Where, ...]) -> str:
+    """Where the model fails, a line each."""
+    return "\n".join(["where it fails:", *(f"  {place.says}" for place in places)]) if places else ""
+
+
+def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
+    """Leading effects that are not ruled out; the best one in any case."""
+    open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
+    return (open_ones or list(diagnosis.candidates[:1]))[:most]
+
+
+def ranking_text(diagnosis: Diagnosis) -> str:
+    """The leading effects as a table, and the sentence of physics of each."""
+    rows = worth_showing(diagnosis)
+    if not rows or diagnosis.verdict == "adequate":
+        return ""
+    headers = (
+        "effect",
+        "verdict",
+        "probability",
+        "delta BIC",
+        "predicted",
+        "after",
+        "parameters",
+        "cannot be told from",
+    )
+    cells = [
+        (
+            row.effect,
+            row.verdict,
+            probability(row.probability),
+            number(row.delta_bic, 3),
+            percent(row.predicted_error, 2),
+            percent(row.error_after, 2),
+            "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items()),
+            ", ".join(name for name in row.alike if name != row.effect),
+        )
+        for row in rows
+    ]
+    physics = "\n".join(f"  {row.effect}: {row.says}" for row in rows[:3])
+    return f"{Table(headers, cells, RANKED).plain()}\n\n{physics}"
+
+
+def probability(value: float) -> str:
+    """Three digits, with no false nothing and no false certainty."""
+    return "<0.001" if value < 1e-3 else ">0.999" if value > 0.999 else f"{value:.3f}"
+
+
+def value_text(value: Value) -> str:
+    """``0.42 [0.40, 0.44] kg``."""
+    shown = " ".join(part for part in with_interval(value.value, value.low, value.high) if part)
+    return shown if value.unit == "-" else f"{shown} {value.unit}"
+
+
+def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
+    """Effects that would have been seen, those seen at the smallest size first."""
+    return sorted((c for c in diagnosis.candidates if c.verdict == "absent"), key=lambda c: c.bound)
+
+
+def _absent(diagnosis: Diagnosis) -> str:
+    absent = absent_effects(diagnosis)
+    if not absent:
+        return ""
+    named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:SEEN_AT])
+    more = f" and {len(absent) - SEEN_AT} more" if len(absent) > SEEN_AT else ""
+    return f"absent, or it would have been seen from this share of |K| on: {named}{more}"
+
+
+def _next(diagnosis: Diagnosis) -> str:
+    advice = diagnosis.next_experiment
+    if advice is None:
+        return ""
+    return f"next experiment: {advice.says}"
+
+
+def ladder_text(ladder: Ladder) -> str:
+    """Each step with its error, forecast and what it changed, then the last diagnosis."""
+    headers = ("step", "model", "predicted", "error", "x floor", "noise floor")
+    rows = [
+        (
+            str(i),
+            step.model.name,
+            percent(step.predicted_error, 3),
+            percent(step.relative_rms, 3),
+            number(step.relative_rms / step.noise_floor, 2) if step.noise_floor > 0 else "-",
+            percent(step.noise_floor, 2),
+        )
+        for i, step in enumerate(ladder.steps)
+    ]
+    table = Table(headers, rows, frozenset(headers[2:])).plain()
+    first, last = ladder.steps[0], ladder.steps[-1]
+    line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
+    words = "" if len(ladder.steps) > 1 else ", nothing accepted"
+    parts = [
+        f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
+        table,
+        parameters_text(last),
+        "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
+        f"at the last step: {diagnosis_text(ladder.diagnosis)}",
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def parameters_text(step: Step) -> str:
+    """The parameters of a step with their intervals."""
+    rows = [
+        (name, *with_interval(value.value, value.low, value.high), value.unit)
+        for name, value in step.parameters.items()
+    ]
+    return Table(("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()
+
+
+def changes_text(step: Step) -> str:
+    """What accepting an effect did to the parameters there before."""
+    if not step.accepted or not step.changed:
+        return ""
+    moved = ", ".join(f"{name} by a factor of {number(ratio, 3)}" for name, ratio in step.changed.items())
+    return f"{accepted_name(step)} changed {moved}"
+
+
+def doubt_text(step: Step) -> str:
+    """What an accepted effect may be as well."""
+    rivals = [name for name in step.alike if name != step.accepted]
+    if not rivals:
+        return ""
+    return f"{accepted_name(step)} may as well be {' or '.join(rivals)}: these data cannot tell them apart"
+
+
+def accepted_name(step: Step) -> str:
+    """``+ inertia``, or ``- inertia`` where it was dropped again."""
+    name = step.accepted or ""
+    return f"- {name[1:]}" if name.startswith("-") else f"+ {name}"
+
+
+def comparison_text(comparison: Comparison) -> str:
+    """The models side by side, then what the tests say on each."""
+    headers = ("model", "error", "x floor", "chi2/dof", "delta BIC", "parameters")
+    rows = []
+    for judged in comparison.judgements:
+        error, dof = judged.error, judged.refit.fit.dof
+        ratio = number(error.relative_rms / error.noise_floor, 2) if error.noise_floor > 0 else "-"
+        row = (percent(error.relative_rms), ratio, number(judged.refit.rss / dof, 3), number(judged.delta_bic, 3))
+        rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
+    error = comparison.judgements[0].error
+    parts = [
+        f"{comparison.data}: noise floor {percent(error.noise_floor)} of |K| ({error.noise_source})",
+        Table(headers, rows, frozenset(headers[1:])).plain(),
+    ]
+    for judged in comparison.judgements:
+        state = "fails" if judged.fails else "holds"
+        lines = [f"{judged.model.name} {state}: {judged.says}", *_found(judged.findings)]
+        parts.append("\n".join(lines))
+    parts.append("\n".join(_found(comparison.harmonics)))
+    parts.append("\n".join(f"note: {note}" for note in comparison.notes))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _found(findings: tuple[Finding, ...]) -> list[str]:
+    return [f"  {one.says} ({chance(one.p_value)})" for one in findings if one.found]
+
+
+def chance(value: float) -> str:
+    """``p = 0.004``, with no number smaller than anyone can mean."""
+    return "p < 1e-6" if value < 1e-6 else f"p = {number(value, 2)}"

@@ -1,0 +1,126 @@
+"""Blank figures in one style, and how they reach a file; the only place that knows matplotlib's set-up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from springpot.errors import OutputError
+from springpot.files import require_writable, write_with
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SUFFIXES = (".png", ".svg", ".pdf")
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Told apart by the colour-blind; doi:10.1038/nmeth.1618."""
+
+NARROW = 300.0
+"""A logarithmic axis whose ends differ by less than this factor is also labelled at 2 and 5."""
+
+PLAIN = (3e-4, 3e5)
+"""Between these, numbers on an axis are written out."""
+
+INK, QUIET = "#222222", "#8A8A8A"
+
+STYLE: dict[Any, Any] = {
+    "font.size": 10.0,
+    "axes.titlesize": 10.0,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10.0,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.7,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "legend.frameon": False,
+    "legend.fontsize": 9.0,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 4.5,
+    "mathtext.default": "regular",
+    # The same figure gives the same bytes, so that a changed file means a changed result.
+    "svg.hashsalt": "springpot",
+    # Text in an SVG stays text: it can be searched and read aloud.
+    "svg.fonttype": "none",
+}
+
+
+def check_figure_path(path: str | Path) -> Path:
+    """`path`, after a check that a figure can be written there; called before long work, not after it.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing, the format is unknown or the place cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(SUFFIXES)}")
+    require_matplotlib()
+    return require_writable(path)
+
+
+def require_matplotlib() -> None:
+    """Check that figures can be drawn.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is not installed.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise OutputError("figures need matplotlib: pip install 'springpot[figures]'") from error
+
+
+@contextmanager
+def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
+    """An empty figure of that size in inches, in the house style, without matplotlib's global state."""
+    require_matplotlib()
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(STYLE):
+        yield Figure(figsize=(width, height), layout="constrained")
+
+
+def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
+    """Scale one axis by decades, with numbers as people write them: 0.1, 1, 10 rather than powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
+
+    axes.set(**{f"{direction}scale": "log"})
+    axis = axes.xaxis if direction == "x" else axes.yaxis
+    low, high = sorted(map(abs, axis.get_view_interval()))
+    if low > 0 and high < NARROW * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    plain = PLAIN[0] <= low and high <= PLAIN[1]
+    powers = LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(inf, inf))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}") if plain else powers)
+    axis.set_minor_formatter(NullFormatter())
+
+
+def save(figure: Figure, path: str | Path) -> Path:
+    """Write the figure in the format that the suffix names, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    path = check_figure_path(path)
+    kind = path.suffix.lower()[1:]
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    return write_with(path, lambda file: figure.savefig(file, format=kind, dpi=160, metadata=undated))

@@ -1,0 +1,192 @@
+"""What plugins offer, described for people and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, dataclass, fields
+from typing import Any
+
+from springpot.identification import Objective, Optimiser
+from springpot.measurement import Units
+from springpot.measurement.catalogue import DataSet
+from springpot.measurement.reader import Reader
+from springpot.registry import Registry
+from springpot.rheology import Effect, Model, Parameter
+from springpot.rheology.drawing import drawing_of
+from springpot.rheology.family import Family
+
+from .text import Table, indented
+
+EXAMPLE_UNITS = Units("N/m", "m")
+"""The units in which a model's parameters are listed; results come in those of the data."""
+
+EXAMPLE_MEMBER = 2
+"""The member by which a family such as ``prony-N`` is shown."""
+
+
+@dataclass(frozen=True)
+class KindOfCard:
+    """How one kind of thing is found and shown.
+
+    Parameters
+    ----------
+    word : str
+        What the registry calls it.
+    columns : tuple of str
+        Keys of the description that make the table.
+    describe : callable
+        From the thing to its description.
+    """
+
+    word: str
+    columns: tuple[str, ...]
+    describe: Callable[[Any], dict[str, Any]]
+
+    def find(self, plugins: Registry, name: str) -> Any:
+        """The thing called `name`; of models also a member of a family."""
+        if self.word != "model":
+            return plugins.find(self.word, name)
+        shelf = plugins.shelves["model"]
+        return shelf.items[name] if name in shelf.items else plugins.model(name)
+
+
+def model(item: Model | Family) -> dict[str, Any]:
+    """Describe a model, or a family by its second member."""
+    shown = item.build(EXAMPLE_MEMBER) if isinstance(item, Family) else item
+    return {
+        "name": item.name,
+        "aliases": list(item.aliases),
+        "summary": item.summary,
+        "citation": shown.citation,
+        "parameters": parameters(shown.parameters),
+        "search_parameters": parameters(shown.search.parameters) if shown.search else [],
+        "needs": sorted(shown.needs),
+        "drawing": drawing_of(shown),
+    }
+
+
+def effect(item: Effect) -> dict[str, Any]:
+    """Describe an effect."""
+    return {
+        "name": item.name,
+        "aliases": list(item.aliases),
+        "summary": item.summary,
+        "plane": item.plane,
+        "layer": item.layer.name.lower().replace("_", " "),
+        "needs": sorted(item.needs),
+        "parameters": parameters(item.element.parameters),
+        "citation": item.citation,
+        "approximate": item.approximate,
+    }
+
+
+def optimiser(item: type[Optimiser]) -> dict[str, Any]:
+    """Describe an optimiser with its options and their defaults."""
+    card = item.card
+    return {
+        "name": item.name,
+        "summary": card.summary,
+        "citation": card.citation,
+        "global": card.globally,
+        "gradient": card.gradient,
+        "batched": card.batched,
+        "stochastic": card.stochastic,
+        "options": options(item),
+    }
+
+
+def dataset(item: DataSet) -> dict[str, Any]:
+    """Describe a registered data set, without loading it."""
+    return {
+        "name": item.name,
+        "kind": item.kind,
+        "points": item.size or None,
+        "licence": item.licence,
+        "summary": item.summary,
+        "citation": item.citation,
+        "model": item.model,
+        "truth": dict(item.truth),
+        "physics": list(item.physics),
+        "unavailable": item.unavailable,
+    }
+
+
+def reader(item: Reader) -> dict[str, Any]:
+    """Describe a reader."""
+    return {
+        "name": item.name,
+        "summary": item.summary,
+        "signals": item.signals is not None,
+        "writes": item.text is not None,
+    }
+
+
+def objective(item: Objective) -> dict[str, Any]:
+    """Describe an objective."""
+    return {"name": item.name, "summary": item.summary, "citation": item.citation}
+
+
+def parameters(of: Iterable[Parameter]) -> list[dict[str, Any]]:
+    """Describe parameters, with the units of data in N/m and m."""
+    return [
+        {
+            "name": parameter.name,
+            "symbol": parameter.symbol,
+            "unit": EXAMPLE_UNITS.of(parameter.unit)[1],
+            "lower": parameter.lower,
+            "upper": parameter.upper,
+        }
+        for parameter in of
+    ]
+
+
+def options(of: type[Optimiser]) -> dict[str, Any]:
+    """An optimiser's options and their defaults."""
+    found: dict[str, Any] = {}
+    for option in fields(of):  # type: ignore[arg-type]
+        default = option.default if option.default_factory is MISSING else option.default_factory()
+        found[option.name] = None if default is MISSING else default
+    return found
+
+
+KINDS = {
+    "models": KindOfCard("model", ("name", "parameters", "summary"), model),
+    "optimisers": KindOfCard("optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser),
+    "effects": KindOfCard("effect", ("name", "plane", "needs", "summary"), effect),
+    "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "unavailable", "summary"), dataset),
+    "readers": KindOfCard("reader", ("name", "signals", "writes", "summary"), reader),
+    "objectives": KindOfCard("objective", ("name", "summary"), objective),
+}
+
+
+def cell(value: Any) -> str:
+    """A value of a description as one line of text."""
+    if value is None or value in ("", [], {}):
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else ""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} = {item}" for key, item in value.items())
+    if isinstance(value, list):
+        return ", ".join(item["name"] if isinstance(item, dict) else str(item) for item in value)
+    return str(value)
+
+
+def card(description: dict[str, Any]) -> str:
+    """A description as a few lines: name and summary, the drawing, then whatever is known."""
+    lines = [f"{description['name']}: {description['summary']}"]
+    if description.get("drawing"):
+        lines += ["", indented(description["drawing"]), ""]
+    for key, value in description.items():
+        if key in ("name", "summary", "drawing") or value in (None, "", [], {}, False):
+            continue
+        if key == "parameters":
+            lines += [indented(_parameter_table(value))]
+        else:
+            lines += [f"  {key.replace('_', ' ')}: {cell(value)}"]
+    return "\n".join(lines)
+
+
+def _parameter_table(of: list[dict[str, Any]]) -> str:
+    rows = [[item["name"], item["symbol"], item["unit"], f"{item['lower']:g} to {item['upper']:g}"] for item in of]
+    return Table(("parameter", "symbol", "unit (data in N/m)", "range"), rows).plain()

@@ -1,0 +1,146 @@
+"""Whole figures: a few views with one legend, written to a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from springpot.measurement import Measurement
+
+from . import views
+from .canvas import INK, blank, save
+from .curves import Fit
+from .numbers import percent
+from .views import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+MOST_NAMED = 8
+"""Sweeps named in a legend; of more, evenly chosen ones are."""
+
+MARK_WIDTH = 1.75
+"""Inches for one entry of a legend."""
+
+TITLE_WIDTH = 78
+"""Characters of a title before it is cut."""
+
+
+def figure_identification(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
+    """Storage and loss with the models' curves, and the residuals below.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    fits : sequence of Fit
+        The models with their parameters.
+    path : str or Path
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing or the file cannot be written.
+    """
+    scene = Scene(measurement, fits)
+    with blank(7.2, 5.8) as figure:
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1.4))
+        views.storage_and_loss(above, scene)
+        views.residual(below, scene)
+        above.set_xlabel("")
+        headed(figure, scene)
+        return save(figure, path)
+
+
+def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
+    """All the views that rheologists use, of data and models; parameters as in `figure_identification`."""
+    scene = Scene(measurement, fits)
+    drawings = (
+        views.storage_and_loss,
+        views.residual,
+        views.loss_factor,
+        views.cole_cole,
+        views.black,
+        views.van_gurp_palmen,
+    )
+    names = ("storage and loss", "residual", "loss factor", "Cole-Cole", "Black", "van Gurp-Palmen")
+    with blank(11.0, 10.5) as figure:
+        for axes, draw, name in zip(figure.subplots(3, 2).flat, drawings, names, strict=True):
+            draw(axes, scene)
+            axes.set_title(name)
+        headed(figure, scene)
+        return save(figure, path)
+
+
+def _headline(scene: Scene) -> str:
+    """What is shown, and how well the model fits."""
+    data = scene.measurement
+    if not scene.fits:
+        return _cut(data.name)
+    if len(scene.fits) > 1:
+        return f"{_cut(data.name)}\npoints measured, lines fitted"
+    fit = scene.fits[0]
+    share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
+    error = percent(float(np.sqrt(np.mean(share**2))))
+    return f"{_cut(f'{fit.name} fitted to {data.name}')}\npoints measured, lines fitted; error {error} of |K|"
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= TITLE_WIDTH else f"{text[: TITLE_WIDTH - 1]}…"
+
+
+def headed(figure: Figure, scene: Scene) -> None:
+    """Headline and what the marks mean above the axes, the sweeps beside them: never over the data."""
+    marks = _marks(scene)
+    # A legend's own title is the one headline that the layout keeps clear of the legend.
+    above = figure.legend(
+        handles=marks,
+        title=_literal(_headline(scene)),
+        title_fontsize=11.0,
+        alignment="left",
+        loc="outside upper left",
+        ncols=min(len(marks), int(figure.get_figwidth() / MARK_WIDTH)),
+        handlelength=2.6,
+    )
+    above.get_title().set_color(INK)
+    if scene.by_sweep:
+        figure.legend(handles=_sweep_marks(scene), loc="outside right upper", handlelength=1.0)
+
+
+def _marks(scene: Scene) -> list[Line2D]:
+    plain = not scene.by_sweep and not scene.by_fit
+    first, second = (scene.data_colour(0, 0), scene.data_colour(0, 1)) if plain else (INK, INK)
+    lines = ("-", "--") if scene.fits else ("none", "none")
+    marks = [
+        _mark("storage", first, marker="o", linestyle=lines[0]),
+        _mark("loss", second, marker="o", markerfacecolor="white", linestyle=lines[1]),
+    ]
+    if np.any(scene.measurement.storage < 0) or np.any(scene.measurement.loss < 0):
+        marks.append(_mark("negative: its size", INK, marker="x", linestyle=":" if scene.fits else "none"))
+    if scene.measurement.sd is not None and scene.fits:
+        marks.append(_mark("± 2 standard deviations", "#DDDDDD", linewidth=7.0))
+    if scene.by_fit:
+        marks += [_mark(fit.name, scene.fit_colour(i, 0), linewidth=4.0) for i, fit in enumerate(scene.fits)]
+    return marks
+
+
+def _sweep_marks(scene: Scene) -> list[Line2D]:
+    count = len(scene.sweeps)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_NAMED)).round().astype(int))
+    return [_mark(scene.sweeps[i].label, scene.data_colour(int(i)), marker="s", linestyle="none") for i in chosen]
+
+
+def _mark(label: str, colour: str, **style: Any) -> Line2D:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=colour, label=_literal(label), **style)
+
+
+def _literal(text: str) -> str:
+    """Text from data, in which a dollar sign must not start a formula."""
+    return text.replace("$", r"\$")

@@ -1,0 +1,308 @@
+"""The report of a discovery: one HTML file that needs nothing else, whoever opens it."""
+
+from __future__ import annotations
+
+import platform
+import shlex
+from collections.abc import Iterator, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
+from pathlib import Path
+
+from springpot.benchmark.plan import digest_of_data
+from springpot.diagnosis import Candidate, Diagnosis, Ladder, Step, Where
+from springpot.diagnosis.where import where
+from springpot.errors import OutputError
+from springpot.files import require_writable, write_text
+from springpot.markup import Html, joined, table, tag
+from springpot.measurement import Measurement
+
+from .answers import (
+    absent_effects,
+    accepted_name,
+    changes_text,
+    probability,
+    times,
+    value_text,
+    worth_showing,
+)
+from .canvas import require_matplotlib
+from .curves import Fit
+from .ladder import draw_ladder
+from .network import network_svg
+from .numbers import number, percent, with_interval
+from .page import page
+from .panels import data_and_model, keys, other_views, panel, residual_planes
+from .residuals import with_noise_of
+from .views import Scene
+
+SUFFIXES = (".html", ".htm")
+VERSIONS = ("springpot", "numpy", "scipy")
+RANKED = 10
+"""Effects in a ranking."""
+
+
+def check_report_path(path: str | Path) -> Path:
+    """`path`, after a check that a report can be written there; called before long work, not after it.
+
+    Raises
+    ------
+    OutputError
+        If its name does not end in .html, matplotlib is missing, or the place cannot be written.
+    """
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise OutputError(f"cannot write the report {path}: its name must end in .html")
+    require_matplotlib()
+    return require_writable(path)
+
+
+def write_report(ladder: Ladder, measurement: Measurement, path: str | Path, command: Sequence[str]) -> Path:
+    """Write the report of a discovery.
+
+    Parameters
+    ----------
+    ladder : Ladder
+        The discovery.
+    measurement : Measurement
+        Its data.
+    path : str or Path
+        Where to write.
+    command : sequence of str
+        What gives the same result again.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    return write_text(check_report_path(path), report_html(ladder, measurement, command))
+
+
+def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Html:
+    """The report as text; parameters as in `write_report`."""
+    scenes = _scenes(ladder)
+    body = [
+        *_head(ladder),
+        *_ladder(ladder),
+        tag("h2", "Data and model"),
+        *(tag("p", tag("b", f"{name}: "), scene.fits[0].name) for name, scene in scenes.items()),
+        keys(next(iter(scenes.values()))),
+        data_and_model(scenes),
+        *_places(ladder),
+        tag("h2", "Residual planes"),
+        tag("p", READING, class_="quiet"),
+        *residual_planes(scenes),
+        tag("h2", "Other views"),
+        other_views(scenes),
+        *_rankings(ladder),
+        *_classes(ladder),
+        *_next(ladder),
+        *_models(ladder),
+        *_repeat(ladder, measurement, command),
+    ]
+    title = f"{ladder.steps[0].model.name} of {ladder.data}"
+    return page(title, *body)
+
+
+READING = (
+    "An effect that is missing is simplest in the plane in which it adds up. A moving mass grows as the square of "
+    "the frequency in the stiffness, a soft mounting is constant in the compliance, a delay grows with the frequency "
+    "in the phase, and a change of temperature is constant in the shift. Where most points lie in the grey band, "
+    "nothing is missing."
+)
+
+
+def _scenes(ladder: Ladder) -> dict[str, Scene]:
+    """Data with the first and the last model, which are one and the same if nothing was accepted."""
+    first, last = ladder.steps[0].case.found.base, ladder.steps[-1].case.found.base
+    data = with_noise_of(last.data.mean, last.noise.sd)
+    if len(ladder.steps) == 1:
+        return {"the model": Scene(data, [Fit(first.model, first.theta)])}
+    return {
+        "before": Scene(data, [Fit(first.model, first.theta)]),
+        "after": Scene(data, [Fit(last.model, last.theta)]),
+    }
+
+
+def _head(ladder: Ladder) -> Iterator[Html]:
+    first, last = ladder.steps[0], ladder.steps[-1]
+    error = ladder.diagnosis.error
+    added = [accepted_name(step) for step in ladder.steps[1:]]
+    facts = [
+        ("error of the model given", percent(first.relative_rms)),
+        ("error at the end", percent(last.relative_rms)),
+        (f"noise floor ({error.noise_source})", percent(last.noise_floor)),
+        ("error against the floor", times(last.relative_rms, error).replace(" x ", " × ")),
+        ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
+    ]
+    yield tag("h1", f"What is missing from {first.model.name}?")
+    yield tag("p", f"Data: {ladder.data}, {len(first.case.found.base.data.raw)} points", class_="quiet")
+    if added:
+        names = " ".join(added)
+        fall = f"{percent(first.relative_rms)} to {percent(last.relative_rms)} of |K|"
+        story = f"Accepted: {names}. The error falls from {fall}."
+    else:
+        story = f"The error is {percent(first.relative_rms)} of |K|; no effect was accepted."
+    verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
+    yield tag("div", tag("div", story), verdict, class_="verdict")
+    yield tag("div", *(tag("div", tag("b", value), word, class_="fact") for word, value in facts), class_="facts")
+    for note in ladder.diagnosis.notes:
+        yield tag("p", f"Note: {note}.")
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _ladder(ladder: Ladder) -> Iterator[Html]:
+    yield tag("h2", "The error, step by step")
+    caption = "Error after each accepted effect, as predicted before and as reached, against the noise floor"
+    picture = panel(lambda axes: draw_ladder(axes, ladder), caption, max(4.6, 0.8 * len(ladder.steps) + 1.4), 3.6)
+    yield tag("div", picture, class_="alone")
+    rows = [
+        (
+            str(i),
+            accepted_name(step) if step.accepted else "start",
+            percent(step.predicted_error),
+            percent(step.relative_rms),
+            number(step.relative_rms / step.noise_floor, 3) if step.noise_floor > 0 else "-",
+            percent(step.noise_floor),
+            changes_text(step).partition(" changed ")[2] or "-",
+        )
+        for i, step in enumerate(ladder.steps)
+    ]
+    headers = ("step", "accepted", "predicted error", "error", "× floor", "noise floor", "old parameters changed")
+    yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+
+
+def _places(ladder: Ladder) -> Iterator[Html]:
+    """Where the first and the last model fail."""
+    yield tag("h2", "Where the model fails")
+    shown = [ladder.steps[0]] if len(ladder.steps) == 1 else [ladder.steps[0], ladder.steps[-1]]
+    for step in shown:
+        places = where(step.case.found.base.frame())
+        yield tag("h3", step.model.name)
+        yield _list(places)
+
+
+def _list(places: Sequence[Where]) -> Html:
+    if not places:
+        return tag("p", "Nowhere: what is left looks like noise.")
+    return tag("ul", *(tag("li", _capital(place.says), ".") for place in places))
+
+
+def _rankings(ladder: Ladder) -> Iterator[Html]:
+    yield tag("h2", "Which effects could it be?")
+    yield tag(
+        "p",
+        "Each effect of the library was tried on the data. Probability: that it is among what is missing. ΔBIC: how "
+        "strongly the data ask for it; above 6 is clear, above 10 decisive.",
+        class_="quiet",
+    )
+    for i, step in enumerate(ladder.steps):
+        parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step.case.diagnosis)]
+        yield tag("details", *parts, open="") if i == 0 or i + 1 == len(ladder.steps) else tag("details", *parts)
+
+
+def _ranking(diagnosis: Diagnosis) -> Iterator[Html]:
+    yield tag("p", f"{_capital(diagnosis.says)}.")
+    rows = [_candidate(row) for row in worth_showing(diagnosis, RANKED)]
+    headers = ("effect", "verdict", "probability", "ΔBIC", "predicted", "after", "parameters", "physics")
+    if rows:
+        yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+    absent = absent_effects(diagnosis)
+    if absent:
+        named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
+        yield tag("p", f"Absent, or it would have been seen from this share of |K| on: {named}.", class_="quiet")
+
+
+def _candidate(row: Candidate) -> tuple[str, ...]:
+    values = "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items())
+    return (
+        row.effect,
+        row.verdict,
+        probability(row.probability),
+        number(row.delta_bic, 3),
+        percent(row.predicted_error, 2),
+        percent(row.error_after, 2),
+        values,
+        tag("div", row.says, class_="physics"),
+    )
+
+
+def _classes(ladder: Ladder) -> Iterator[Html]:
+    """What an accepted effect stands for, and which of those still open look alike."""
+    yield tag("h2", "What these data cannot tell apart")
+    doubtful = [step for step in ladder.steps[1:] if len(step.alike) > 1]
+    lines = [
+        f"{accepted_name(step)} was accepted; as well it might be {' or '.join(_others(step))}." for step in doubtful
+    ]
+    if ladder.verdict != "adequate":
+        lines += [
+            f"Still open and alike: {', '.join(names)}." for names in ladder.diagnosis.classes if len(names) > 1
+        ]
+    if lines:
+        yield tag("p", "These effects change the data alike. Only another experiment separates them.")
+        yield tag("ul", *(tag("li", line) for line in lines))
+    else:
+        yield tag("p", "Each accepted effect is the only one of the library that explains these data.")
+
+
+def _others(step: Step) -> list[str]:
+    return [name for name in step.alike if name != step.accepted]
+
+
+def _next(ladder: Ladder) -> Iterator[Html]:
+    """Advice of the last diagnosis; where nothing is open there, of the last step whose answer was not unique."""
+    yield tag("h2", "What to measure next")
+    diagnosis = ladder.diagnosis
+    if ladder.verdict == "adequate":
+        pairs = pairwise(ladder.steps)
+        doubtful = [before.case.diagnosis for before, step in pairs if len(step.alike) > 1]
+        if not doubtful:
+            yield tag("p", "Nothing is left that another measurement would have to decide.")
+            return
+        diagnosis = doubtful[-1]
+    advice = diagnosis.next_experiment
+    yield tag("p", f"{_capital(advice.says)}." if advice else "No further measurement is known that would help.")
+
+
+def _models(ladder: Ladder) -> Iterator[Html]:
+    yield tag("h2", "The model")
+    steps = {step.model.name: step for step in (ladder.steps[0], ladder.steps[-1])}
+    for name, step in steps.items():
+        yield tag("h3", name)
+        yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
+        yield tag("div", _parameters(step), class_="scroll")
+
+
+def _parameters(step: Step) -> Html:
+    rows = [
+        (name, *with_interval(value.value, value.low, value.high), value.unit)
+        for name, value in step.parameters.items()
+    ]
+    return table(("parameter", "value", "95 % interval", "unit"), rows, ("value",))
+
+
+def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Iterator[Html]:
+    yield tag("h2", "To repeat this")
+    yield tag("pre", shlex.join(command))
+    low, high = (number(float(end(measurement.frequency)), 4) for end in (min, max))
+    rows = [
+        ("data", measurement.name),
+        ("points", f"{len(measurement)}, {low} to {high} Hz"),
+        ("SHA-256 of the data", digest_of_data(measurement)),
+        *((str(key), str(value)) for key, value in measurement.provenance.items()),
+        *_versions(),
+    ]
+    yield tag("div", table(("what", "value"), rows), class_="scroll")
+    yield tag("p", f"Verdict of the last step: {ladder.verdict}. Made by springpot.", class_="quiet")
+
+
+def _versions() -> Iterator[tuple[str, str]]:
+    yield "Python", platform.python_version()
+    for name in VERSIONS:
+        try:
+            yield name, version(name)
+        except PackageNotFoundError:
+            continue

@@ -1,0 +1,128 @@
+"""The picture of a discovery: the error after each accepted effect against the noise floor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.diagnosis import Ladder, Step
+
+from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .numbers import percent
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_LEVEL = 5
+"""Steps whose names are set level; of more, they are slanted."""
+LETTERS = 14
+"""Letters of a name's line before it is broken."""
+AFTER = 0.4
+"""Room for the words at the last step, in steps."""
+ROOM = 2.5
+"""The error axis reaches this factor below the floor and above the largest error."""
+
+
+def figure_ladder(ladder: Ladder, path: str | Path | None = None) -> Figure | Path:
+    """The ladder as a figure, which is written to `path` if there is one.
+
+    Parameters
+    ----------
+    ladder : Ladder
+        The discovery.
+    path : str or Path, optional
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing or the file cannot be written.
+    """
+    with blank(max(6.4, 1.15 * len(ladder.steps) + 1.2), 4.4) as figure:
+        axes = figure.subplots()
+        draw_ladder(axes, ladder)
+        axes.set_title(f"{ladder.steps[0].model.name} of {ladder.data}".replace("$", r"\$"), fontsize=11.0)
+        return figure if path is None else save(figure, path)
+
+
+def draw_ladder(axes: Axes, ladder: Ladder) -> None:
+    """Error, forecast and noise floor of each step on a logarithmic axis."""
+    steps = ladder.steps
+    place = np.arange(len(steps))
+    error = 100.0 * np.array([step.relative_rms for step in steps])
+    floor = 100.0 * np.array([step.noise_floor for step in steps])
+    _floor(axes, floor)
+    _forecast(axes, steps, error)
+    axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
+    for x, step in enumerate(steps):
+        words = f"{percent(step.relative_rms, 2)}\n{_ratio(step)}"
+        axes.annotate(words, (x, error[x]), (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
+    _names(axes, steps)
+    logarithmic(axes, "y")
+    positive = floor[floor > 0]
+    least = min(float(positive.min()) if len(positive) else error.min(), float(error.min()))
+    axes.set_ylim(least / ROOM, float(max(error.max(), floor.max())) * ROOM)
+    logarithmic(axes, "y")
+    axes.set_ylabel("error [% of |K|]")
+    axes.legend(loc="upper right")
+
+
+def _ratio(step: Step) -> str:
+    return f"{step.relative_rms / step.noise_floor:.2g} × floor" if step.noise_floor > 0 else "no noise"
+
+
+def _floor(axes: Axes, floor: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
+    """The noise floor as a band that reaches the bottom, for each step its own."""
+    bounds = np.arange(len(floor) + 1) - 0.5
+    bounds[-1] += AFTER
+    edges = np.repeat(bounds, 2)[1:-1]
+    axes.fill_between(
+        edges, np.repeat(floor, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5
+    )
+    axes.set_xlim(edges[0], edges[-1])
+
+
+def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
+    told = [(x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error]
+    for i, (x, predicted) in enumerate(told):
+        axes.plot([x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2)
+        label = None if i else "predicted"
+        hidden = 0.97 < predicted / error[x] < 1.03
+        size = 10.0 if hidden else 6.0  # around the error's own mark, where both fall together
+        axes.plot(
+            x, predicted, "D", color=COLOURS[1], markerfacecolor="white", label=label, zorder=3, markersize=size
+        )
+
+
+def _names(axes: Axes, steps: tuple[Step, ...]) -> None:
+    names = [_broken(_name(step)) for step in steps]
+    axes.set_xticks(range(len(steps)), names, color=INK)
+    if len(steps) > MOST_LEVEL:
+        axes.tick_params(axis="x", labelrotation=30)
+    axes.tick_params(axis="x", length=0)
+    axes.grid(False, axis="x")
+    axes.spines["bottom"].set_color(QUIET)
+
+
+def _name(step: Step) -> str:
+    if step.accepted is None:
+        return step.model.base
+    return f"− {step.accepted[1:]}" if step.accepted.startswith("-") else f"+ {step.accepted}"
+
+
+def _broken(name: str) -> str:
+    """A long name on several lines, broken behind hyphens."""
+    lines = [""]
+    for part in name.replace("-", "-\0").split("\0"):
+        if lines[-1] and len(lines[-1]) + len(part) > LETTERS:
+            lines.append("")
+        lines[-1] += part
+    return "\n".join(lines)

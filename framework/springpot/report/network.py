@@ -1,0 +1,238 @@
+"""Pictures of networks with the standard symbols, as self-contained SVG or as PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TypeAlias
+from xml.sax.saxutils import escape
+
+from springpot.rheology import Node
+from springpot.rheology.drawing import Leaf, Row, Signal, Sketch, Stack, sketch
+
+LETTER = 7.4
+"""Width allowed for a letter of the labels, in px."""
+LABEL_RISE = 20.0
+RAIL = 26.0
+LEAD = 14.0
+MARGIN = 8.0
+FONT = 13
+
+Point: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line through points, closed to an outline or open."""
+
+    points: tuple[Point, ...]
+    closed: bool = False
+    dashed: bool = False
+
+
+@dataclass(frozen=True)
+class Label:
+    """Text centred about a point."""
+
+    x: float
+    y: float
+    text: str
+
+
+Mark: TypeAlias = Line | Label
+
+
+@dataclass(frozen=True)
+class Size:
+    """Extent of a part: its width, and how far it reaches above and below its wire."""
+
+    width: float
+    up: float
+    down: float
+
+
+def size(part: Sketch) -> Size:
+    """Room that a part of a picture needs, in px."""
+    if isinstance(part, Leaf):
+        return _leaf_size(part, "")
+    if isinstance(part, Signal):
+        return _row_size([size(part.inner), _leaf_size(part.outer, part.operation)])
+    sizes = [size(child) for child in part.parts]
+    if isinstance(part, Row):
+        return _row_size(sizes)
+    wires = _wires(sizes)
+    middle = wires[-1] / 2
+    return Size(max(s.width for s in sizes) + 2 * RAIL, middle + sizes[0].up, middle + sizes[-1].down)
+
+
+def _row_size(sizes: Sequence[Size]) -> Size:
+    return Size(sum(s.width for s in sizes), max(s.up for s in sizes), max(s.down for s in sizes))
+
+
+def _leaf_size(leaf: Leaf, operation: str) -> Size:
+    inside = 44.0 if leaf.kind in SYMBOLS and not operation else LETTER * len(operation + leaf.kind) + 16
+    return Size(max(inside, LETTER * len(leaf.label)) + 2 * LEAD, LABEL_RISE + 16, 18.0)
+
+
+def _wires(sizes: Sequence[Size]) -> list[float]:
+    """Heights of the wires of stacked parts below the first one's."""
+    wires = [0.0]
+    for above, below in pairwise(sizes):
+        wires.append(wires[-1] + above.down + below.up)
+    return wires
+
+
+def _spring(x: float, y: float) -> list[Mark]:
+    teeth = [(x - 22, y), (x - 18, y)]
+    teeth += [(x - 15 + 6 * i, y - 9 if i % 2 == 0 else y + 9) for i in range(6)]
+    return [Line((*teeth, (x + 18, y), (x + 22, y)))]
+
+
+def _dashpot(x: float, y: float) -> list[Mark]:
+    pot = Line(((x + 12, y - 11), (x - 12, y - 11), (x - 12, y + 11), (x + 12, y + 11)))
+    return [
+        pot,
+        Line(((x - 22, y), (x - 12, y))),
+        Line(((x + 2, y - 8), (x + 2, y + 8))),
+        Line(((x + 2, y), (x + 22, y))),
+    ]
+
+
+def _springpot(x: float, y: float) -> list[Mark]:
+    rhombus = Line(((x - 16, y), (x, y - 12), (x + 16, y), (x, y + 12)), closed=True)
+    return [rhombus, Line(((x - 22, y), (x - 16, y))), Line(((x + 16, y), (x + 22, y)))]
+
+
+def _mass(x: float, y: float) -> list[Mark]:
+    block = Line(((x - 15, y - 12), (x + 15, y - 12), (x + 15, y + 12), (x - 15, y + 12)), closed=True)
+    hatch = [Line(((x - 15 + 10 * i, y + 12), (x - 5 + 10 * i, y - 12))) for i in range(3)]
+    return [block, *hatch, Line(((x - 22, y), (x - 15, y))), Line(((x + 15, y), (x + 22, y)))]
+
+
+SYMBOLS = {"spring": _spring, "dashpot": _dashpot, "springpot": _springpot, "mass": _mass}
+"""How each kind of element is drawn, 44 px wide about a centre; any other kind is a box with its name."""
+
+
+def _wire(x1: float, x2: float, y: float, dashed: bool = False) -> list[Mark]:
+    return [Line(((x1, y), (x2, y)), dashed=dashed)] if x2 > x1 else []
+
+
+def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) -> list[Mark]:
+    centre = x + width / 2
+    if leaf.kind in SYMBOLS and not operation:
+        half, symbol = 22.0, SYMBOLS[leaf.kind](centre, y)
+    else:
+        text = operation + leaf.kind
+        half = (LETTER * len(text) + 16) / 2
+        corners = ((centre - half, y - 13), (centre + half, y - 13), (centre + half, y + 13), (centre - half, y + 13))
+        symbol = [Line(corners, closed=True), Label(centre, y, text)]
+    leads = _wire(x, centre - half, y, bool(operation)) + _wire(centre + half, x + width, y, bool(operation))
+    return [*leads, *symbol, Label(centre, y - LABEL_RISE - 3, leaf.label)]
+
+
+def marks(part: Sketch, x: float, y: float, width: float) -> list[Mark]:
+    """Lines and labels of a part whose wire enters at (x, y) and leaves at (x + width, y)."""
+    if isinstance(part, Leaf):
+        return _leaf_marks(part, x, y, width, "")
+    if isinstance(part, Stack):
+        return _stack_marks(part, x, y, width)
+    own = size(part)
+    x, slack = x + (width - own.width) / 2, (width - own.width) / 2
+    drawn = _wire(x - slack, x, y) + _wire(x + own.width, x + own.width + slack, y)
+    if isinstance(part, Signal):
+        inner = size(part.inner).width
+        drawn += marks(part.inner, x, y, inner)
+        return drawn + _leaf_marks(part.outer, x + inner, y, own.width - inner, part.operation)
+    for child in part.parts:
+        step = size(child).width
+        drawn += marks(child, x, y, step)
+        x += step
+    return drawn
+
+
+def _stack_marks(part: Stack, x: float, y: float, width: float) -> list[Mark]:
+    own = size(part)
+    wires = _wires([size(child) for child in part.parts])
+    left = x + (width - own.width) / 2 + RAIL / 2
+    right = left + own.width - RAIL
+    top = y - wires[-1] / 2
+    drawn = _wire(x, left, y) + _wire(right, x + width, y)
+    drawn += [Line(((rail, top), (rail, top + wires[-1]))) for rail in (left, right)]
+    for child, wire in zip(part.parts, wires, strict=True):
+        drawn += marks(child, left, top + wire, right - left)
+    return drawn
+
+
+def _picture(node: Node) -> tuple[float, float, list[Mark]]:
+    part = sketch(node)
+    room = size(part)
+    drawn = marks(part, MARGIN, room.up + MARGIN, room.width)
+    return room.width + 2 * MARGIN, room.up + room.down + 2 * MARGIN, drawn
+
+
+def _svg_line(line: Line) -> str:
+    kind = "polygon" if line.closed else "polyline"
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in line.points)
+    dash = ' stroke-dasharray="3 3"' if line.dashed else ""
+    return f'<{kind} points="{points}"{dash}/>'
+
+
+def _svg_label(label: Label) -> str:
+    return f'<text x="{label.x:.1f}" y="{label.y:.1f}" dy="0.35em">{escape(label.text)}</text>'
+
+
+def network_svg(node: Node) -> str:
+    """A network as an SVG element that can stand alone or inside an HTML page.
+
+    Parameters
+    ----------
+    node : Node
+        Any network.
+
+    Returns
+    -------
+    str
+        XML text; lines take the colour of the text around them.
+    """
+    width, height, drawn = _picture(node)
+    lines = "\n".join(_svg_line(mark) for mark in drawn if isinstance(mark, Line))
+    labels = "\n".join(_svg_label(mark) for mark in drawn if isinstance(mark, Label))
+    # Attributes rather than a style sheet, which would reach every other picture on the page.
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
+        f'viewBox="0 0 {width:.1f} {height:.1f}" role="img">\n'
+        f'<g fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round">\n{lines}\n</g>\n'
+        f'<g fill="currentColor" font-family="sans-serif" font-size="{FONT}" text-anchor="middle">\n{labels}\n</g>\n'
+        "</svg>\n"
+    )
+
+
+def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
+    """Write a network as a PNG file; needs matplotlib.
+
+    Parameters
+    ----------
+    node : Node
+        Any network.
+    path : Path
+        Where to write.
+    scale : float
+        Pixels of the file for each of the SVG's.
+    """
+    from matplotlib.figure import Figure
+
+    width, height, drawn = _picture(node)
+    figure = Figure(figsize=(width / 72, height / 72))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0, width), ylim=(height, 0))
+    axes.axis("off")
+    for mark in drawn:
+        if isinstance(mark, Label):
+            axes.text(mark.x, mark.y, mark.text, ha="center", va="center", fontsize=FONT - 1, parse_math=False)
+        else:
+            points = mark.points + mark.points[:1] if mark.closed else mark.points
+            style = ":" if mark.dashed else "-"
+            axes.plot([x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2)
+    figure.savefig(path, dpi=72 * scale, format="png")

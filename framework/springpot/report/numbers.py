@@ -1,0 +1,83 @@
+"""How numbers are printed everywhere: as many digits as are known, and no more."""
+
+from __future__ import annotations
+
+from math import floor, isfinite, log10
+
+DIGITS = 4
+"""Significant digits of a number whose uncertainty is not known."""
+
+MOST_DIGITS = 8
+"""Significant digits of a number known to the last bit, as from noise-free artificial data."""
+
+
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """`value` with `digits` significant digits; a hyphen where there is none."""
+    if value is None or value != value:
+        return "-"
+    if not isfinite(value):
+        return "inf" if value > 0 else "-inf"
+    return _at_place(value, _exponent(value, digits) - digits + 1) if value else "0"
+
+
+def percent(fraction: float | None, digits: int = 3) -> str:
+    """A fraction as per cent, such as ``0.31 %``."""
+    return "-" if fraction is None or not isfinite(fraction) else f"{number(100 * fraction, digits)} %"
+
+
+def with_interval(value: float, low: float | None, high: float | None) -> tuple[str, str]:
+    """A value and its interval, rounded alike to what the interval's width justifies.
+
+    The half-width keeps two digits where they start with 10 to 35 and one above: the rule of the Particle Data
+    Group's Review of Particle Physics (introduction, section 5.3).
+
+    Returns
+    -------
+    tuple of str
+        Such as ``("400.1", "[399.2, 401.0]")``; the interval is empty where there is none.
+    """
+    if low is None or high is None or low != low or high != high:
+        return number(value), ""
+    width = 0.5 * abs(high - low)
+    if not isfinite(width):
+        return number(value), f"[{number(low)}, {number(high)}]"
+    if width == 0:
+        return number(value), f"[{number(low)}, {number(high)}]"
+    size = _exponent(value or width)
+    place = max(_place(width), size - MOST_DIGITS + 1)
+    if place > size:  # the interval says little more than the size of the value
+        return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
+    return _at_place(value, place), f"[{_at_place(low, place)}, {_at_place(high, place)}]"
+
+
+def seconds(value: float) -> str:
+    """A duration in the unit that fits."""
+    for limit, factor, unit in ((1e-3, 1e6, "us"), (1.0, 1e3, "ms"), (120.0, 1.0, "s")):
+        if value < limit:
+            return f"{number(value * factor, 3)} {unit}"
+    return f"{value / 60:.1f} min"
+
+
+def _exponent(value: float, digits: int = DIGITS) -> int:
+    """Power of ten of the first digit, after rounding to `digits`: 9.9999 is printed as 10.00."""
+    if value == 0:
+        return 0
+    exponent = floor(log10(abs(value)))
+    return exponent + (round(abs(value) / 10.0**exponent, digits - 1) >= 10)
+
+
+def _place(width: float) -> int:
+    """The decimal place, as a power of ten, to which a quantity with this half-width is known."""
+    exponent = floor(log10(width))
+    leading = round(width / 10.0 ** (exponent - 2))
+    return exponent - 1 if leading < 355 or leading >= 950 else exponent
+
+
+def _at_place(value: float, place: int) -> str:
+    """`value` rounded at 10**place; scientific where plain digits would be long."""
+    if not isfinite(value):
+        return number(value)
+    exponent = _exponent(value)
+    if value and (exponent >= 6 or exponent < -3) and exponent >= place:
+        return f"{value:.{exponent - place}e}"
+    return f"{round(value, -place):.{max(0, -place)}f}"

@@ -1,0 +1,33 @@
+"""A page that needs nothing else: no script, no network, one style sheet inside."""
+
+from __future__ import annotations
+
+from springpot.markup import Html, tag
+
+from .style import STYLE
+
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+"""What a browser may load for the page: nothing that is not in it."""
+
+
+def page(title: str, *body: str, style: str = "") -> Html:
+    """A whole document.
+
+    Parameters
+    ----------
+    title : str
+        Of the window.
+    *body : str
+        Its parts, one below the other.
+    style : str
+        Rules beside those of every page.
+    """
+    head = tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", http_equiv="Content-Security-Policy", content=POLICY),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("title", title),
+        tag("style", Html(STYLE + style)),
+    )
+    return Html(f"<!doctype html>\n{tag('html', head, tag('body', tag('main', *body)), lang='en')}\n")

@@ -1,0 +1,259 @@
+"""Line plots as inline SVG: sharp at every width, searchable, with nothing to load and no library to install."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil, floor, log10
+
+import numpy as np
+
+from springpot.markup import Html, joined, tag
+from springpot.rheology import Real
+
+from .canvas import COLOURS, INK, QUIET
+
+WIDTH, HEIGHT = 420.0, 290.0
+LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0
+DASHES = ("none", "6 3", "2 2.5")
+"""What tells lines of one colour apart."""
+
+MOST_TICKS = 7
+
+
+@dataclass(frozen=True)
+class Pen:
+    """How a line is drawn: one of 21 that differ in colour or dashes, best first."""
+
+    number: int
+
+    @property
+    def colour(self) -> str:
+        """Hexadecimal."""
+        return COLOURS[self.number % len(COLOURS)]
+
+    @property
+    def dashes(self) -> str:
+        """As SVG writes them."""
+        return DASHES[self.number // len(COLOURS) % len(DASHES)]
+
+    @property
+    def look(self) -> dict[str, str]:
+        """Attributes of a line."""
+        width = "2" if self.number < len(COLOURS) else "1.3"
+        return {"fill": "none", "stroke": self.colour, "stroke_width": width, "stroke_dasharray": self.dashes}
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A step line, with a band if there is one.
+
+    Parameters
+    ----------
+    label : str
+        Shown under the pointer.
+    x, y : ndarray, shape (n,)
+        Each value holds until the next x; it is not drawn where it is infinite.
+    pen : Pen
+        How.
+    band : ndarray, shape (2, n), optional
+        Lower and upper end.
+    """
+
+    label: str
+    x: Real
+    y: Real
+    pen: Pen
+    band: Real | None = None
+
+
+@dataclass(frozen=True)
+class Scale:
+    """One axis.
+
+    Parameters
+    ----------
+    label : str
+        With its unit.
+    low, high : float
+        Its ends.
+    logarithmic : bool
+        Decades instead of equal steps.
+    """
+
+    label: str
+    low: float
+    high: float
+    logarithmic: bool = False
+
+    def place(self, values: Real) -> Real:
+        """Values as parts of the axis, cut at its ends."""
+        cut = np.clip(values, self.low, self.high)
+        low, high = np.log10([self.low, self.high]) if self.logarithmic else (self.low, self.high)
+        inside: Real = ((np.log10(cut) if self.logarithmic else cut) - low) / (high - low)
+        return inside
+
+    def ticks(self) -> list[float]:
+        """Where numbers stand."""
+        if not self.logarithmic:
+            return [float(v) for v in np.linspace(self.low, self.high, 6)]
+        first, last = ceil(log10(self.low) - 1e-9), floor(log10(self.high) + 1e-9)
+        return [10.0**power for power in range(first, last + 1, max(1, ceil((last - first) / MOST_TICKS)))]
+
+
+def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
+    """The lines in one frame; the first are drawn last, above the others.
+
+    Parameters
+    ----------
+    lines : sequence of Line
+        Best first.
+    x, y : Scale
+        The axes.
+    title : str
+        Read aloud where the picture cannot be seen.
+    """
+    bands = [_band(line, x, y) for line in reversed(lines) if line.band is not None]
+    drawn = [part for line in reversed(lines) for part in _line(line, x, y)]
+    return tag(
+        "svg",
+        tag("title", title),
+        *_frame(x, y),
+        *bands,
+        *drawn,
+        viewBox=f"0 0 {WIDTH:g} {HEIGHT:g}",
+        role="img",
+        class_="plot",
+    )
+
+
+def key(labels: Sequence[str], pens: Sequence[Pen]) -> Html:
+    """What the lines mean."""
+    return tag("p", *(_sample(label, pen) for label, pen in zip(labels, pens, strict=True)), class_="keys")
+
+
+def _sample(label: str, pen: Pen) -> Html:
+    stroke = tag("line", x1="0", y1="6", x2="26", y2="6", **pen.look)
+    return joined(
+        [tag("span", tag("svg", stroke, width="26", height="12", aria_hidden="true"), label, class_="key"), " "]
+    )
+
+
+def _tick(value: float) -> str:
+    """Short: 0.001 and 10000, but 1e-4 and 1e5."""
+    if value == 0 or 1e-3 <= value < 1e5:
+        return f"{value:g}"
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def _across(x: Scale, values: Real) -> Real:
+    return LEFT + (WIDTH - LEFT - RIGHT) * x.place(values)
+
+
+def _down(y: Scale, values: Real) -> Real:
+    return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * y.place(values)
+
+
+def _frame(x: Scale, y: Scale) -> Iterator[Html]:
+    floor_, right = HEIGHT - BOTTOM, WIDTH - RIGHT
+    for value, place in zip(x.ticks(), _across(x, np.array(x.ticks())), strict=True):
+        yield _rule(place, TOP, place, floor_)
+        yield _text(_tick(value), place, floor_ + 15, "middle")
+    for value, place in zip(y.ticks(), _down(y, np.array(y.ticks())), strict=True):
+        yield _rule(LEFT, place, right, place)
+        yield _text(_tick(value), LEFT - 5, place + 4, "end")
+    yield _text(x.label, 0.5 * (LEFT + right), HEIGHT - 6, "middle")
+    middle = 0.5 * (TOP + floor_)
+    yield tag(
+        "text", y.label, x="0", y="0", transform=f"translate(12 {middle:g}) rotate(-90)", text_anchor="middle",
+        fill=INK,
+    )  # fmt: skip
+
+
+def _rule(x1: float, y1: float, x2: float, y2: float, colour: str = "#E6E6E6") -> Html:
+    return tag("line", x1=f"{x1:.1f}", y1=f"{y1:.1f}", x2=f"{x2:.1f}", y2=f"{y2:.1f}", stroke=colour)
+
+
+def _text(text: str, x: float, y: float, anchor: str, colour: str = INK, weight: str = "normal") -> Html:
+    return tag("text", text, x=f"{x:.1f}", y=f"{y:.1f}", text_anchor=anchor, fill=colour, font_weight=weight)
+
+
+def _line(line: Line, x: Scale, y: Scale) -> Iterator[Html]:
+    shown = np.isfinite(line.y)
+    if shown.any():
+        path = _steps(_across(x, line.x[shown]), _down(y, line.y[shown]))
+        yield tag("path", tag("title", line.label), d=f"M{path}", **line.pen.look)
+
+
+def _steps(across: Real, down: Real) -> str:
+    """Corners of a step line, without those at which nothing changes."""
+    turns = np.flatnonzero(np.abs(np.diff(down, prepend=np.inf)) > 0.05)
+    first, *rest = turns.tolist()
+    corners = [f"{across[first]:.1f} {down[first]:.1f}", *(f"H{across[i]:.1f}V{down[i]:.1f}" for i in rest)]
+    return "".join([*corners, f"H{across[-1]:.1f}"])
+
+
+def _band(line: Line, x: Scale, y: Scale) -> Html:
+    assert line.band is not None
+    low, high = line.band
+    shown = np.isfinite(low) & np.isfinite(line.y)
+    if not shown.any():
+        return Html("")
+    across = _across(x, line.x[shown])
+    lower, upper = _down(y, low[shown]), _down(y, np.minimum(high[shown], y.high))
+    ends = np.repeat(across, 2)[1:]
+    there = [f"{a:.1f} {b:.1f}" for a, b in zip(ends, np.repeat(lower, 2)[:-1], strict=True)]
+    back = [f"{a:.1f} {b:.1f}" for a, b in zip(ends[::-1], np.repeat(upper, 2)[:-1][::-1], strict=True)]
+    return tag("path", d=f"M{'L'.join(there + back)}Z", fill=line.pen.colour, fill_opacity="0.15", stroke="none")
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One row of a critical-difference diagram."""
+
+    label: str
+    rank: float
+    low: float
+    high: float
+
+
+ROW, NAMES = 19.0, 150.0
+
+
+def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, int]], title: str) -> Html:
+    """Mean ranks with their intervals, best first; a bar at the right joins those that cannot be told apart.
+
+    Parameters
+    ----------
+    rows : sequence of Ranked
+        By rising rank.
+    cliques : sequence of (int, int)
+        First and last row of each bar.
+    title : str
+        Read aloud where the picture cannot be seen.
+    """
+    bars = 7.0 * len(cliques) + 8.0
+    height = ROW * len(rows) + 34.0
+    axis = Scale("mean rank", 1.0, float(max(len(rows), 2)))
+    inner = WIDTH - NAMES - bars - 12.0
+    places = NAMES + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))
+    marks = np.unique(np.linspace(axis.low, axis.high, min(len(rows), 6)).round())
+    parts = [
+        part
+        for mark, place in zip(marks, NAMES + inner * axis.place(marks), strict=True)
+        for part in (_rule(place, 4, place, height - 30), _text(f"{mark:g}", place, height - 17, "middle"))
+    ]
+    for i, (row, (low, at, high)) in enumerate(zip(rows, places, strict=True)):
+        level = 4.0 + ROW * (i + 0.5)
+        parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight="600" if i == 0 else "normal"))
+        parts.append(_rule(low, level, high, level, QUIET))
+        words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"
+        parts.append(tag("circle", tag("title", words), cx=f"{at:.1f}", cy=f"{level:.1f}", r="4", fill=COLOURS[0]))
+    for i, (first, last) in enumerate(cliques):
+        place = WIDTH - bars + 7.0 * i
+        ends = (4.0 + ROW * (first + 0.2), 4.0 + ROW * (last + 0.8))
+        bar = tag("line", x1=f"{place:.1f}", y1=f"{ends[0]:.1f}", x2=f"{place:.1f}", y2=f"{ends[1]:.1f}", stroke=INK,
+                  stroke_width="3", stroke_linecap="round")  # fmt: skip
+        parts.append(bar)
+    parts.append(_text(axis.label, NAMES + 0.5 * inner, height - 3, "middle"))
+    return tag("svg", tag("title", title), *parts, viewBox=f"0 0 {WIDTH:g} {height:g}", role="img", class_="plot")

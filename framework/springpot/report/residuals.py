@@ -1,0 +1,187 @@
+"""Residuals in the planes in which effects add up, and figures of whole comparisons.
+
+A missing effect is simplest in its own plane: a moving mass grows as omega squared in the stiffness, a compliant
+mounting is constant in the compliance, a delay grows as omega in the phase, a temperature shift is constant in the
+shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.diagnosis import Comparison
+from springpot.diagnosis.where import in_plane
+from springpot.measurement import Measurement, Units
+from springpot.rheology import Complex, Real
+from springpot.rheology.nodes import FULL
+
+from . import views
+from .canvas import QUIET, blank, logarithmic, save
+from .curves import Fit
+from .figures import headed
+from .views import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TITLE = 44
+"""Letters of a model's name above a panel before it is cut."""
+WIDE = 30.0
+"""A residual whose largest size exceeds this many times its band gets a symmetric logarithmic axis."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A plane of residuals.
+
+    Parameters
+    ----------
+    name : str
+        As in `springpot.diagnosis`.
+    label : callable
+        Gives the label of its axis for the units of the data.
+    says : str
+        How to read it, in one sentence.
+    """
+
+    name: str
+    label: Callable[[Units], str]
+    says: str
+
+
+PLANES = (
+    Plane("stiffness", lambda units: f"stiffness residual\n[{units.stiffness}]", "what is missing in parallel"),
+    Plane("compliance", lambda units: f"compliance residual\n[1/({units.stiffness})]", "what is missing in series"),
+    Plane(
+        "log-complex", lambda _: "log-complex residual\n[ln |K|; phase in rad]", "what is missing in the signal chain"
+    ),
+    Plane("shift", lambda _: "shift residual\n[ln ω]", "what is missing in the frequency scale"),
+)
+
+
+def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex, Real]:
+    """Residual in a plane, and twice the standard deviation of the noise there.
+
+    Parameters
+    ----------
+    plane : str
+        Name of one of `PLANES`.
+    measurement : Measurement
+        The data; without standard deviations the band is zero.
+    fit : Fit
+        The model.
+
+    Returns
+    -------
+    tuple of ndarray
+        Complex residual (n,) and the half-width (n,) of its band.
+    """
+    measured = measurement.stiffness
+    modelled = fit.at(measurement.points)
+    sd = np.zeros_like(measured) if measurement.sd is None else measurement.sd
+    width = 2.0 * np.maximum(sd.real, sd.imag)
+    if plane == "shift":
+        by_log_omega = fit.model.network.respond(fit.theta, measurement.points, FULL).by_log_omega
+        return (measured - modelled) / by_log_omega, width / np.abs(by_log_omega)
+    power = {"stiffness": 0.0, "compliance": -2.0, "log-complex": -1.0}[plane]
+    return in_plane(plane, measured, modelled), width * measurement.magnitude**power
+
+
+def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
+    """Residuals of the scene's fits in one plane: real part filled, imaginary part open, the noise as a band."""
+    data = scene.measurement
+    largest, bands = 0.0, []
+    for j, fit in enumerate(scene.fits):
+        values, width = residual_in(plane.name, data, fit)
+        bands.append(width)
+        largest = max(largest, float(np.max(np.abs(values))))
+        for i, sweep in enumerate(scene.sweeps):
+            x = scene.axis.values[sweep.rows]
+            for part, side in enumerate((values.real, values.imag)):
+                colour = scene.fit_colour(j, i, part)
+                style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
+                axes.plot(x, side[sweep.rows], marker="o", **style)
+    axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
+    _band(axes, scene, np.max(bands, axis=0))
+    middle = float(np.median(bands))
+    if middle > 0 and largest > WIDE * middle:
+        _symmetric(axes, middle, largest)
+    if scene.axis.logarithmic:
+        logarithmic(axes, "x")
+    axes.set(xlabel=scene.axis.label, ylabel=plane.label(data.units))
+
+
+def _symmetric(axes: Axes, within: float, largest: float) -> None:
+    """Linear within the noise, by decades beyond, with at most three numbers on each side."""
+    axes.set_yscale("symlog", linthresh=within, linscale=0.5)
+    first, last = int(np.ceil(np.log10(within))), int(np.floor(np.log10(largest)))
+    decades = 10.0 ** np.arange(first, max(last, first) + 1)[:: max(1, (last - first + 3) // 3)]
+    axes.set_yticks(np.concatenate([-decades[::-1], [0.0], decades]))
+    axes.minorticks_off()
+
+
+def _band(axes: Axes, scene: Scene, width: Real) -> None:
+    x, which = np.unique(scene.axis.values, return_inverse=True)
+    band = np.zeros(len(x))
+    np.maximum.at(band, which.ravel(), width)
+    if np.any(band > 0):
+        axes.fill_between(x, -band, band, color="#DDDDDD", linewidth=0.0, zorder=0.5)
+
+
+def fits_of(comparison: Comparison) -> list[Fit]:
+    """The models of a comparison as drawn."""
+    return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.judgements]
+
+
+def figure_compared(comparison: Comparison, path: str | Path) -> Path:
+    """The views that rheologists use, of data and all models, and below them the residual planes of each model.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What to draw.
+    path : str or Path
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing or the file cannot be written.
+    """
+    measurement, fits = comparison.measurement, fits_of(comparison)
+    everything = Scene(measurement, fits)
+    drawings = (views.storage_and_loss, views.loss_factor, views.cole_cole, views.black, views.van_gurp_palmen)
+    names = ("storage and loss", "loss factor", "Cole-Cole", "Black", "van Gurp-Palmen")
+    with blank(19.0, 3.3 * (1 + len(fits)) + 0.8) as figure:
+        grid = figure.subplots(1 + len(fits), 5, squeeze=False)
+        for axes, draw, name in zip(grid[0], drawings, names, strict=True):
+            draw(axes, everything)
+            axes.set_title(name)
+        for row, fit in zip(grid[1:], fits, strict=True):
+            _row_of_residuals(row, Scene(measurement, [fit]), len(fits) > 1)
+        headed(figure, everything)
+        return save(figure, path)
+
+
+def _row_of_residuals(row: Sequence[Axes], scene: Scene, named: bool) -> None:
+    """Residual of one model in per cent of |K| and in the four planes."""
+    views.residual(row[0], scene)
+    row[0].set_title(_cut(scene.fits[0].name) if named else "residual")
+    for axes, plane in zip(row[1:], PLANES, strict=True):
+        draw_plane(axes, scene, plane)
+        axes.set_title(f"{plane.name} plane")
+
+
+def _cut(text: str) -> str:
+    text = text if len(text) <= TITLE else f"{text[: TITLE - 1]}…"
+    return text.replace("$", r"\$")
+
+
+def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
+    """The data with the standard deviations of their noise floor, drawn as a band."""
+    return replace(measurement, sd=sd)

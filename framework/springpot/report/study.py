@@ -1,0 +1,392 @@
+"""The report of a study: one HTML file whose first table says which optimiser to use."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from springpot.benchmark import Store, store_path
+from springpot.benchmark.comparison import LEVEL, OVER_ALL, Choice, Ranking, scopes
+from springpot.benchmark.findings import COMPARING, PLAIN, Findings
+from springpot.benchmark.standings import CHOICE_NOTE
+from springpot.benchmark.statistics import Interval, expected_running_time, wilson
+from springpot.benchmark.store import ProblemRow
+from springpot.benchmark.summary import CellSummary
+from springpot.benchmark.tables import Table, text
+from springpot.files import write_text
+from springpot.markup import Html, joined, table, tag
+
+from .numbers import number, seconds
+from .page import page
+from .study_plots import Pens, attained, diagram, distribution, pair, profile_figures, progress
+
+NAMED = 3
+"""Optimisers named in one cell as being as good."""
+
+STYLE = """
+.plot { width: 100%; height: auto; display: block; font: 12px system-ui, sans-serif; }
+.keys { max-width: none; line-height: 1.9; }
+.key svg { margin-right: 5px; }
+.choice td b { white-space: nowrap; }
+.choice td span { display: block; }
+.choice .share { white-space: nowrap; font-size: 0.92em; }
+.choice td:nth-child(-n+2) { white-space: normal; }
+.heat td { text-align: right; padding: 2px 5px; white-space: nowrap; font-size: 0.85em; }
+.heat th { white-space: nowrap; font-size: 0.85em; padding: 2px 5px; }
+.heat thead th { writing-mode: vertical-rl; transform: rotate(180deg); text-align: left; }
+.heat td.sure { font-weight: 700; }
+.facts .fact b { overflow-wrap: anywhere; }
+details table { font-size: 0.85em; }
+@media (max-width: 760px) {
+  .choice td > div { min-width: 0; }
+  .heat thead { display: table-header-group; }
+  .heat table { display: table; }
+  .heat tbody { display: table-row-group; }
+  .heat tr { display: table-row; }
+  .heat td, .heat td.number { display: table-cell; white-space: nowrap; }
+  .heat td::before { content: none; }
+}
+"""
+
+
+def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
+    """Write ``report.html`` beside a study's store.
+
+    Parameters
+    ----------
+    study : str or Path
+        A study's script, store, folder or name.
+    out : Path
+        Folder of all results.
+
+    Raises
+    ------
+    StudyError
+        If there are no results.
+    OutputError
+        If the file cannot be written.
+    """
+    path = store_path(study, out)
+    with Store(path) as store:
+        findings = Findings.of(store)
+    return write_text(path.parent / "report.html", study_html(findings))
+
+
+def study_html(findings: Findings) -> Html:
+    """The report as text."""
+    body = [*_head(findings), *_failures(findings)]
+    if findings.races:
+        pens = Pens([label for label, _ in attained(findings, findings.races)])
+        body = [
+            *_head(findings),
+            *_choices(findings),
+            *_rankings(findings),
+            *_profiles(findings, pens),
+            *_progress(findings, pens),
+            *_pairs(findings),
+            *_cost(findings),
+            *_failures(findings),
+        ]
+    return page(f"{findings.name}: which optimiser?", *body, *_tables(findings), *_repeat(findings), style=STYLE)
+
+
+def _head(findings: Findings) -> Iterator[Html]:
+    cells = [summary.cell for summary in findings.summaries]
+    problems = {cell.problem.id: cell.problem for cell in cells}
+    trials = sum(summary.trials for summary in findings.summaries)
+    failed = sum(summary.failed for summary in findings.summaries)
+    counts = (
+        _count(len({cell.label for cell in cells}), "optimiser"),
+        _count(len({problem.model for problem in problems.values()}), "model"),
+        _count(len({problem.dataset for problem in problems.values()}), "data set"),
+        _count(len(problems), "problem"),
+        f"{_count(trials, 'trial')} of {findings.scale.budget} evaluations",
+        f"{failed} failed",
+    )
+    yield tag("h1", f"{findings.name}: which optimiser?")
+    yield tag("p", f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.", class_="quiet")
+    pools = _pools(findings)
+    if pools:
+        yield tag("div", *_verdict(findings, pools[-1]), class_="verdict")
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Which optimiser to use if nothing is known of the problem: as a `Choice`, but over all of them."""
+
+    ranking: Ranking
+    label: str
+    success: Interval | None
+    running_time: float
+    alike: tuple[str, ...]
+
+
+def _pools(findings: Findings) -> list[Pool]:
+    return [_pool(findings, ranking) for ranking in findings.rankings if ranking.scope == OVER_ALL]
+
+
+def _pool(findings: Findings, ranking: Ranking) -> Pool:
+    """Of the optimisers that cannot be told from the first in rank, the cheapest."""
+    budget, best = ranking.budget, int(np.argmin(ranking.means))
+    names = (ranking.labels[best], *ranking.alike(best)) if ranking.decided else ranking.labels
+    costs = {}
+    for name in names:
+        i = ranking.labels.index(name)
+        hits = np.concatenate([race.hits[i] for race in findings.races])
+        spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
+        hits = np.where(hits <= budget, hits, np.inf)
+        costs[name] = (expected_running_time(hits, spent), wilson(int(np.isfinite(hits).sum()), len(hits)))
+    first, *others = sorted(names, key=lambda name: costs[name][0])
+    return Pool(ranking, first, costs[first][1], costs[first][0], tuple(others))
+
+
+def _verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
+    budget = findings.scale.budget
+    if not pool.ranking.decided:
+        yield joined([f"There are too few trials to tell any two optimisers apart over all {budget} evaluations."])
+        return
+    yield joined([f"Knowing nothing of the problem, with {budget} evaluations, use "])
+    yield tag("b", pool.label)
+    yield joined([f": it reached the target in {_share(pool.success)} of its trials"])
+    if np.isfinite(pool.running_time):
+        yield joined([f", after {number(pool.running_time, 3)} evaluations on average, restarts included"])
+    others = f". As good, and dearer: {_and(pool.alike)}." if pool.alike else ". All others are worse for certain."
+    yield joined([others])
+
+
+def _and(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _share(rate: Interval | None) -> str:
+    if rate is None:
+        return "-"
+    low, high = 100 * rate.low, 100 * rate.high
+    return f"{100 * rate.value:.0f} % [{low:.0f}, {high:.0f}]"
+
+
+def _choices(findings: Findings) -> Iterator[Html]:
+    marks = findings.scale.marks
+    headers = ("model", "data", *(f"{mark} evaluations" for mark in marks))
+    by_problem: dict[int, list[Choice]] = {}
+    for choice in findings.choices:
+        by_problem.setdefault(choice.race.problem.id, []).append(choice)
+    rows = [_all_problems(findings)] if findings.rankings else []
+    graded = _graded(findings)
+    for found in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
+        problem = found[0].race.problem
+        rows.append((problem.model, _data(findings, problem), *(_chosen(choice, graded) for choice in found)))
+    yield tag("h2", "Which optimiser should I use?")
+    yield tag(
+        "p",
+        "For your model, your data and the evaluations you can afford. Shown are the share of trials that reached "
+        "the target, with its 95 % interval, and the expected evaluations to it. ∇: uses gradients.",
+        class_="quiet",
+    )
+    yield tag("div", table(headers, rows), class_="scroll choice")
+    note = CHOICE_NOTE.format(target=f"{findings.scale.target:g}")
+    yield tag("details", tag("summary", "How this is decided"), tag("p", note))
+
+
+def _data(findings: Findings, problem: ProblemRow) -> str:
+    """The data set, with the objective where there are several."""
+    several = len({race.problem.objective for race in findings.races}) > 1
+    return f"{problem.dataset}, {problem.objective}" if several else problem.dataset
+
+
+def _graded(findings: Findings) -> set[str]:
+    """Optimisers that evaluate gradients."""
+    return {summary.cell.label for summary in findings.summaries if summary.gradients}
+
+
+def _all_problems(findings: Findings) -> tuple[str, ...]:
+    graded = _graded(findings)
+    cells = []
+    for pool in _pools(findings):
+        certainty = _as_good(pool.alike) if pool.ranking.decided else TOO_FEW
+        cells.append(_cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded))
+    return ("all", f"all {len(findings.races)} problems", *cells)
+
+
+TOO_FEW = "too few trials to tell"
+
+
+def _chosen(choice: Choice, graded: set[str]) -> Html:
+    if choice.label is None:
+        return tag("div", "none: all failed")
+    share = _reached(choice.success, choice.running_time) if choice.success.value else f"missed: {_excess(choice)}"
+    certainty = _as_good(choice.alike) if choice.decided else TOO_FEW
+    return _cell(choice.label, share, certainty, graded)
+
+
+def _excess(choice: Choice) -> str:
+    return f"excess {number(choice.excess, 2)}"
+
+
+def _reached(success: Interval | None, running_time: float) -> str:
+    cost = f" in {number(running_time, 3)}" if np.isfinite(running_time) else ""
+    return f"{_share(success)}{cost}"
+
+
+def _as_good(alike: Sequence[str]) -> str:
+    if not alike:
+        return "alone"
+    more = f" + {len(alike) - NAMED}" if len(alike) > NAMED else ""
+    return f"as good: {', '.join(alike[:NAMED])}{more}"
+
+
+def _cell(label: str, share: str, certainty: str, graded: set[str]) -> Html:
+    mark = " ∇" if label in graded else ""
+    return tag(
+        "div", tag("b", label + mark), tag("span", share, class_="share"), tag("span", certainty, class_="quiet")
+    )
+
+
+def _rankings(findings: Findings) -> Iterator[Html]:
+    found = [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
+    if not found:
+        return
+    yield tag("h2", "Who ranks where, and how sure is it?")
+    p = found[-1].p_all
+    if not np.isnan(p):
+        line = f"Friedman's test that all are alike at {found[-1].budget} evaluations: p = {number(p, 2)}."
+        yield tag("p", line, class_="quiet")
+    yield pair([diagram(ranking) for ranking in reversed(found)])
+    others = [r for r in findings.rankings if r.scope != OVER_ALL and r.budget == findings.scale.budget]
+    if others:
+        shown = (joined([tag("h3", r.scope), diagram(r)]) for r in others)
+        yield tag("details", tag("summary", "By model and by data set"), pair([tag("div", part) for part in shown]))
+
+
+def _profiles(findings: Findings, pens: Pens) -> Iterator[Html]:
+    yield tag("h2", "How fast do they get there?")
+    yield pens.key()
+    everything = distribution(findings, findings.races, pens, "All problems: share of trials and targets reached")
+    yield pair([everything, *profile_figures(findings, pens)])
+    parts = [distribution(findings, races, pens, name) for name, races in scopes(findings.races) if name != OVER_ALL]
+    if parts:
+        yield tag("details", tag("summary", "By model and by data set"), pair(parts))
+
+
+def _progress(findings: Findings, pens: Pens) -> Iterator[Html]:
+    yield tag("h2", "Progress on each problem")
+    yield tag(
+        "p",
+        "Excess: (f - f_best) / (g - f_best), g at the centre of the box; below the target it no longer counts. "
+        "Median of all trials; quartiles for the three that fall earliest; where half of the trials failed there is "
+        "no line. On noisy data also what the same points are worth against the data without their noise.",
+        class_="quiet",
+    )
+    yield pens.key()
+    for race in sorted(findings.races, key=lambda race: race.problem.model):
+        name = f"{race.problem.model} on {_data(findings, race.problem)}"
+        yield tag("details", tag("summary", name), pair(progress(findings, race, pens)))
+
+
+def _pairs(findings: Findings) -> Iterator[Html]:
+    found = [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
+    if not found:
+        return
+    ranking = found[-1]
+    order = [int(i) for i in np.argsort(ranking.means, kind="stable")]
+    head = tag("tr", tag("th", ""), *(tag("th", ranking.labels[j]) for j in order))
+    rows = [tag("tr", tag("th", ranking.labels[i]), *(_heat(ranking, i, j) for j in order)) for i in order]
+    yield tag("h2", "Who beats whom?")
+    yield tag(
+        "p",
+        f"Chance in per cent that a trial of the row's optimiser ends below one of the column's on the same problem "
+        f"at {ranking.budget} evaluations, ties by half (A12); bold where Wilcoxon's test, adjusted by Holm, tells "
+        f"the two apart.",
+        class_="quiet",
+    )
+    yield tag("div", tag("table", tag("thead", head), tag("tbody", *rows)), class_="scroll heat")
+
+
+def _heat(ranking: Ranking, i: int, j: int) -> Html:
+    if i == j:
+        return tag("td", "")
+    chance = float(ranking.chances[i, j])
+    strength = abs(chance - 0.5) * 1.1
+    colour = "0,114,178" if chance > 0.5 else "213,94,0"
+    style = f"background:rgba({colour},{strength:.2f})"
+    told = {"class_": "sure"} if ranking.p[i, j] <= LEVEL else {}
+    return tag("td", f"{100 * chance:.0f}", style=style, **told)
+
+
+def _cost(findings: Findings) -> Iterator[Html]:
+    by_label: dict[str, list[CellSummary]] = {}
+    for summary in findings.summaries:
+        by_label.setdefault(summary.cell.label, []).append(summary)
+    rows = [_cost_row(label, found) for label, found in by_label.items()]
+    rows.sort(key=lambda row: row[0])
+    headers = ("optimiser", "trial, median", "an evaluation", "with gradient", "evaluations, median")
+    yield tag("h2", "What do they cost?")
+    yield tag(
+        "p", "The optimiser's own time with the model's, on this machine; medians over problems.", class_="quiet"
+    )
+    yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
+
+
+def _cost_row(label: str, found: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
+    known = [(s.seconds, s.evaluations, s.gradients or 0.0) for s in found if s.seconds and s.evaluations]
+    if not known:
+        return np.inf, label, "-", "-", "-", "-"
+    spent, evaluations, gradients = np.array(known).T
+    middle, each = float(np.median(spent)), float(np.median(spent / evaluations))
+    share = f"{100 * float(np.median(gradients / evaluations)):.0f} %"
+    return middle, label, seconds(middle), seconds(each), share, number(float(np.median(evaluations)), 3)
+
+
+def _failures(findings: Findings) -> Iterator[Html]:
+    yield tag("h2", "Failures")
+    counted: Counter[tuple[str, str, str]] = Counter()
+    for summary in findings.summaries:
+        for (status, reason), count in summary.reasons.items():
+            counted[summary.cell.label, status, reason] += count
+    if not counted:
+        yield tag("p", "No trial failed.")
+        return
+    yield tag("p", "A trial that failed counts as one that never reached any target.", class_="quiet")
+    rows = [(*key, str(count)) for key, count in counted.most_common()]
+    headers = ("optimiser", "status", "reason", "trials")
+    yield tag("div", table(headers, rows, headers[3:]), class_="scroll")
+
+
+def _tables(findings: Findings) -> Iterator[Html]:
+    yield tag("h2", "All numbers")
+    names = ("summary", "failures", *(("profiles", "ranks") if findings.races else ()))
+    for name in names:
+        made = (PLAIN | COMPARING)[name](findings)
+        if made.rows:
+            yield tag("details", tag("summary", name), tag("p", made.note, class_="quiet"), _whole(made))
+
+
+def _whole(made: Table) -> Html:
+    numeric = [
+        column for i, column in enumerate(made.columns) if not any(isinstance(row[i], str) for row in made.rows)
+    ]
+    rows = ([text(entry) for entry in row] for row in made.rows)
+    return tag("div", table(made.columns, rows, numeric), class_="scroll")
+
+
+def _repeat(findings: Findings) -> Iterator[Html]:
+    facts = dict(findings.facts)
+    yield tag("h2", "To repeat this")
+    yield tag("pre", facts.pop("command", ""))
+    left_out = {"cells", "name"}
+    rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
+    yield tag("div", table(("what", "value"), rows), class_="scroll")
+    yield tag(
+        "p",
+        "Random numbers come from the seed, the names of data set, model and objective, and the repetition: the "
+        "same for every optimiser. Made by springpot.",
+        class_="quiet",
+    )

@@ -1,0 +1,143 @@
+"""Pictures of a study: profiles, distributions over targets, anytime curves, critical differences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from springpot.benchmark.comparison import Ranking, profiles
+from springpot.benchmark.findings import Findings
+from springpot.benchmark.scores import CellScores, Race
+from springpot.benchmark.statistics import cliques
+from springpot.markup import Html, joined, tag
+from springpot.rheology import Real
+
+from .plot import Line, Pen, Ranked, Scale, critical_differences, key, plot
+
+BANDS = 3
+"""Optimisers whose quartiles are drawn on a problem; more would hide each other."""
+
+SHARE = Scale("share of trials", 0.0, 1.0)
+
+
+def figure(picture: Html, caption: str) -> Html:
+    """A picture with what it shows."""
+    return tag("figure", picture, tag("figcaption", caption))
+
+
+def diagram(ranking: Ranking) -> Html:
+    """Critical differences of a ranking."""
+    order = np.argsort(ranking.means, kind="stable")
+    rows = [
+        Ranked(ranking.labels[i], ranking.ranks[i].value, ranking.ranks[i].low, ranking.ranks[i].high) for i in order
+    ]
+    bars = cliques(ranking.means, ranking.p) if ranking.decided else [(0, len(rows) - 1)]
+    return figure(
+        critical_differences(rows, bars, f"mean ranks at {ranking.budget} evaluations"),
+        f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, 95 % interval; a bar at the "
+        "right joins those that cannot be told apart",
+    )
+
+
+def attained(findings: Findings, races: Sequence[Race]) -> list[tuple[str, Real]]:
+    """Share of trials and targets reached along the grid, over some races, by optimiser; best first."""
+    labels = races[0].labels
+    mean = [np.mean([race.cells[i].attained for race in races], axis=0) for i in range(len(labels))]
+    rows = sorted(zip(labels, mean, strict=True), key=lambda row: -float(row[1].mean()))
+    return [(label, np.asarray(share)) for label, share in rows]
+
+
+class Pens:
+    """One pen for each optimiser, the same in all pictures.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        Optimisers, best first: the first seven get the clearest lines.
+    """
+
+    def __init__(self, labels: Sequence[str]) -> None:
+        self._pens = {label: Pen(i) for i, label in enumerate(labels)}
+
+    def __getitem__(self, label: str) -> Pen:
+        return self._pens[label]
+
+    def key(self) -> Html:
+        """What the lines mean."""
+        return key(list(self._pens), list(self._pens.values()))
+
+
+def distribution(findings: Findings, races: Sequence[Race], pens: Pens, caption: str) -> Html:
+    """Share of trials and targets reached against evaluations."""
+    x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
+    grid = findings.scale.grid.astype(float)
+    lines = [Line(label, grid, share, pens[label]) for label, share in attained(findings, races)]
+    return figure(plot(lines, x, Scale("share of trials and targets", 0.0, 1.0), caption), caption)
+
+
+def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
+    """Data profile and performance profile of all problems."""
+    races = findings.races
+    smallest = min(race.dimension for race in races) + 1
+    budgets = np.geomspace(1.0, findings.scale.budget / smallest, 160)
+    ratios = np.geomspace(1.0, 1000.0, 160)
+    found = profiles(races, budgets, ratios)
+    order = np.argsort(-found.data.mean(axis=1), kind="stable")
+    target = f"{findings.scale.target:g}"
+    yield figure(
+        plot(
+            [Line(found.labels[i], budgets, found.data[i], pens[found.labels[i]]) for i in order],
+            Scale("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
+            SHARE,
+            "data profile",
+        ),
+        f"Data profile: share of trials that reached the target {target}, d parameters",
+    )
+    yield figure(
+        plot(
+            [Line(found.labels[i], ratios, found.performance[i], pens[found.labels[i]]) for i in order],
+            Scale("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
+            SHARE,
+            "performance profile",
+        ),
+        "Performance profile: share of trials at the target within this multiple of the best optimiser's evaluations",
+    )
+
+
+def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
+    """Anytime curves on one problem: the excess, and on noisy data what is off without the noise."""
+    target = findings.scale.target
+    top = max((s.curve[1][np.isfinite(s.curve[1])].max(initial=1.0) for s in race.cells), default=1.0)
+    y = Scale("excess, median", target, max(10.0 * target, float(top)), logarithmic=True)
+    yield _curves(findings, race, pens, [s.curve for s in race.cells], y, "Excess with quartiles")
+    clean = [s.clean for s in race.cells]
+    known = [found for found in clean if found is not None]
+    if known:
+        values = np.concatenate([found[1] for found in known])
+        values = values[np.isfinite(values) & (values > 0)]
+        y = Scale("noise-free objective, median", float(values.min()), float(values.max()), logarithmic=True)
+        empty = np.full((3, len(findings.scale.grid)), np.inf)
+        filled = [empty if found is None else found for found in clean]
+        yield _curves(findings, race, pens, filled, y, "The same points against the data without their noise")
+
+
+def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], y: Scale, caption: str) -> Html:
+    x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
+    grid = findings.scale.grid.astype(float)
+    best = sorted(range(len(curves)), key=lambda i: _area(race.cells[i], findings.scale.target))
+    lines = [
+        Line(race.labels[i], grid, curves[i][1], pens[race.labels[i]], curves[i][[0, 2]] if n < BANDS else None)
+        for n, i in enumerate(best)
+    ]
+    return figure(plot(lines, x, y, f"{caption}, {race.problem.model} on {race.problem.dataset}"), f"{caption}")
+
+
+def _area(scores: CellScores, target: float) -> float:
+    """Mean of the logarithm of the median excess along the grid: small where a curve falls early."""
+    return float(np.mean(np.log(np.clip(scores.curve[1], target, 1e9))))
+
+
+def pair(figures: Iterator[Html] | Sequence[Html]) -> Html:
+    """Figures side by side where there is room."""
+    return tag("div", joined(figures), class_="pair")

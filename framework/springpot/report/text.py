@@ -1,0 +1,67 @@
+"""Tables as text: plain columns anywhere, ruled ones on a terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from unicodedata import combining, east_asian_width
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of strings.
+
+    Parameters
+    ----------
+    headers : sequence of str
+        One for each column.
+    rows : sequence of sequences of str
+        As many cells each.
+    right : str
+        Headers of the columns that are set flush right, such as numbers.
+    """
+
+    headers: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    right: frozenset[str] = frozenset()
+
+    def plain(self) -> str:
+        """Columns two blanks apart, a header line and a rule under it."""
+        widths = [max(map(width, column)) for column in zip(self.headers, *self.rows, strict=True)]
+        rule = ["-" * w for w in widths]
+        return "\n".join(self._line(cells, widths) for cells in (self.headers, rule, *self.rows))
+
+    def _line(self, cells: Sequence[str], widths: Sequence[int]) -> str:
+        padded = []
+        for header, cell, wanted in zip(self.headers, cells, widths, strict=True):
+            space = " " * (wanted - width(cell))
+            padded.append(space + cell if header in self.right else cell + space)
+        return "  ".join(padded).rstrip()
+
+    def show(self) -> None:
+        """Print it: ruled and fitted to the window on a terminal, plain otherwise."""
+        if not sys.stdout.isatty():
+            print(self.plain())
+            return
+        from rich import box
+        from rich.console import Console
+        from rich.table import Table as Ruled
+        from rich.text import Text
+
+        ruled = Ruled(box=box.SIMPLE_HEAD, pad_edge=False)
+        for header in self.headers:
+            ruled.add_column(header, justify="right" if header in self.right else "left")
+        for row in self.rows:
+            ruled.add_row(*(Text(cell) for cell in row))
+        Console(highlight=False).print(ruled)
+
+
+def width(text: str) -> int:
+    """Columns that `text` takes on a terminal."""
+    return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+
+
+def indented(text: str, by: str = "  ") -> str:
+    """Every line of `text` behind `by`."""
+    return "\n".join((by + line).rstrip() for line in text.splitlines())

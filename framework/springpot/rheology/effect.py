@@ -1,0 +1,131 @@
+"""A physical effect: an element and the composition by which it joins a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from math import inf
+
+import numpy as np
+
+from .nodes import Node
+from .points import Complex, Points, Real
+
+_PLANES = {
+    "parallel": "stiffness",
+    "series": "compliance",
+    "shift": "shift",
+    "heated": "shift",
+    "chain": "log-complex",
+}
+
+
+class Layer(IntEnum):
+    """How far from the material an effect acts.
+
+    Effects join a network from the material outwards whatever the order in which they are typed: temperature
+    shifts the material but never the rig, the rig adds its compliance and mass around the specimen, and the
+    measurement chain sees all of it.
+    """
+
+    MATERIAL = 0
+    TEMPERATURE = 1
+    SPECIMEN = 2
+    DEVICE = 3
+    MOUNTING = 4
+    MOVING_PARTS = 5
+    SIGNAL = 6
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect that may be missing from a model.
+
+    Parameters
+    ----------
+    name : str
+        What users type, such as ``"inertia"``.
+    composition : callable
+        `parallel`, `series`, `chain` or `shift`.
+    element : Node
+        What is put there; its parameters become ``name.parameter`` in the grown model.
+    summary : str
+        One sentence of physics.
+    layer : Layer
+        Where between material and signal it acts.
+    citation : str
+        Source of the equation (DOI where there is one).
+    aliases : tuple of str
+        Other names for the same thing.
+    approximate : str
+        Empty where the composition is exact; otherwise what is approximated (a slider in series).
+    absent_at : float, optional
+        Value of the element's first parameter, its size, at which the effect vanishes whatever the others are;
+        by default infinity in series and zero elsewhere.
+    prior : float
+        How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
+        less for rarer physics, 0 for what is never proposed because its own shape can imitate anything local.
+    """
+
+    name: str
+    composition: Callable[[Node, Node], Node]
+    element: Node
+    summary: str
+    layer: Layer = Layer.MATERIAL
+    citation: str = ""
+    aliases: tuple[str, ...] = ()
+    approximate: str = ""
+    absent_at: float | None = None
+    prior: float = 1.0
+
+    @property
+    def vanishes_at(self) -> float:
+        """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
+        if self.absent_at is not None:
+            return self.absent_at
+        return inf if self.composition.__name__ == "series" else 0.0
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Condition columns without which the effect cannot be seen."""
+        return self.element.needs
+
+    @property
+    def plane(self) -> str:
+        """The residual plane in which the effect adds: stiffness, compliance, log-complex or shift."""
+        return _PLANES.get(self.composition.__name__, "stiffness")
+
+    @property
+    def position(self) -> tuple[int, int, str]:
+        """Where the effect joins: by layer, in a layer parallel before series before shift before chain.
+
+        The name settles the rest, so that a model never depends on the order in which it is typed.
+        """
+        known = list(_PLANES)
+        name = self.composition.__name__
+        return int(self.layer), known.index(name) if name in known else len(known), self.name
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
+        """Third harmonic of the force that the effect adds, over the displacement amplitude.
+
+        With x = X cos(omega t), the force contains the real part of F_3 exp(3 i omega t); divided by X it has
+        the unit of a stiffness, and |F_3 / X| / |K| is what I3/I1 of the measured force shows.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (..., p)
+            The element's own parameters.
+        at : Points
+            The n points.
+
+        Returns
+        -------
+        ndarray, shape (..., n), or None
+            Zero for a linear element; None where the effect makes a harmonic that no formula here predicts.
+        """
+        predict = getattr(self.element, "third_harmonic", None)
+        found: Complex | None = None if predict is None else predict(theta, at)
+        if found is None and "amplitude" not in self.needs:
+            return np.zeros((*theta.shape[:-1], at.log_omega.shape[-1]), dtype=complex)
+        return found

@@ -1,0 +1,115 @@
+"""The elements of linear viscoelasticity: powers of s = i omega.
+
+A spring, a dashpot, a mass and a springpot are all K = c s^order; only the springpot's order is free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .nodes import FULL, VALUE, Node, Response
+from .parameters import INERTANCE, Parameter, order, quasi_property, stiffness, viscosity
+from .points import Complex, Points, Real
+
+HALF_PI = 0.5j * np.pi
+
+
+def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
+    """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much."""
+    modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
+    return modulus
+
+
+def _phase(exponent: float) -> complex:
+    """i^exponent, exact for whole exponents so that a mass has no loss and a dashpot no storage."""
+    return complex(1j ** int(exponent)) if exponent == int(exponent) else complex(np.exp(HALF_PI * exponent))
+
+
+@dataclass(frozen=True)
+class FixedPower(Node):
+    """K = c (i omega)^exponent with a fixed exponent.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        The factor c.
+    exponent : float
+        0 for a spring, 1 for a dashpot, 2 for a mass, 3/2 for a Basset layer.
+    kind : str
+        Name of the element in drawings.
+    """
+
+    parameter: Parameter
+    exponent: float
+    kind: str = "power"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The factor."""
+        return (self.parameter,)
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K = c s^exponent, real for springs and masses."""
+        if self.exponent == 0:
+            power: Complex = np.ones(at.log_omega.shape, dtype=complex)
+        else:
+            power = np.exp(self.exponent * at.log_omega) * _phase(self.exponent)
+        value = theta * power
+        if depth == VALUE:
+            return Response(value)
+        by_theta = np.broadcast_to(power, value.shape)[..., None, :]
+        return Response(value, by_theta, self.exponent * value if depth == FULL else value)
+
+
+@dataclass(frozen=True)
+class Springpot(Node):
+    """Springpot (Scott-Blair element), K = c (i omega)^alpha; eq. (25) of the paper.
+
+    Parameters
+    ----------
+    factor, exponent : Parameter
+        Its constant c and its order alpha in [0, 1].
+    """
+
+    factor: Parameter
+    exponent: Parameter
+    kind: str = "springpot"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The constant and the order."""
+        return (self.factor, self.exponent)
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K = c s^alpha; dK/dalpha = K ln s."""
+        alpha = theta[..., 1:]
+        power = power_of_s(alpha, at.log_omega)
+        value = theta[..., :1] * power
+        if depth == VALUE:
+            return Response(value)
+        by_theta = np.empty((*value.shape[:-1], 2, value.shape[-1]), dtype=complex)
+        by_theta[..., 0, :] = power
+        by_theta[..., 1, :] = value * (at.log_omega + HALF_PI)
+        return Response(value, by_theta, alpha * value if depth == FULL else value)
+
+
+def spring(name: str = "k") -> FixedPower:
+    """A spring of stiffness `name`."""
+    return FixedPower(stiffness(name), 0.0, "spring")
+
+
+def dashpot(name: str = "c") -> FixedPower:
+    """A dashpot of viscosity `name`."""
+    return FixedPower(viscosity(name), 1.0, "dashpot")
+
+
+def mass(name: str = "m") -> FixedPower:
+    """A moving mass (or inerter): K = -m omega^2."""
+    return FixedPower(Parameter(name, "m", INERTANCE), 2.0, "mass")
+
+
+def springpot(factor: str = "c", exponent: str = "alpha") -> Springpot:
+    """A springpot with constant `factor` and order `exponent`."""
+    return Springpot(quasi_property(factor, exponent), order(exponent))

@@ -1,0 +1,188 @@
+"""Search forms: the parameters a paper searches, beside those of the elements.
+
+The paper searches (k0, kinf, tau, alpha) and maps to (k1, k2, c, alpha): eq.
+(6), (9), (20), (21), (34), (35), (45)-(49).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .parameters import Parameter, order, relaxation_time, stiffness
+from .points import Real
+
+MARGIN = 1.01
+"""The paper's repair of a violated kinf > k0: kinf becomes 1.01 k0 (section 4)."""
+
+
+@dataclass(frozen=True)
+class SearchForm:
+    """Parameters to search in, with the exact map to the element parameters.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+        What is searched.
+    to_elements : callable
+        (..., q) to (..., p).
+    jacobian : callable
+        (..., q) to (..., p, q).
+    from_elements : callable
+        (..., p) to (..., q).
+    ordered : tuple of int or None
+        Indices (low, high) of two searched stiffnesses (or orders) of which the second must exceed the first.
+    margin : float
+        Where it does not, it becomes `margin` times the first: 1.01 in the paper, 1 for orders, which may be equal.
+    """
+
+    parameters: tuple[Parameter, ...]
+    to_elements: Callable[[Real], Real]
+    jacobian: Callable[[Real], Real]
+    from_elements: Callable[[Real], Real]
+    ordered: tuple[int, int] | None = None
+    margin: float = MARGIN
+
+    def repaired(self, x: Real) -> Real:
+        """`x` with kinf = 1.01 k0 wherever kinf > k0 is violated (and likewise for orders)."""
+        if self.ordered is None:
+            return x
+        low, high = self.ordered
+        violated = x[..., high] <= x[..., low]
+        if not violated.any():
+            return x
+        mended = x.copy()
+        mended[..., high] = np.where(violated, self.margin * x[..., low], x[..., high])
+        return mended
+
+
+def columns(*parts: Real | float) -> Real:
+    """Parameter vectors (..., p) from their p components, each (...) or a number; complex ones stay complex."""
+    if not any(isinstance(part, np.ndarray) and part.ndim for part in parts):
+        return np.array(parts) * 1.0
+    return np.stack(np.broadcast_arrays(*parts), axis=-1) * 1.0
+
+
+def components(x: Real) -> Real:
+    """The components (p, ...) of parameter vectors (..., p)."""
+    # A single point is the case that optimisers wait for, and moving no axis takes as long as an element.
+    return x if x.ndim == 1 else np.moveaxis(x, -1, 0)
+
+
+def rows(*parts: Real) -> Real:
+    """Jacobian (..., p, q) from its p rows (..., q)."""
+    return np.stack(np.broadcast_arrays(*parts), axis=-2)
+
+
+def _time_form() -> SearchForm:
+    """(k, tau, alpha) of the three-parameter models, tau^alpha = c / k; eq. (20), (21), (33)."""
+
+    def to_elements(x: Real) -> Real:
+        k, tau, alpha = components(x)
+        return columns(k, k * tau**alpha, alpha)
+
+    def jacobian(x: Real) -> Real:
+        k, tau, alpha = components(x)
+        power = tau**alpha
+        c = k * power
+        one, nil = np.ones_like(k), np.zeros_like(k)
+        return rows(
+            columns(one, nil, nil),
+            columns(power, alpha * c / tau, c * np.log(tau)),
+            columns(nil, nil, one),
+        )
+
+    def from_elements(theta: Real) -> Real:
+        k, c, alpha = components(theta)
+        return columns(k, (c / k) ** (1.0 / alpha), alpha)
+
+    return SearchForm((stiffness("k"), relaxation_time(), order()), to_elements, jacobian, from_elements)
+
+
+def _maxwell_form() -> SearchForm:
+    """(k0, kinf, tau, alpha) of the Maxwell type: k1 = k0, k2 = kinf - k0, c = tau^alpha k2; eq. (9), (35)."""
+
+    def to_elements(x: Real) -> Real:
+        k0, kinf, tau, alpha = components(x)
+        return columns(k0, kinf - k0, tau**alpha * (kinf - k0), alpha)
+
+    def jacobian(x: Real) -> Real:
+        k0, kinf, tau, alpha = components(x)
+        power = tau**alpha
+        c = power * (kinf - k0)
+        one, nil = np.ones_like(k0), np.zeros_like(k0)
+        return rows(
+            columns(one, nil, nil, nil),
+            columns(-one, one, nil, nil),
+            columns(-power, power, alpha * c / tau, c * np.log(tau)),
+            columns(nil, nil, nil, one),
+        )
+
+    def from_elements(theta: Real) -> Real:
+        k1, k2, c, alpha = components(theta)
+        return columns(k1, k1 + k2, (c / k2) ** (1.0 / alpha), alpha)
+
+    return SearchForm(_limits(), to_elements, jacobian, from_elements, ordered=(0, 1))
+
+
+def _kelvin_form() -> SearchForm:
+    """(k0, kinf, tau, alpha) of the Kelvin type, inverse of eq. (6), (34)."""
+
+    def to_elements(x: Real) -> Real:
+        k0, kinf, tau, alpha = components(x)
+        gap = kinf - k0
+        return columns(kinf, k0 * kinf / gap, tau**alpha * kinf**2 / gap, alpha)
+
+    def jacobian(x: Real) -> Real:
+        k0, kinf, tau, alpha = components(x)
+        gap = kinf - k0
+        power = tau**alpha
+        c = power * kinf**2 / gap
+        one, nil = np.ones_like(k0), np.zeros_like(k0)
+        return rows(
+            columns(nil, one, nil, nil),
+            columns((kinf / gap) ** 2, -((k0 / gap) ** 2), nil, nil),
+            columns(c / gap, power * kinf * (kinf - 2 * k0) / gap**2, alpha * c / tau, c * np.log(tau)),
+            columns(nil, nil, nil, one),
+        )
+
+    def from_elements(theta: Real) -> Real:
+        k1, k2, c, alpha = components(theta)
+        return columns(k1 * k2 / (k1 + k2), k1, (c / (k1 + k2)) ** (1.0 / alpha), alpha)
+
+    return SearchForm(_limits(), to_elements, jacobian, from_elements, ordered=(0, 1))
+
+
+def _limits() -> tuple[Parameter, ...]:
+    return (stiffness("k0", "k₀"), stiffness("kinf", "k∞"), relaxation_time(), order())
+
+
+def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
+    """The form (k0, kinf, ...) of a model whose parameters are (k0, k1, ...) with kinf = k0 + k1.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+        The model's; all but the second are searched as they are.
+    """
+    searched = (*_limits()[:2], *parameters[2:])
+    step = np.eye(len(parameters))
+    step[1, 0] = -1.0
+
+    def to_elements(x: Real) -> Real:
+        return columns(x[..., 0], x[..., 1] - x[..., 0], *np.moveaxis(x[..., 2:], -1, 0))
+
+    def jacobian(x: Real) -> Real:
+        return np.broadcast_to(step, (*x.shape[:-1], *step.shape))
+
+    def from_elements(theta: Real) -> Real:
+        return columns(theta[..., 0], theta[..., 0] + theta[..., 1], *np.moveaxis(theta[..., 2:], -1, 0))
+
+    return SearchForm(searched, to_elements, jacobian, from_elements, ordered=(0, 1))
+
+
+TIME_FORM = _time_form()
+MAXWELL_FORM = _maxwell_form()
+KELVIN_FORM = _kelvin_form()

@@ -1,0 +1,81 @@
+"""An element written as one function: what every effect beyond the linear basics is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from .nodes import GRADIENT, VALUE, Node, Response
+from .parameters import Parameter
+from .points import Complex, Points, Real
+
+Law: TypeAlias = Callable[..., tuple[Any, Sequence[Any], Any]]
+
+
+@dataclass(frozen=True)
+class Formula(Node):
+    """An element given by a law of its parameters and the points.
+
+    Parameters
+    ----------
+    free : tuple of Parameter
+        Its parameters. The first is the *size*: by itself it decides whether the element is there.
+    law : callable
+        ``law(at, *parameters)`` gives the value, its derivative by each parameter and its derivative by
+        ln omega. Parameters arrive with shape (..., 1); whatever broadcasts with the (..., n) points may be
+        returned. A law that also accepts complex parameters can be tested by Cauchy's integral.
+    conditions : tuple of str
+        Columns that the law asks of the points, such as ``"amplitude"``.
+    kind : str
+        Name of the element in drawings.
+    third : callable or None
+        ``third(at, *parameters)`` gives the third harmonic of the force over the displacement amplitude;
+        see `Effect.third_harmonic`.
+    """
+
+    free: tuple[Parameter, ...]
+    law: Law
+    conditions: tuple[str, ...] = ()
+    kind: str = "element"
+    third: Callable[..., Any] | None = None
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The free parameters."""
+        return self.free
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """The columns that the law asks for."""
+        return frozenset(self.conditions)
+
+    def _columns(self, theta: Real) -> tuple[Real, ...]:
+        return tuple(theta[..., i : i + 1] for i in range(len(self.free)))
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The law, in the shapes that compositions expect."""
+        value, slopes, by_log_omega = self.law(at, *self._columns(theta))
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        whole = _spread(value, shape)
+        if depth == VALUE:
+            return Response(whole)
+        by_theta = np.empty((*shape[:-1], len(self.free), shape[-1]), dtype=complex)
+        for i, slope in enumerate(slopes):
+            by_theta[..., i, :] = slope
+        if depth == GRADIENT:
+            return Response(whole, by_theta)
+        return Response(whole, by_theta, _spread(by_log_omega, shape))
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
+        """Third harmonic of the force over the displacement amplitude; None where no law is known."""
+        if self.third is None:
+            return None
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        return _spread(self.third(at, *self._columns(theta)), shape)
+
+
+def _spread(value: Any, shape: tuple[int, ...]) -> Complex:
+    return np.broadcast_to(np.asarray(value, dtype=complex), shape)

@@ -1,0 +1,171 @@
+"""A model: a named network and the effects that have joined it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .effect import Effect, Layer
+from .forms import SearchForm
+from .lookup import find_effect
+from .nodes import FULL, GRADIENT, Node, Scaled
+from .parameters import Parameter
+from .points import Complex, Points, Real
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A rheological model, possibly grown by effects.
+
+    Parameters
+    ----------
+    base : str
+        Canonical name of the model without effects.
+    material : Node
+        Its network of elements.
+    summary : str
+        One sentence on what it describes.
+    citation : str
+        Source of the equation (DOI where there is one).
+    aliases : tuple of str
+        Names that other tools use.
+    search : SearchForm or None
+        The published search parameters, where they differ from the elements'.
+    effects : tuple of Effect
+        Effects that joined, in the order in which they were added.
+    drawing : str
+        The network as text, where it is not drawn from the network itself.
+    """
+
+    base: str
+    material: Node
+    summary: str = ""
+    citation: str = ""
+    aliases: tuple[str, ...] = ()
+    search: SearchForm | None = None
+    effects: tuple[Effect, ...] = field(default=())
+    drawing: str = ""
+
+    @property
+    def name(self) -> str:
+        """The model expression, such as ``fractional-maxwell + inertia``."""
+        return " + ".join([self.base, *(effect.name for effect in self.effects)])
+
+    def __str__(self) -> str:
+        return self.name
+
+    @cached_property
+    def network(self) -> Node:
+        """Material and effects composed from the material outwards."""
+        return self.resized(1.0)
+
+    def resized(self, factor: float) -> Node:
+        """The network with `factor` times as much specimen (twice the area, say) in the same rig."""
+        network, resized = self.material, factor == 1.0
+        for effect, prefix in sorted(self._named_effects(), key=lambda pair: pair[0].position):
+            if not resized and effect.layer > Layer.SPECIMEN:
+                network, resized = Scaled(network, factor), True
+            network = effect.composition(network, effect.element.with_prefix(prefix))
+        return network if resized else Scaled(network, factor)
+
+    def _named_effects(self) -> list[tuple[Effect, str]]:
+        seen: Counter[str] = Counter()
+        named = []
+        for effect in self.effects:
+            seen[effect.name] += 1
+            count = seen[effect.name]
+            named.append((effect, effect.name if count == 1 else f"{effect.name}#{count}"))
+        return named
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters in the order of theta."""
+        return self.network.parameters
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters' names in the order of theta."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Condition columns without which the model cannot be evaluated."""
+        return self.network.needs
+
+    def theta(self, **values: float) -> Real:
+        """Parameter vector from keyword values; dots in names are written as double underscores.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown or missing.
+        """
+        given = {name.replace("__", "."): value for name, value in values.items()}
+        return self.vector(given)
+
+    def vector(self, values: dict[str, float]) -> Real:
+        """Parameter vector from a mapping of names to values.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown or missing.
+        """
+        wrong = sorted(set(values) ^ set(self.names))
+        if wrong:
+            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
+        return np.array([values[name] for name in self.names], dtype=float)
+
+    def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
+        """Complex stiffness.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (..., p)
+            Parameters.
+        at : Points or array of omega in rad/s
+            The n points.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+            K = K' + i K'' in the unit of the parameters.
+        """
+        return self.network.respond(np.asarray(theta, dtype=float), _points(at)).value
+
+    def jacobian(self, theta: Real, at: Points | Real | float) -> Complex:
+        """Exact derivative dK/dtheta, shape (..., n, p)."""
+        response = self.network.respond(np.asarray(theta, dtype=float), _points(at), GRADIENT)
+        return np.swapaxes(response.by_theta, -1, -2)
+
+    def slope(self, theta: Real, at: Points | Real | float) -> Complex:
+        """Exact derivative dK / d ln omega, shape (..., n)."""
+        return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
+
+    def __add__(self, effect: Effect | str) -> Model:
+        """The model with one more effect, given as an object or by name."""
+        found = find_effect(effect) if isinstance(effect, str) else effect
+        return replace(self, effects=(*self.effects, found))
+
+    def __sub__(self, effect: Effect | str) -> Model:
+        """The model without the last effect of that name.
+
+        Raises
+        ------
+        ModelError
+            If the model has no such effect.
+        """
+        name = effect if isinstance(effect, str) else effect.name
+        for i in reversed(range(len(self.effects))):
+            if self.effects[i].name == name:
+                return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])
+        raise ModelError(f"{self.name} has no effect '{name}'")
+
+
+def _points(at: Points | Real | float) -> Points:
+    return at if isinstance(at, Points) else Points.at(at)

@@ -1,0 +1,299 @@
+"""The algebra: a network node gives its complex stiffness and the exact derivatives of it.
+
+Leaves are elements (see `elements`); inner nodes are the four compositions, each of which adds up in one plane:
+parallel in K, series in 1/K, chain in ln K, shift in ln omega.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from .parameters import Parameter
+from .points import Complex, Points, Real
+
+VALUE, GRADIENT, FULL = 0, 1, 2
+_ABSENT: Complex = np.empty(0, dtype=complex)
+
+
+class Response(NamedTuple):
+    """Complex stiffness with its derivatives; what was not asked for is empty.
+
+    Attributes
+    ----------
+    value : ndarray, shape (..., n)
+        Complex stiffness K.
+    by_theta : ndarray, shape (..., p, n)
+        dK/dtheta for each of the p parameters.
+    by_log_omega : ndarray, shape (..., n)
+        dK / d ln omega.
+    """
+
+    value: Complex
+    by_theta: Complex = _ABSENT
+    by_log_omega: Complex = _ABSENT
+
+
+class Node:
+    """A part of a network: an element or a composition of nodes."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The parameters in the order in which `respond` takes them."""
+        raise AssertionError(f"{type(self).__name__} does not say its parameters")
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """Evaluate the node.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (..., p)
+            Parameters; leading axes are evaluated side by side.
+        at : Points
+            Frequencies and conditions of the n points.
+        depth : {VALUE, GRADIENT, FULL}
+            Value only, with dK/dtheta, or with dK/d ln omega as well.
+        """
+        raise AssertionError(f"{type(self).__name__} does not respond")
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Condition columns (such as "amplitude") without which the node cannot be evaluated."""
+        return frozenset()
+
+    def with_prefix(self, prefix: str) -> Node:
+        """The node with every parameter name preceded by `prefix` and a dot."""
+        return Renamed(self, prefix)
+
+
+@dataclass(frozen=True)
+class Renamed(Node):
+    """A node whose parameters carry the name of the effect they belong to."""
+
+    node: Node
+    prefix: str
+
+    @cached_property
+    def _parameters(self) -> tuple[Parameter, ...]:
+        return tuple(p.renamed(f"{self.prefix}.{p.name}") for p in self.node.parameters)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The parameters, each with the prefix."""
+        return self._parameters
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """What the inner node needs."""
+        return self.node.needs
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The inner node's response: names change nothing."""
+        return self.node.respond(theta, at, depth)
+
+
+@dataclass(frozen=True)
+class Composition(Node):
+    """Nodes put together; theta is the concatenation of theirs."""
+
+    children: tuple[Node, ...]
+
+    @cached_property
+    def _parameters(self) -> tuple[Parameter, ...]:
+        return tuple(p for child in self.children for p in child.parameters)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The parameters of all children in order."""
+        return self._parameters
+
+    @cached_property
+    def _cuts(self) -> tuple[slice, ...]:
+        ends = np.cumsum([0] + [len(child.parameters) for child in self.children]).tolist()
+        return tuple(slice(a, b) for a, b in pairwise(ends))
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """What any child needs."""
+        return frozenset().union(*(child.needs for child in self.children))
+
+    def _respond_each(self, theta: Real, at: Points, depth: int) -> list[Response]:
+        parts = zip(self.children, self._cuts, strict=True)
+        return [child.respond(theta[..., cut], at, depth) for child, cut in parts]
+
+
+def _joined(parts: Sequence[Response], factors: Sequence[Complex] | None) -> Complex:
+    """dK/dtheta of the whole: each part's own, times its factor dK/dK_part."""
+    if factors is None:
+        blocks = [part.by_theta for part in parts]
+    else:
+        blocks = [f[..., None, :] * part.by_theta for f, part in zip(factors, parts, strict=True)]
+    lead = max((block.shape[:-2] for block in blocks), key=len)
+    return np.concatenate([_lead(block, lead) for block in blocks], axis=-2)
+
+
+def _lead(block: Complex, lead: tuple[int, ...]) -> Complex:
+    return block if block.shape[:-2] == lead else np.broadcast_to(block, lead + block.shape[-2:])
+
+
+def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Complex] | None, depth: int) -> Response:
+    """The chain rule shared by parallel, series and chain: dK = sum factor_i dK_i."""
+    if depth == VALUE:
+        return Response(value)
+    by_theta = _joined(parts, factors)
+    if depth == GRADIENT:
+        return Response(value, by_theta)
+    slopes = [part.by_log_omega for part in parts]
+    if factors is not None:
+        slopes = [f * slope for f, slope in zip(factors, slopes, strict=True)]
+    return Response(value, by_theta, sum(slopes[1:], slopes[0]))
+
+
+class Parallel(Composition):
+    """Stiffnesses add: all children feel the same displacement."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K = sum K_i."""
+        parts = self._respond_each(theta, at, depth)
+        value = sum((part.value for part in parts[1:]), parts[0].value)
+        return _combine(value, parts, None, depth)
+
+
+class Series(Composition):
+    """Compliances add: all children carry the same force."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """1/K = sum 1/K_i, so that dK/dK_i = (K/K_i)^2."""
+        parts = self._respond_each(theta, at, depth)
+        value = 1.0 / sum((1.0 / part.value for part in parts[1:]), 1.0 / parts[0].value)
+        factors = None if depth == VALUE else [(value / part.value) ** 2 for part in parts]
+        return _combine(value, parts, factors, depth)
+
+
+class Chain(Composition):
+    """Logarithms add: what the measurement chain does to the force signal."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K = K_a K_b."""
+        parts = self._respond_each(theta, at, depth)
+        first, second = parts[0].value, parts[1].value
+        return _combine(first * second, parts, [second, first], depth)
+
+
+class Shift(Composition):
+    """Frequencies are rescaled: the first child is read at omega times a_T, whose logarithm the second gives."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K(omega) = K_a(omega a_T); the second child responds with the real ln a_T."""
+        base_theta, shift_theta = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        log_shift = self.children[1].respond(shift_theta, at, depth)
+        # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass through.
+        exact: Real = log_shift.value if np.iscomplexobj(theta) else log_shift.value.real  # type: ignore[assignment]
+        moved = at.shifted(exact)
+        base = self.children[0].respond(base_theta, moved, VALUE if depth == VALUE else FULL)
+        if depth == VALUE:
+            return Response(base.value)
+        slope = base.by_log_omega
+        by_theta = np.concatenate([base.by_theta, slope[..., None, :] * log_shift.by_theta], axis=-2)
+        if depth == GRADIENT:
+            return Response(base.value, by_theta)
+        return Response(base.value, by_theta, slope * (1.0 + log_shift.by_log_omega))
+
+
+def _flat(kind: type[Composition], nodes: Sequence[Node]) -> Node:
+    children: list[Node] = []
+    for node in nodes:
+        children.extend(node.children if isinstance(node, kind) else (node,))
+    return children[0] if len(children) == 1 else kind(tuple(children))
+
+
+def parallel(*nodes: Node) -> Node:
+    """Nodes side by side; nested ones are flattened."""
+    return _flat(Parallel, nodes)
+
+
+def series(*nodes: Node) -> Node:
+    """Nodes one after the other; nested ones are flattened."""
+    return _flat(Series, nodes)
+
+
+def chain(first: Node, second: Node) -> Node:
+    """`first` seen through a measurement chain `second`."""
+    return Chain((first, second))
+
+
+def shift(first: Node, second: Node) -> Node:
+    """`first` with its frequency axis moved by `second`."""
+    return Shift((first, second))
+
+
+@dataclass(frozen=True)
+class Mapped(Node):
+    """A network whose element parameters are functions of other, published parameters.
+
+    Parameters
+    ----------
+    node : Node
+        The network in element parameters.
+    outer : tuple of Parameter
+        The published parameters.
+    forward : callable
+        Published parameters (..., q) to element parameters (..., p).
+    jacobian : callable
+        Its derivative, (..., q) to (..., p, q).
+    """
+
+    node: Node
+    outer: tuple[Parameter, ...]
+    forward: Callable[[Real], Real]
+    jacobian: Callable[[Real], Real]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The published parameters."""
+        return self.outer
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """What the inner node needs."""
+        return self.node.needs
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The inner response, its derivative carried through the map."""
+        inner = self.node.respond(self.forward(theta), at, depth)
+        if depth == VALUE:
+            return inner
+        by_outer = np.matmul(np.swapaxes(self.jacobian(theta), -1, -2), inner.by_theta)
+        return inner._replace(by_theta=by_outer)
+
+
+@dataclass(frozen=True)
+class Scaled(Node):
+    """A node whose stiffness is multiplied by a known number: more or less of the same specimen."""
+
+    node: Node
+    factor: float
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The inner node's parameters."""
+        return self.node.parameters
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """What the inner node needs."""
+        return self.node.needs
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The inner response times the factor."""
+        return Response(*(self.factor * part for part in self.node.respond(theta, at, depth)))
+
+
+def rename(parameter: Parameter, name: str) -> Parameter:
+    """`parameter` under another name, its unit unchanged."""
+    return replace(parameter, name=name)

@@ -1,0 +1,216 @@
+"""Elements that depend on the amplitude: first harmonics (describing functions) of nonlinear forces.
+
+The displacement is x = X cos(omega t), the force the real part of sum F_n exp(i n omega t), and K = F_1 / X. In
+parallel these are exact for a sinusoidal displacement. A third harmonic is F_3 / X in the same convention.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .formula import Formula
+from .linear import RADIAN
+from .parameters import AMPLITUDE, FORCE, PURE, Dimension, Parameter, stiffness
+from .points import Points
+
+FOUR_OVER_PI = 4.0 / np.pi
+CUBIC = Dimension(stiffness=1, amplitude=-2)
+CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
+NEEDS_AMPLITUDE = ("amplitude",)
+
+
+def _friction(at: Points, force: Any) -> Any:
+    unit = 1j * FOUR_OVER_PI / at.need("amplitude")
+    return force * unit, (unit,), 0.0
+
+
+def _friction_third(at: Points, force: Any) -> Any:
+    return 1j * FOUR_OVER_PI * force / (3.0 * at.need("amplitude"))
+
+
+def coulomb_friction(force: str = "F") -> Formula:
+    """Dry friction, F sgn(velocity): K = i 4 F / (pi X)."""
+    return Formula((Parameter(force, "F", FORCE),), _friction, NEEDS_AMPLITUDE, "friction", _friction_third)
+
+
+def slip_fraction(rho: Any) -> tuple[Any, Any]:
+    """K / k of a spring in series with a slider, and its derivative by rho.
+
+    Parameters
+    ----------
+    rho : ndarray
+        Slip force over k X; from 1 on the slider sticks and the element is a plain spring.
+    """
+    sticks = np.real(rho) >= 1.0
+    beta = np.arccos(1.0 - 2.0 * np.where(sticks, 0.5, rho))
+    value = (beta - 0.5 * np.sin(2.0 * beta) + 1j * np.sin(beta) ** 2) / np.pi
+    slope = FOUR_OVER_PI * (np.sin(beta) + 1j * np.cos(beta))
+    return np.where(sticks, 1.0, value), np.where(sticks, 0.0, slope)
+
+
+def _jenkins(at: Points, k: Any, force: Any) -> Any:
+    amplitude = at.need("amplitude")
+    rho = force / (k * amplitude)
+    value, slope = slip_fraction(rho)
+    return k * value, (value - rho * slope, slope / amplitude), 0.0
+
+
+def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
+    rho = np.minimum(force / (k * at.need("amplitude")), 1.0)
+    turn = np.exp(-2j * np.arccos(1.0 - 2.0 * rho))
+    return 1j * k * (turn - 0.5 * (1.0 + turn**2)) / (6.0 * np.pi)
+
+
+def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
+    """A spring in series with a friction slider (Jenkins): it sticks while k X < F."""
+    free = (stiffness(k), Parameter(force, "F", FORCE))
+    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third)
+
+
+def _power_law(at: Points, force: Any, exponent: Any) -> Any:
+    from scipy.special import digamma, loggamma
+
+    amplitude = at.need("amplitude")
+    half = 0.5 * exponent
+    factor = 2.0 / np.sqrt(np.pi) * np.exp(loggamma(1.0 + half) - loggamma(1.5 + half))
+    log_speed = at.log_omega + np.log(amplitude)
+    unit = 1j * factor * np.exp(exponent * log_speed) / amplitude
+    value = force * unit
+    bend = log_speed + 0.5 * (digamma(1.0 + half) - digamma(1.5 + half))
+    return value, (unit, value * bend), exponent * value
+
+
+def _power_law_third(at: Points, force: Any, exponent: Any) -> Any:
+    return _power_law(at, force, exponent)[0] * (1.0 - exponent) / (3.0 + exponent)
+
+
+def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
+    """F |v|^a sgn(v): F is the force at a speed of one amplitude unit per second, a = 2 an orifice."""
+    free = (
+        Parameter(force, "F", FORCE),
+        Parameter(exponent, "a", PURE, 0.0, 2.0, "linear", 0.5),
+    )
+    return Formula(free, _power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third)
+
+
+def _cubic_spring(at: Points, k3: Any) -> Any:
+    unit = 0.75 * at.need("amplitude") ** 2
+    return k3 * unit, (unit,), 0.0
+
+
+def _cubic_spring_third(at: Points, k3: Any) -> Any:
+    return 0.25 * k3 * at.need("amplitude") ** 2
+
+
+def cubic_spring(k3: str = "k3") -> Formula:
+    """Force k3 x^3, K = (3/4) k3 X^2; k3 < 0 softens."""
+    free = (Parameter(k3, "k₃", CUBIC, -np.inf, scale="linear"),)
+    return Formula(free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third)
+
+
+def _cubic_dashpot(at: Points, c3: Any) -> Any:
+    unit = 0.75j * at.omega**3 * at.need("amplitude") ** 2
+    return c3 * unit, (unit,), 3.0 * c3 * unit
+
+
+def _cubic_dashpot_third(at: Points, c3: Any) -> Any:
+    return -0.25j * c3 * at.omega**3 * at.need("amplitude") ** 2
+
+
+def cubic_dashpot(c3: str = "c3") -> Formula:
+    """Force c3 v^3, K = i (3/4) c3 omega^3 X^2."""
+    free = (Parameter(c3, "c₃", CUBIC_RATE),)
+    return Formula(free, _cubic_dashpot, NEEDS_AMPLITUDE, "cubic dashpot", _cubic_dashpot_third)
+
+
+def _gap(at: Points, b: Any) -> tuple[Any, Any]:
+    """Half gap over amplitude and where the gap is open all the time."""
+    ratio = b / at.need("amplitude")
+    return ratio, np.real(ratio) >= 1.0
+
+
+def _dead_zone(at: Points, k: Any, b: Any) -> Any:
+    ratio, open_ = _gap(at, b)
+    inside = np.where(open_, 0.0, ratio)
+    root = np.sqrt(1.0 - inside**2)
+    share = np.where(open_, 0.0, 1.0 - (np.arcsin(inside) + inside * root) * 2.0 / np.pi)
+    slope = np.where(open_, 0.0, -FOUR_OVER_PI * root)
+    return k * share, (share, k * slope / at.need("amplitude")), 0.0
+
+
+def _dead_zone_third(at: Points, k: Any, b: Any) -> Any:
+    ratio, open_ = _gap(at, b)
+    inside = np.where(open_, 1.0, ratio)
+    return k * FOUR_OVER_PI / 3.0 * inside * (1.0 - inside**2) ** 1.5
+
+
+def gapped_spring(k: str = "k", b: str = "b") -> Formula:
+    """A spring that touches only beyond a gap of b on either side; nothing happens while X < b."""
+    free = (stiffness(k), Parameter(b, "b", AMPLITUDE))
+    return Formula(free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third)
+
+
+def _play(at: Points, b: Any) -> Any:
+    rho = b / at.need("amplitude")
+    value, slope = slip_fraction(rho)
+    return 1.0 - value, (-slope / at.need("amplitude"),), 0.0
+
+
+def play(b: str = "b") -> Formula:
+    """Output over input of a joint with play b on either side whose position is held by friction."""
+    return Formula((Parameter(b, "b", AMPLITUDE, typical=0.3),), _play, NEEDS_AMPLITUDE, "play")
+
+
+def _payne(at: Points, k: Any, h: Any, limit: Any, m: Any) -> Any:
+    log_ratio = np.log(at.need("amplitude") / limit)
+    u = np.exp(m * log_ratio)
+    down = 1.0 / (1.0 + u**2)
+    shape = (1.0 + 2j * h * u) * down
+    # d shape / d ln u
+    turn = 2j * h * u * down - 2.0 * u**2 * down * shape
+    return k * shape, (shape, 2j * k * u * down, -k * turn * m / limit, k * turn * log_ratio), 0.0
+
+
+def payne_softening(k: str = "k") -> Formula:
+    """Filler network that breaks up (Kraus): K = k (1 + 2 i h u) / (1 + u^2), u = (X / Xc)^m.
+
+    k is the stiffness lost at large amplitude and h k the peak of the loss, at the amplitude Xc.
+    """
+    free = (
+        stiffness(k),
+        Parameter("h", "h", PURE, typical=0.3),
+        Parameter("Xc", "X_c", AMPLITUDE),
+        Parameter("m", "m", PURE, 0.1, 2.0, "linear", 0.6),
+    )
+    return Formula(free, _payne, NEEDS_AMPLITUDE, "payne")
+
+
+def _stretch(at: Points, q: Any) -> Any:
+    square = at.need("amplitude") ** 2
+    return 1.0 + q * square, (square,), 0.0
+
+
+def amplitude_gain(q: str = "q") -> Formula:
+    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens, the same at all frequencies."""
+    free = (Parameter(q, "q", Dimension(amplitude=-2), -np.inf, scale="linear"),)
+    return Formula(free, _stretch, NEEDS_AMPLITUDE, "amplitude gain")
+
+
+def _leak(at: Points, force: Any, angle: Any) -> Any:
+    unit = np.exp(1j * angle) / at.need("amplitude")
+    return force * unit, (unit, 1j * force * unit), 0.0
+
+
+def _no_third(at: Points, *_: Any) -> Any:
+    return 0.0
+
+
+def crosstalk_force(force: str = "F", angle: str = "phi") -> Formula:
+    """A disturbance of fixed force and phase at the test frequency, K = F exp(i phi) / X."""
+    free = (
+        Parameter(force, "F", FORCE, typical=0.1),
+        Parameter(angle, "φ", RADIAN, -np.pi, np.pi, "linear", 0.0),
+    )
+    return Formula(free, _leak, NEEDS_AMPLITUDE, "crosstalk", _no_third)

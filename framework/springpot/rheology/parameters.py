@@ -1,0 +1,107 @@
+"""Parameters of a model: their names, bounds and units.
+
+A unit is held as a *dimension* in terms of the measured stiffness ``K``, time and amplitude, not as a fixed
+string, so that the same model fits a damper in kN/m and a fluid in Pa and prints the unit that fits each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Literal
+
+Scale = Literal["log", "linear"]
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """Powers of the measured stiffness, of time and of the amplitude that make a parameter's unit.
+
+    Parameters
+    ----------
+    stiffness : int
+        Power of the unit of the measured stiffness or modulus.
+    time : float or str
+        Power of the second, or the name of the parameter (a fractional order) that is this power.
+    amplitude : int
+        Power of the unit of the measured amplitude.
+    label : str
+        A fixed unit such as ``"kJ/mol"`` or ``"K"``, for what has no such powers.
+    """
+
+    stiffness: int = 0
+    time: float | str = 0
+    amplitude: int = 0
+    label: str = ""
+
+
+STIFFNESS = Dimension(stiffness=1)
+VISCOSITY = Dimension(stiffness=1, time=1)
+INERTANCE = Dimension(stiffness=1, time=2)
+FORCE = Dimension(stiffness=1, amplitude=1)
+AMPLITUDE = Dimension(amplitude=1)
+SECOND = Dimension(time=1)
+RADIAN_PER_SECOND = Dimension(time=-1)
+PURE = Dimension()
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a model.
+
+    Parameters
+    ----------
+    name : str
+        What users type, such as ``"k"`` or ``"inertia.m"``.
+    symbol : str
+        What is printed in formulas.
+    unit : Dimension
+        The unit in powers of stiffness, time and amplitude.
+    lower, upper : float
+        Bounds that a result never leaves.
+    scale : {"log", "linear"}
+        Whether the parameter is searched by its logarithm (positive, of unknown size) or as it is.
+    typical : float
+        Size in the natural unit of the data; starts are drawn around it.
+    """
+
+    name: str
+    symbol: str
+    unit: Dimension = PURE
+    lower: float = 0.0
+    upper: float = inf
+    scale: Scale = "log"
+    typical: float = 1.0
+
+    def renamed(self, name: str) -> Parameter:
+        """The same parameter under another name; an order named in its unit moves along."""
+        unit = self.unit
+        if isinstance(unit.time, str):
+            prefix = name.rpartition(".")[0]
+            unit = replace(unit, time=f"{prefix}.{unit.time}" if prefix else unit.time)
+        return replace(self, name=name, unit=unit)
+
+
+def order(name: str = "alpha", symbol: str = "α") -> Parameter:
+    """A fractional order, bounded to [0, 1]: beyond 1 it would pass inertia off as material."""
+    return Parameter(name, symbol, PURE, 0.0, 1.0, "linear", 0.5)
+
+
+def stiffness(name: str = "k", symbol: str = "k") -> Parameter:
+    """A positive spring stiffness or modulus."""
+    return Parameter(name, symbol, STIFFNESS)
+
+
+def viscosity(name: str = "c", symbol: str = "c") -> Parameter:
+    """A positive dashpot constant."""
+    return Parameter(name, symbol, VISCOSITY)
+
+
+def quasi_property(name: str = "c", order_name: str = "alpha", symbol: str = "c") -> Parameter:
+    """A springpot's constant, in stiffness times second to the power of its order."""
+    return Parameter(name, symbol, Dimension(stiffness=1, time=order_name))
+
+
+def relaxation_time(name: str = "tau", symbol: str = "τ") -> Parameter:
+    """A positive relaxation or retardation time."""
+    return Parameter(name, symbol, SECOND)

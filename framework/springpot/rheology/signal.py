@@ -1,0 +1,78 @@
+"""What the measurement chain does to a signal: factors for `chain`, and the clock for `shift`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .formula import Formula
+from .linear import DAMPING_RATIO, RADIAN, delay_time, resonance
+from .parameters import PURE, Parameter
+from .points import Points
+
+
+def _delay(at: Points, tau: Any) -> Any:
+    s = 1j * at.omega
+    value = np.exp(-s * tau)
+    return value, (-s * value,), -s * tau * value
+
+
+def delay(tau: str = "tau") -> Formula:
+    """exp(-s tau): the force signal comes tau late (early where tau < 0)."""
+    return Formula((delay_time(tau),), _delay, kind="delay")
+
+
+def _phase(at: Points, phi: Any) -> Any:
+    value = np.exp(1j * phi)
+    return value, (1j * value,), 0.0
+
+
+def phase(phi: str = "phi") -> Formula:
+    """exp(i phi): the same phase error in rad at all frequencies."""
+    return Formula((Parameter(phi, "φ", RADIAN, -0.5 * np.pi, 0.5 * np.pi, "linear", 0.0),), _phase, kind="phase")
+
+
+def _gain(at: Points, g: Any) -> Any:
+    return 1.0 + g, (1.0,), 0.0
+
+
+def gain(g: str = "g") -> Formula:
+    """1 + g: calibration, area or gap wrong by the fraction g."""
+    return Formula((Parameter(g, "g", PURE, -0.99, scale="linear", typical=0.5),), _gain, kind="gain")
+
+
+def _force_resonance(at: Points, omega_r: Any, zeta: Any) -> Any:
+    r = at.omega / omega_r
+    value = 1.0 / (1.0 - r**2 + 2j * zeta * r)
+    slope = value**2 * (2.0 * r**2 - 2j * zeta * r)
+    return value, (-slope / omega_r, -2j * r * value**2), slope
+
+
+def force_resonance(omega_r: str = "omega_r") -> Formula:
+    """1 / (1 - r^2 + 2 i zeta r), r = omega / omega_r: the force channel has a resonance."""
+    return Formula((resonance(omega_r), DAMPING_RATIO), _force_resonance, kind="resonance")
+
+
+def _filter(at: Points, tau: Any) -> Any:
+    s = 1j * at.omega
+    late = np.real(tau) >= 0.0
+    whole = 1.0 + s * np.where(late, tau, -tau)
+    # A slow force channel divides, a slow displacement channel multiplies.
+    value = np.where(late, 1.0 / whole, whole)
+    by_tau = np.where(late, -s / whole**2, -s)
+    return value, (by_tau,), tau * by_tau
+
+
+def filter_mismatch(tau: str = "tau") -> Formula:
+    """A first-order filter tau in one channel only: force where tau > 0, displacement where tau < 0."""
+    return Formula((delay_time(tau),), _filter, kind="filter")
+
+
+def _clock(at: Points, e: Any) -> Any:
+    return np.log1p(e), (1.0 / (1.0 + e),), 0.0
+
+
+def clock(e: str = "e") -> Formula:
+    """ln(1 + e), for `shift`: the frequency is wrong by the fraction e."""
+    return Formula((Parameter(e, "e", PURE, -0.9, scale="linear", typical=0.1),), _clock, kind="clock")

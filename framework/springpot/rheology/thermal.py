@@ -1,0 +1,155 @@
+"""Temperature: shift factors for `shift`, vertical ones for `chain`, branches of their own, self-heating."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .formula import Formula
+from .nodes import FULL, GRADIENT, VALUE, Composition, Node, Response
+from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
+from .points import Points, Real
+
+GAS_CONSTANT = 8.31446261815324e-3
+"""Molar gas constant in kJ/(mol K), exact in the SI of 2019."""
+LARGEST_SHIFT = 60.0
+"""Bound on |ln a_T|: 26 decades, so that a search that strays cannot overflow."""
+LN_10 = float(np.log(10.0))
+NEEDS_TEMPERATURE = ("temperature",)
+ACTIVATION = Dimension(label="kJ/mol")
+
+
+def activation_energy(name: str = "Ea", typical: float = 50.0) -> Parameter:
+    """An activation energy in kJ/mol."""
+    return Parameter(name, "E_a", ACTIVATION, 0.0, 1e3, typical=typical)
+
+
+def _bounded(value: Any, slopes: tuple[Any, ...]) -> Any:
+    inside = np.abs(np.real(value)) < LARGEST_SHIFT
+    kept = np.where(inside, value, np.clip(np.real(value), -LARGEST_SHIFT, LARGEST_SHIFT))
+    return kept, tuple(np.where(inside, slope, 0.0) for slope in slopes), 0.0
+
+
+def _inverse_temperature(at: Points) -> Real:
+    """(1/T - 1/Tr) / R in mol/kJ."""
+    inverse: Real = (1.0 / at.need("temperature") - 1.0 / at.reference_temperature) / GAS_CONSTANT
+    return inverse
+
+
+def _arrhenius(at: Points, energy: Any) -> Any:
+    unit = _inverse_temperature(at)
+    return _bounded(energy * unit, (unit,))
+
+
+def arrhenius(energy: str = "Ea") -> Formula:
+    """Ln a_T = (Ea / R) (1/T - 1/Tr)."""
+    return Formula((activation_energy(energy),), _arrhenius, NEEDS_TEMPERATURE, "arrhenius")
+
+
+def _wlf(at: Points, c1: Any, c2: Any) -> Any:
+    above = at.need("temperature") - at.reference_temperature
+    room = c2 + above
+    # At and below the pole Tr - C2 the material is frozen: the shift stays at its bound.
+    frozen = np.real(room) <= 1e-6
+    unit = -LN_10 * above / np.where(frozen, 1.0, room)
+    value, slopes, flat = _bounded(c1 * unit, (unit, -c1 * unit / np.where(frozen, 1.0, room)))
+    return np.where(frozen, LARGEST_SHIFT, value), tuple(np.where(frozen, 0.0, s) for s in slopes), flat
+
+
+def wlf(c1: str = "C1", c2: str = "C2") -> Formula:
+    """log10 a_T = -C1 (T - Tr) / (C2 + T - Tr) (Williams, Landel and Ferry)."""
+    free = (
+        Parameter(c1, "C₁", PURE, 0.0, 200.0, typical=10.0),
+        Parameter(c2, "C₂", Dimension(label="K"), 1.0, 2000.0, typical=100.0),
+    )
+    return Formula(free, _wlf, NEEDS_TEMPERATURE, "wlf")
+
+
+def _vertical(at: Points, n: Any) -> Any:
+    log_ratio = np.log(at.need("temperature") / at.reference_temperature)
+    value = np.exp(n * log_ratio)
+    return value, (value * log_ratio,), 0.0
+
+
+def temperature_power(n: str = "n") -> Formula:
+    """b_T = (T / Tr)^n: n = 1 for entropic elasticity, negative where thermal expansion or softening wins."""
+    free = (Parameter(n, "n", PURE, -20.0, 20.0, "linear", 1.0),)
+    return Formula(free, _vertical, NEEDS_TEMPERATURE, "vertical shift")
+
+
+def _entropic(at: Points, k: Any) -> Any:
+    ratio = at.need("temperature") / at.reference_temperature
+    return k * ratio, (ratio,), 0.0
+
+
+def entropic_spring(k: str = "k") -> Formula:
+    """K = k T / Tr: a rubber network, stiffer when hot."""
+    return Formula((stiffness(k),), _entropic, NEEDS_TEMPERATURE, "entropic spring")
+
+
+def _thermal_dashpot(at: Points, c: Any, energy: Any) -> Any:
+    unit = _inverse_temperature(at)
+    power = 1j * at.omega * np.exp(np.clip(np.real(energy * unit), -LARGEST_SHIFT, LARGEST_SHIFT))
+    power = power * np.exp(1j * np.imag(energy * unit))
+    return c * power, (power, c * power * unit), c * power
+
+
+def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
+    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at temperature T."""
+    return Formula((viscosity(c), activation_energy(energy, 20.0)), _thermal_dashpot, NEEDS_TEMPERATURE, "dashpot")
+
+
+def _steady_dashpot(at: Points, c: Any) -> Any:
+    at.need("temperature")
+    s = 1j * at.omega
+    return c * s, (s,), c * s
+
+
+def steady_dashpot(c: str = "c") -> Formula:
+    """A dashpot of the rig, the same at every temperature; without temperatures it is a plain dashpot."""
+    return Formula((viscosity(c),), _steady_dashpot, NEEDS_TEMPERATURE, "dashpot")
+
+
+def _heating(at: Points, s: Any) -> Any:
+    unit = 0.5 * at.omega * at.need("amplitude") ** 2
+    return s * unit, (unit,), s * unit
+
+
+def heating(s: str = "s") -> Formula:
+    """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2; s is the shift per unit of power."""
+    unit = Dimension(stiffness=-1, time=1, amplitude=-2)
+    return Formula((Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating")
+
+
+class Heated(Composition):
+    """A specimen that its own loss warms: K(omega exp(-h)), h = s P, P = omega K''(omega) X^2 / 2.
+
+    First order in the heating: the power is that of the unheated specimen.
+    """
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K_a at the frequency that the warmer specimen feels."""
+        body, heater = self.children
+        base_theta, heat_theta = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        level = VALUE if depth == VALUE else FULL
+        cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
+        factor = heat.value.real
+        shift = factor * cold.value.imag
+        free = (np.abs(shift) < LARGEST_SHIFT).astype(float)
+        warm = body.respond(base_theta, at.shifted(-np.clip(shift, -LARGEST_SHIFT, LARGEST_SHIFT)), level)
+        if depth == VALUE:
+            return Response(warm.value)
+        fall = warm.by_log_omega * free
+        by_base = warm.by_theta - (fall * factor)[..., None, :] * cold.by_theta.imag
+        by_heat = -(fall * cold.value.imag)[..., None, :] * heat.by_theta
+        by_theta = np.concatenate([by_base, by_heat], axis=-2)
+        if depth == GRADIENT:
+            return Response(warm.value, by_theta)
+        growth = heat.by_log_omega.real * cold.value.imag + factor * cold.by_log_omega.imag
+        return Response(warm.value, by_theta, warm.by_log_omega - fall * growth)
+
+
+def heated(body: Node, heater: Node) -> Node:
+    """`body` warmed by its own loss; `heater` gives the shift per loss stiffness."""
+    return Heated((body, heater))

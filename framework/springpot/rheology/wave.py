@@ -1,0 +1,73 @@
+"""Specimen inertia: a shear wave that crosses a specimen of mass m and quasi-static stiffness K.
+
+With z^2 = m omega^2 / K (that is, omega h sqrt(rho / G)), the force at the moving side is K z cot z and at the
+fixed side K z / sin z. Both are functions of u = -E / K alone, where E = -m omega^2 is the mass element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .nodes import VALUE, Composition, Node, Response, _combine
+from .points import Complex, Points, Real
+
+SMALL = 0.02
+"""Below this |u| the power series is exact to rounding and the closed form is not."""
+MOVING_SERIES = (1.0, -1 / 3, -1 / 45, -2 / 945, -1 / 4725, -2 / 93555, -1382 / 638512875)
+FIXED_SERIES = (1.0, 1 / 6, 7 / 360, 31 / 15120, 127 / 604800, 73 / 3421440, 1414477 / 653837184000)
+
+
+@dataclass(frozen=True)
+class SpecimenWave(Composition):
+    """The first child carried by a wave in a specimen whose mass element is the second child.
+
+    Parameters
+    ----------
+    children : (Node, Node)
+        The specimen without inertia and its mass, -m omega^2.
+    moving_side : bool
+        Whether the force is measured where the specimen is moved, or at its other, fixed end.
+    """
+
+    moving_side: bool = True
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K f(u), u = -E / K; dK_m/dK = f - u f', dK_m/dE = -f'."""
+        parts = self._respond_each(theta, at, depth)
+        u = -parts[1].value / parts[0].value
+        f, slope = wave_factor(u, self.moving_side)
+        return _combine(parts[0].value * f, parts, [f - u * slope, -slope], depth)
+
+
+def wave_factor(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
+    """Z cot z (moving side) or z / sin z (fixed side) with z = sqrt(u), and its derivative by u."""
+    small = np.abs(u) < SMALL
+    series = np.polynomial.Polynomial(MOVING_SERIES if moving_side else FIXED_SERIES)
+    near = np.where(small, u, 0.0)
+    far, far_slope = _closed(np.where(small, 1.0, u), moving_side)
+    return np.where(small, series(near), far), np.where(small, series.deriv()(near), far_slope)
+
+
+def _closed(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
+    z = np.sqrt(u.astype(complex))
+    # Both functions are even in z: the root above the real axis keeps the exponential from overflowing.
+    z = np.where(z.imag < 0.0, -z, z)
+    p = np.exp(1j * z)
+    below = p * p - 1.0
+    cotangent = 1j * (p * p + 1.0) / below
+    cosecant = 2j * p / below
+    if moving_side:
+        return z * cotangent, (cotangent - z * cosecant**2) / (2.0 * z)
+    return z * cosecant, cosecant * (1.0 - z * cotangent) / (2.0 * z)
+
+
+def moving_side_wave(specimen: Node, mass: Node) -> Node:
+    """Specimen inertia as felt by a force transducer at the moving side."""
+    return SpecimenWave((specimen, mass), moving_side=True)
+
+
+def fixed_side_wave(specimen: Node, mass: Node) -> Node:
+    """Specimen inertia as felt by a force transducer at the fixed side."""
+    return SpecimenWave((specimen, mass), moving_side=False)

@@ -1,0 +1,82 @@
+"""A contract is a set of aspects, each a function that yields sentences; running it never raises."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TypeAlias
+
+import numpy as np
+
+Aspect: TypeAlias = Callable[[], Iterable[str]]
+
+NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
+SEED = 20240607
+LONGEST = 160
+"""Characters of a summary that still fit a listing."""
+
+
+def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = ()) -> list[str]:
+    """What is wrong, each sentence preceded by its aspect; empty if nothing is.
+
+    Parameters
+    ----------
+    aspects : mapping of str to callable
+        The contract.
+    skip : collection of str
+        Aspects that are left out.
+    """
+    unknown = sorted(set(skip) - set(aspects))
+    if unknown:
+        return [f"skip: there is no aspect '{unknown[0]}': known are {', '.join(aspects)}"]
+    wanted = {name: aspect for name, aspect in aspects.items() if name not in skip}
+    if not wanted:
+        return ["skip: every aspect is left out, so nothing was checked"]
+    return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
+
+
+def _run(aspect: Aspect) -> list[str]:
+    found: list[str] = []
+    with kept_random_state() as touched, np.errstate(all="ignore"):
+        try:
+            found.extend(aspect())
+        except (Exception, SystemExit) as error:
+            found.append(f"raises {type(error).__name__}: {' '.join(str(error).split())}")
+        if touched():
+            found.append("changes the process-wide random state: draw only from the generator that is handed in")
+    return found
+
+
+@contextmanager
+def kept_random_state() -> Iterator[Callable[[], bool]]:
+    """Put the process-wide random states back at the end; gives a function that tells whether they have changed."""
+    before, own = np.random.get_state(legacy=False), random.getstate()  # noqa: NPY002  it is what is watched
+
+    def touched() -> bool:
+        now = np.random.get_state(legacy=False)  # noqa: NPY002
+        return repr(now) != repr(before) or random.getstate() != own
+
+    try:
+        yield touched
+    finally:
+        np.random.set_state(before)  # noqa: NPY002
+        random.setstate(own)
+
+
+def name_and_summary(name: str, summary: str, aliases: Iterable[str] = ()) -> Iterator[str]:
+    """Sentences about what users type and read."""
+    for word in (name, *aliases):
+        if not NAME.fullmatch(word):
+            yield f"'{word}' must be lower-case words, digits and hyphens, such as 'fractional-maxwell'"
+    if len(summary.split()) < 2 or "\n" in summary or len(summary) > LONGEST:
+        yield f"the summary must be one sentence of at most {LONGEST} characters, not {summary!r:.60}"
+    elif summary.endswith("."):
+        yield "the summary ends with a full stop, which a listing does not need"
+
+
+def cited(citation: str) -> Iterator[str]:
+    """A sentence if there is no source."""
+    if not citation.strip():
+        yield "there is no citation: say where the equation or the numbers come from, with a DOI where there is one"

@@ -1,0 +1,217 @@
+"""The accuracy baseline: a small file, made to be read and to be compared line by line."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.benchmark import Store
+from springpot.benchmark.statistics import hitting_time, target_value
+from springpot.benchmark.store import CellRow, ProblemRow, TrialRow
+from springpot.errors import StudyError
+from springpot.files import write_text
+from springpot.rheology import Real
+
+SCHEMA = "springpot.baseline/1"
+EVALUATIONS, ERROR = "evaluations", "error"
+"""What is compared: evaluations to the target, or the final error where most trials miss it."""
+ROUNDING = 1e-12
+"""Final errors below are rounding."""
+SEPARATOR = " | "
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Between which objectives a problem's trials are judged.
+
+    Parameters
+    ----------
+    best : float
+        At the truth, or the best known; its error is zero.
+    reference : float
+        At the centre of the box, whose error is one; it tells whether the problem is still the same.
+    target : float
+        What a trial must reach.
+    """
+
+    best: float
+    reference: float
+    target: float
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The costs of one cell's trials.
+
+    Parameters
+    ----------
+    measure : str
+        ``evaluations`` to the target, or final ``error`` as a part of that at the centre of the box.
+    values : tuple of float
+        One for each trial, rising; infinite if it missed or failed.
+    """
+
+    measure: str
+    values: tuple[float, ...]
+
+    def array(self) -> Real:
+        """The values (n,)."""
+        return np.array(self.values)
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Costs of every cell of a study, as they were.
+
+    Parameters
+    ----------
+    study, script : str
+        Name, and path of the script where it is known.
+    settings : dict of str to number
+        Budget, repetitions, seed and target.
+    goals : dict of str to Goal
+        By ``data set | model | objective``.
+    samples : dict of str to Sample
+        By the same and ``| optimiser``.
+    """
+
+    study: str
+    script: str
+    settings: dict[str, float | int | None]
+    goals: dict[str, Goal]
+    samples: dict[str, Sample]
+
+    def to_text(self) -> str:
+        """JSON with sorted keys and a line for each cell."""
+        head = {"schema": SCHEMA, "study": self.study, "script": self.script, "settings": self.settings}
+        goals = {key: vars(goal) for key, goal in self.goals.items()}
+        cells = {key: {s.measure: [_plain(v) for v in s.values]} for key, s in self.samples.items()}
+        lines = [f'  "{key}": {json.dumps(value, sort_keys=True)},' for key, value in head.items()]
+        lines += ['  "problems": {', *_entries(goals), "  },", '  "cells": {', *_entries(cells), "  }"]
+        return "\n".join(["{", *lines, "}"]) + "\n"
+
+    def write(self, path: Path) -> Path:
+        """Replace the file at `path`, whose folder is made if it is missing."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return write_text(path, self.to_text())
+
+
+def _entries(entries: dict[str, Any]) -> list[str]:
+    lines = [f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(entries[key])}," for key in sorted(entries)]
+    return [*lines[:-1], lines[-1].removesuffix(",")] if lines else []
+
+
+def _plain(value: float) -> float | int | None:
+    if not isfinite(value):
+        return None
+    return int(value) if value == int(value) else float(f"{value:.4g}")
+
+
+def read_baseline(path: Path) -> Baseline:
+    """The baseline at `path`.
+
+    Raises
+    ------
+    StudyError
+        If there is none or it cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError:
+        raise StudyError(
+            f"there is no baseline {path}: make it with springpot regression update STUDY.py and commit it"
+        ) from None
+    try:
+        found = json.loads(text)
+        if found["schema"] != SCHEMA:
+            raise StudyError(
+                f"{path} has schema {found['schema']}, not {SCHEMA}: make it again with regression update"
+            )
+        goals = {key: Goal(**goal) for key, goal in found["problems"].items()}
+        samples = {key: _sample(cell) for key, cell in found["cells"].items()}
+        return Baseline(found["study"], found["script"], found["settings"], goals, samples)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise StudyError(f"{path} is no accuracy baseline ({error}): make it again with regression update") from None
+
+
+def _sample(cell: dict[str, list[float | None]]) -> Sample:
+    [(measure, values)] = cell.items()
+    return Sample(measure, tuple(inf if value is None else float(value) for value in values))
+
+
+def baseline_of(store: Store, script: str = "") -> Baseline:
+    """The baseline that a store's trials make."""
+    facts, bests = store.facts(), store.bests()
+    fraction = float(facts["target"])
+    cells = {cell.id: cell for cell in store.cells()}
+    goals: dict[str, Goal] = {}
+    samples: dict[str, Sample] = {}
+    for number, rows in store.trials():
+        if number not in cells:
+            continue
+        problem = cells[number].problem
+        # Where the truth is known it is the measure: what the study's other optimisers find then does not matter.
+        best = bests.get(problem.id, inf) if problem.known is None else problem.known
+        target = target_value(best, problem.reference, fraction) if isfinite(best) else best
+        goal = goals.setdefault(problem_key(problem), Goal(best, problem.reference, target))
+        hits = costs(rows, goal, EVALUATIONS)
+        measure = EVALUATIONS if 2 * np.isfinite(hits).sum() >= len(hits) else ERROR
+        values = hits if measure == EVALUATIONS else costs(rows, goal, measure)
+        samples[cell_key(cells[number])] = Sample(measure, tuple(np.sort(values).tolist()))
+    settings = {key: _plain(float(facts[key])) for key in ("budget", "repetitions", "seed", "target")}
+    return Baseline(facts["name"], script, settings, goals, samples)
+
+
+def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
+    """Samples of a store's cells, measured as the baseline measures them; cells unknown to it are left out.
+
+    Raises
+    ------
+    StudyError
+        If a problem is no longer the one that the baseline is about.
+    """
+    cells = {cell.id: cell for cell in store.cells()}
+    found: dict[str, Sample] = {}
+    for number, rows in store.trials():
+        if number not in cells or (key := cell_key(cells[number])) not in baseline.samples:
+            continue
+        problem = cells[number].problem
+        goal = baseline.goals[problem_key(problem)]
+        if abs(problem.reference - goal.reference) > 1e-6 * abs(goal.reference):
+            raise StudyError(
+                f"the data, the objective or the box of {problem_key(problem)} changed since the baseline was made: "
+                "make it again with regression update"
+            )
+        measure = baseline.samples[key].measure
+        found[key] = Sample(measure, tuple(np.sort(costs(rows, goal, measure)).tolist()))
+    return found
+
+
+def costs(rows: list[TrialRow], goal: Goal, measure: str) -> Real:
+    """Cost (n,) of each trial, infinite if it missed or failed."""
+    return np.array([_hit(row, goal) if measure == EVALUATIONS else _error(row, goal) for row in rows])
+
+
+def _hit(row: TrialRow, goal: Goal) -> float:
+    if row.best is None or row.best > goal.target:
+        return inf
+    return hitting_time(*row.improvements(), goal.target)
+
+
+def _error(row: TrialRow, goal: Goal) -> float:
+    return inf if row.best is None else max((row.best - goal.best) / (goal.reference - goal.best), ROUNDING)
+
+
+def problem_key(problem: ProblemRow) -> str:
+    """Data set, model and objective in one line."""
+    return SEPARATOR.join((problem.dataset, problem.model, problem.objective))
+
+
+def cell_key(cell: CellRow) -> str:
+    """The same and the optimiser."""
+    return SEPARATOR.join((problem_key(cell.problem), cell.label))

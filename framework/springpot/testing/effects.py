@@ -1,0 +1,114 @@
+"""The contract of an effect, which is tried on a model."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.rheology import Effect, Layer, Model, Points
+
+from .aspects import SEED, cited, complaints, name_and_summary
+from .derivatives import sample
+from .networks import POINTS, SAMPLE, network_aspects
+
+COLUMNS = frozenset({"amplitude", "temperature"})
+NEARLY = 1e-12
+"""Distance from the size at which an effect vanishes, relative to its typical size."""
+GONE = 1e-6
+"""Relative change of K that is left there; more means that the effect does not vanish."""
+
+
+def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = ()) -> list[str]:
+    """What is wrong with an effect, as plain sentences.
+
+    Aspects: ``words`` (name, summary, citation, prior), ``parameters``, ``shapes``, ``derivatives`` (of the grown
+    model), ``finite``, ``units``, ``pure``, ``vanishes`` (at ``vanishes_at``, and only there), ``columns`` (it asks
+    for the conditions that it uses, no others) and ``harmonic``.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect.
+    on : Model
+        The model that it joins.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    grown = on + effect
+    aspects = {
+        "words": lambda: _words(effect),
+        **network_aspects(grown),
+        "vanishes": lambda: _vanishes(effect, on, grown),
+        "columns": lambda: _columns(effect, grown),
+        "harmonic": lambda: _harmonic(effect),
+    }
+    return complaints(aspects, skip)
+
+
+def _words(effect: Effect) -> Iterator[str]:
+    yield from name_and_summary(effect.name, effect.summary, effect.aliases)
+    yield from cited(effect.citation)
+    if not 0.0 <= effect.prior <= 1.0:
+        yield f"the prior is {effect.prior}, not between 0 and 1"
+    if not isinstance(effect.layer, Layer):
+        yield f"the layer is {effect.layer!r}, not one of {', '.join(layer.name for layer in Layer)}"
+    if not effect.element.parameters:
+        yield "the element has no parameter, so there is no size to be found"
+
+
+def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
+    theta = sample(grown.parameters, np.random.default_rng(SEED), (4,))
+    n = len(on.parameters)
+    alone = on.stiffness(theta[:, :n], POINTS)
+    if not np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0)) > 1e-4:
+        yield "at its typical size it changes nothing"
+    size, null = effect.element.parameters[0], effect.vanishes_at
+    typical = abs(size.typical) or 1.0
+    theta[:, n] = typical / NEARLY if np.isinf(null) else null + NEARLY * (typical if null == 0.0 else null)
+    left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
+    if not left < GONE:
+        yield (
+            f"it does not vanish when {size.name}, its first parameter, goes to {null:g}: K still changes by "
+            f"{left:.1e}; put the parameter that measures its size first, or give absent_at"
+        )
+
+
+def _without(column: str) -> Points:
+    return replace(POINTS, amplitude=None) if column == "amplitude" else replace(POINTS, temperature=None)
+
+
+def _columns(effect: Effect, grown: Model) -> Iterator[str]:
+    theta = sample(grown.parameters, np.random.default_rng(SEED))
+    for column in sorted(effect.needs - COLUMNS):
+        yield f"it needs '{column}', but measurements have only amplitude and temperature beside the frequency"
+    for column in sorted(COLUMNS - grown.needs):
+        try:
+            bare = grown.stiffness(theta, _without(column))
+        except (ValueError, TypeError):
+            yield f"it uses the {column} without saying so: name it in the element's conditions"
+            continue
+        if not np.array_equal(bare, grown.stiffness(theta, POINTS)):
+            yield f"it depends on the {column} without saying so: name it in the element's conditions"
+    for column in sorted(COLUMNS & effect.needs):
+        try:
+            grown.stiffness(theta, _without(column))
+        except ValueError as error:
+            if column not in str(error):
+                yield f"without the column {column} its error does not name it: {error}"
+        else:
+            yield f"it says that it needs the {column}, but works without"
+
+
+def _harmonic(effect: Effect) -> Iterator[str]:
+    theta = sample(effect.element.parameters, np.random.default_rng(SEED), (2,))
+    third = effect.third_harmonic(theta, POINTS)
+    expected = (2, len(POINTS.log_omega))
+    if third is not None and (np.shape(third) != expected or not np.all(np.isfinite(third))):
+        yield f"the third harmonic must be finite and of shape {expected}"

@@ -1,0 +1,185 @@
+"""What models and effects have in common: exact derivatives, finite values, units, shapes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from springpot.identification import paper_box
+from springpot.measurement import Measurement, Units
+from springpot.rheology import (
+    FULL,
+    MAXWELL_FORM,
+    Model,
+    Parameter,
+    Points,
+    Real,
+    parallel,
+    power_of_s,
+    series,
+    spring,
+    springpot,
+)
+
+from .aspects import SEED, Aspect
+from .derivatives import derivative, sample
+
+OMEGA: Real = np.geomspace(0.1, 30.0, 9)
+POINTS = Points(np.log(OMEGA), np.linspace(0.5, 2.0, 9), np.linspace(285.0, 305.0, 9))
+DRAWS = 4
+EXACT = 1e-8
+"""Relative error above which a derivative is not exact; finite differences are worse than this."""
+
+SAMPLE = Model("sample", parallel(spring("k1"), series(spring("k2"), springpot())), search=MAXWELL_FORM)
+"""A solid with four parameters on which effects, optimisers and objectives are tried."""
+
+
+def sample_measurement() -> Measurement:
+    """Data over four decades of frequency, with both conditions."""
+    omega = np.geomspace(1e-2, 1e2, 9)
+    conditions = {"amplitude": np.linspace(0.5, 2.0, 9), "temperature": np.linspace(10.0, 30.0, 9)}
+    stiffness = 500.0 * power_of_s(0.4, np.log(omega))
+    return Measurement(omega, stiffness, conditions=conditions, units=Units("kN/m", "mm"), name="sample")
+
+
+def network_aspects(model: Model) -> dict[str, Aspect]:
+    """The contract of a network, that of a grown model included."""
+    return {
+        "parameters": lambda: _parameters(model.parameters),
+        "shapes": lambda: _shapes(model),
+        "derivatives": lambda: _derivatives(model),
+        "finite": lambda: _finite(model),
+        "units": lambda: _units(model),
+        "pure": lambda: _pure(model),
+    }
+
+
+def _thetas(model: Model, count: int = DRAWS) -> Real:
+    return sample(model.parameters, np.random.default_rng(SEED), (count,))
+
+
+def _parameters(parameters: Sequence[Parameter]) -> Iterator[str]:
+    names = [parameter.name for parameter in parameters]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        yield f"two parameters are called {name}"
+    for parameter in parameters:
+        name = parameter.name
+        if not re.fullmatch(r"([\w#-]+\.)?[^\W\d]\w*", name):
+            yield f"the parameter name '{name}' is no identifier, so that it cannot be given as a keyword"
+        if not parameter.lower <= parameter.typical <= parameter.upper or not parameter.lower < parameter.upper:
+            yield f"{name}: the typical size {parameter.typical} is not within {parameter.lower} to {parameter.upper}"
+        if parameter.scale == "log" and not (parameter.lower >= 0 and 0 < parameter.typical < np.inf):
+            yield f"{name}: a logarithmic scale needs a positive typical size and no negative bound"
+        if isinstance(parameter.unit.time, str) and parameter.unit.time not in names:
+            yield f"{name}: its unit names the order '{parameter.unit.time}', which is no parameter"
+        for units in (Units("kN/m", "mm"), Units("Pa", "-")):
+            if not units.of(parameter.unit)[1].strip():
+                yield f"{name}: its unit cannot be printed for data in {units.stiffness}"
+
+
+def _shapes(model: Model) -> Iterator[str]:
+    theta = _thetas(model, 6).reshape(2, 3, -1)
+    n, p = len(OMEGA), len(model.parameters)
+    whole = model.network.respond(theta, POINTS, FULL)
+    expected = {"value": (2, 3, n), "by_theta": (2, 3, p, n), "by_log_omega": (2, 3, n)}
+    wrong = [name for name, shape in expected.items() if getattr(whole, name).shape != shape]
+    for name in wrong:
+        yield f"{name} has the shape {getattr(whole, name).shape}, not {expected[name]}, for theta of (2, 3, {p})"
+    for name in set(expected) - set(wrong):
+        rows = [getattr(model.network.respond(row, POINTS, FULL), name) for row in theta.reshape(6, -1)]
+        if not np.allclose(np.reshape(rows, expected[name]), getattr(whole, name), rtol=1e-10, atol=1e-13):
+            yield f"{name} of stacked parameters differs from that of one set after the other"
+
+
+def _derivatives(model: Model) -> Iterator[str]:
+    theta = _thetas(model)
+    worst = np.max([_by_theta(model, row) for row in theta], axis=0)
+    for name, error in zip(model.names, worst, strict=True):
+        if not error < EXACT:
+            yield f"dK/d{name} is not the derivative of K: off by {error:.1e} relative to K/{name}"
+    slope = max(_by_log_omega(model, row) for row in theta)
+    if not slope < EXACT:
+        yield f"by_log_omega is not dK/d ln omega: off by {slope:.1e} relative to K"
+
+
+def _by_theta(model: Model, theta: Real) -> Real:
+    """Relative error of dK/dtheta (p,)."""
+    response = model.network.respond(theta, POINTS, FULL)
+    exact = np.swapaxes(response.by_theta, -1, -2)
+    natural = np.abs(response.value)[:, None] / np.maximum(np.abs(theta), 1e-4) + np.abs(exact)
+    worst: Real = _error(exact, lambda x: model.network.respond(x, POINTS).value, theta, natural).max(axis=0)
+    return worst
+
+
+def _by_log_omega(model: Model, theta: Real) -> float:
+    response = model.network.respond(theta, POINTS, FULL)
+    exact = response.by_log_omega[:, None]
+    natural = np.abs(response.value)[:, None] + np.abs(exact)
+    error = _error(exact, lambda x: model.network.respond(theta, POINTS.shifted(x[0])).value, np.zeros(1), natural)
+    return float(error.max())
+
+
+def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -> Real:
+    """Relative error of `exact`; none where a kink lies so near that two radii disagree."""
+    near, nearer = (derivative(function, x, reach) for reach in (3e-3, 1e-3))
+    natural = np.maximum(natural, 1e-9 * np.max(natural))
+    smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
+    wrong = np.abs(exact - nearer) / natural
+    # A derivative that is not a number is wrong, kink or not; and where all is rough, nothing has been shown.
+    bad = np.isnan(exact) | ~smooth.any(axis=0)
+    error: Real = np.where(bad, np.inf, np.where(smooth, wrong, 0.0))
+    return error
+
+
+def _finite(model: Model) -> Iterator[str]:
+    """Optimisers visit the whole box and its corners; none may meet an infinity there."""
+    box = paper_box(model, sample_measurement())
+    inside = np.random.default_rng(SEED).random((300, len(box.lower)))
+    for where, x in (("inside", inside), ("in a corner of", np.round(inside))):
+        theta = box.theta(box.lower + x * (box.upper - box.lower))
+        response = model.network.respond(theta, sample_measurement().points, FULL)
+        for name, values in response._asdict().items():
+            bad = ~np.isfinite(values.reshape(len(theta), -1)).all(axis=1)
+            if bad.any():
+                shown = ", ".join(f"{key} = {v:.3g}" for key, v in zip(model.names, theta[bad][0], strict=True))
+                yield f"{name} is not finite {where} the search box, such as at {shown}"
+
+
+def converted(model: Model, theta: Real, stiffness: float, time: float, amplitude: float) -> Real:
+    """`theta` (p,) in units in which stiffness, time and amplitude have these values for each one of the old."""
+    values = dict(zip(model.names, theta.tolist(), strict=True))
+    factors: list[float] = []
+    for parameter in model.parameters:
+        unit = parameter.unit
+        power = values[unit.time] if isinstance(unit.time, str) else unit.time
+        factors.append(stiffness**unit.stiffness * time**power * amplitude**unit.amplitude)
+    changed: Real = theta * np.array(factors)
+    return changed
+
+
+def _units(model: Model) -> Iterator[str]:
+    """In other units the numbers must change as the parameters' units say."""
+    changes = {"stiffness": (1e-3, 1.0, 1.0), "time": (1.0, 1 / 60, 1.0), "amplitude": (1.0, 1.0, 1e3)}
+    for what, (stiffness, time, amplitude) in changes.items():
+        at = replace(POINTS.shifted(-np.log(time)), amplitude=POINTS.need("amplitude") * amplitude)
+        for theta in _thetas(model):
+            other = model.stiffness(converted(model, theta, stiffness, time, amplitude), at)
+            if not np.allclose(other, stiffness * model.stiffness(theta, POINTS), rtol=1e-8, atol=0.0):
+                yield f"K does not follow a change of the unit of {what}: a parameter's Dimension is wrong"
+                break
+
+
+def _pure(model: Model) -> Iterator[str]:
+    theta = _thetas(model)
+    before = theta.copy()
+    columns = [POINTS.log_omega.copy(), POINTS.need("amplitude").copy(), POINTS.need("temperature").copy()]
+    first, second = (model.network.respond(theta, POINTS, FULL) for _ in range(2))
+    if not all(np.array_equal(a, b) for a, b in zip(first, second, strict=True)):
+        yield "two calls with the same arguments differ"
+    after = [POINTS.log_omega, POINTS.need("amplitude"), POINTS.need("temperature")]
+    if not np.array_equal(theta, before) or not all(map(np.array_equal, columns, after)):
+        yield "the arrays that are handed in are changed"

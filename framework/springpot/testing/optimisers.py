@@ -1,0 +1,202 @@
+"""The contract of an optimiser, tried on a problem with four parameters whose answer is known."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import FrozenInstanceError, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.benchmark.plan import options_of
+from springpot.identification import BatchedOptimiser, Objective, Optimiser, Problem, Run, run, run_batch
+from springpot.measurement import Measurement, Units
+from springpot.rheology import Real
+
+from .aspects import SEED, complaints, kept_random_state, name_and_summary
+from .networks import SAMPLE
+
+BUDGETS = (1, 2, 9, 57)
+LONG = 400
+"""Evaluations in which it must get somewhere."""
+BETTER = 0.5
+"""What is left by then of the objective at the centre of the box."""
+TRUTH = np.array([600.0, 400.0, 150.0, 0.6])
+SCALE = 1000.0
+
+EQUAL = Objective("sample", "plain squares", lambda data: np.full(data.stiffness.shape, 1.0 + 1.0j))
+
+
+def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -> list[str]:
+    """What is wrong with an optimiser, as plain sentences.
+
+    Aspects: ``words`` (name and card), ``options`` (frozen, documented, plain values), ``budget`` (runs to its end
+    without a fault), ``repeatable`` (same seed, same bits; the process-wide random state has no part in it), ``box``
+    (no point outside), ``improves``, ``faults`` (an error of the model is not swallowed), ``gradient`` (used if, and
+    only if, the card says so) and ``batch`` (as single runs).
+
+    Parameters
+    ----------
+    optimiser : type of Optimiser
+        The class; its default instance is tried.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    aspects = {
+        "words": lambda: name_and_summary(optimiser.name, optimiser.card.summary),
+        "options": lambda: _options(optimiser),
+        "budget": lambda: _budget(optimiser()),
+        "repeatable": lambda: _repeatable(optimiser()),
+        "box": lambda: _box(optimiser()),
+        "improves": lambda: _improves(optimiser()),
+        "faults": lambda: _faults(optimiser()),
+        "gradient": lambda: _gradient(optimiser()),
+        "batch": lambda: _batch(optimiser()),
+    }
+    return complaints(aspects, skip)
+
+
+def sample_problem(kind: type[Problem] = Problem) -> Problem:
+    """Exact data of the sample model at 14 frequencies, in kN/m."""
+    omega = 2.0 * np.pi * np.arange(0.5, 14.0)
+    data = Measurement(omega, SAMPLE.stiffness(TRUTH, omega), units=Units("kN/m", "mm"), name="sample")
+    return kind.of(SAMPLE, data, EQUAL, SCALE)
+
+
+class _Watched(Problem):
+    """A problem that hands every point to a watcher before it is evaluated."""
+
+    def watch(self, watcher: Callable[[Real], None]) -> _Watched:
+        """Let `watcher` see the points (m, d) from now on."""
+        self.__dict__["watcher"] = watcher
+        return self
+
+    def evaluate(self, x: Real) -> Real:
+        """The objective."""
+        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
+        return super().evaluate(x)
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """The residuals and their derivative."""
+        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
+        return super().residuals_and_jacobian(x)
+
+
+def _watched(watcher: Callable[[Real], None]) -> Problem:
+    problem = sample_problem(_Watched)
+    assert isinstance(problem, _Watched)
+    return problem.watch(watcher)
+
+
+def _run(optimiser: Optimiser, budget: int, seed: int = SEED, problem: Problem | None = None) -> Run:
+    return run(optimiser, problem or sample_problem(), budget, np.random.default_rng(seed))
+
+
+def _options(optimiser: type[Optimiser]) -> Iterator[str]:
+    made = optimiser()
+    if not is_dataclass(made):
+        yield "it is no dataclass, so that its options cannot be listed: decorate it with @dataclass(frozen=True)"
+        return
+    options_of(made)
+    described = "".join(kind.__doc__ or "" for kind in optimiser.__mro__)
+    for option in fields(made):
+        # A dataclass without a docstring is given its signature for one: only a described name counts.
+        if not re.search(rf"(?m)^.*\b{option.name}\b.* : ", described):
+            yield f"option {option.name} is not described in the docstring"
+        try:
+            setattr(made, option.name, getattr(made, option.name))
+        except FrozenInstanceError:
+            continue
+        yield f"option {option.name} can be changed: decorate the class with @dataclass(frozen=True)"
+
+
+def _budget(optimiser: Optimiser) -> Iterator[str]:
+    for budget in BUDGETS:
+        found = _run(optimiser, budget)
+        if found.failed:
+            yield f"with a budget of {budget} it ends as '{found.status}' after {found.evaluations} evaluations"
+
+
+def _same(one: Run, other: Run) -> bool:
+    return (one.status, one.trace, one.theta.tobytes()) == (other.status, other.trace, other.theta.tobytes())
+
+
+def _repeatable(optimiser: Optimiser) -> Iterator[str]:
+    runs = []
+    for seed in (1, 2):
+        with kept_random_state():
+            np.random.seed(seed)  # noqa: NPY002  a library that draws from the process-wide generator shows here
+            runs.append(_run(optimiser, 150))
+    if not _same(*runs):
+        yield "two runs with the same generator differ: every random number must come from rng"
+    depends = _run(optimiser, 150, seed=1).trace != _run(optimiser, 150, seed=2).trace
+    if depends and not optimiser.card.stochastic:
+        yield "it depends on the generator, but its card says stochastic=False"
+    if not depends and optimiser.card.stochastic:
+        yield "it does not depend on the generator: say stochastic=False on its card"
+
+
+def _box(optimiser: Optimiser) -> Iterator[str]:
+    low, high = np.full(4, np.inf), np.full(4, -np.inf)
+
+    def watch(x: Real) -> None:
+        np.fmin(low, x.min(axis=0), out=low)
+        np.fmax(high, x.max(axis=0), out=high)
+
+    problem = _watched(watch)
+    found = _run(optimiser, LONG, problem=problem)
+    if found.failed:
+        yield f"the run ends as '{found.status}'"
+    room = 1e-9 * (problem.upper - problem.lower)
+    for i, name in enumerate(problem.space.names):
+        if low[i] < problem.lower[i] - room[i]:
+            yield f"it asks for {name} = {low[i]:.6g} below the box, which begins at {problem.lower[i]:.6g}"
+        if high[i] > problem.upper[i] + room[i]:
+            yield f"it asks for {name} = {high[i]:.6g} above the box, which ends at {problem.upper[i]:.6g}"
+
+
+def _improves(optimiser: Optimiser) -> Iterator[str]:
+    problem = sample_problem()
+    centre = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
+    best = min(_run(optimiser, LONG, seed).best for seed in (1, 2, 3))
+    if not best < BETTER * centre:
+        yield f"the best of three runs of {LONG} evaluations is {best / centre:.2g} of the value at the box's centre"
+
+
+def _faults(optimiser: Optimiser) -> Iterator[str]:
+    calls = 0
+
+    def fail(x: Real) -> None:
+        nonlocal calls
+        calls += 1
+        if calls > 5:
+            raise ZeroDivisionError("the model fails")
+
+    found = _run(optimiser, LONG, problem=_watched(fail))
+    if not found.status.startswith("failed: ZeroDivisionError") and calls > 5:
+        yield f"an error of the model is swallowed: the run ends as '{found.status}'"
+
+
+def _gradient(optimiser: Optimiser) -> Iterator[str]:
+    used = _run(optimiser, LONG).gradients > 0
+    if used != optimiser.card.gradient:
+        says = f"its card says gradient={optimiser.card.gradient}"
+        yield f"it {'uses' if used else 'does not use'} derivatives, but {says}"
+
+
+def _batch(optimiser: Optimiser) -> Iterator[str]:
+    if isinstance(optimiser, BatchedOptimiser) != optimiser.card.batched:
+        yield "its card must say batched=True if, and only if, it is a BatchedOptimiser"
+    if not isinstance(optimiser, BatchedOptimiser):
+        return
+    seeds = range(3)
+    together: list[Any] = run_batch(optimiser, sample_problem(), 130, [np.random.default_rng(s) for s in seeds])
+    for seed, one in zip(seeds, together, strict=True):
+        if not _same(one, _run(optimiser, 130, seed)):
+            yield f"run {seed + 1} of a batch of three differs from the same run alone"

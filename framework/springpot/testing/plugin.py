@@ -1,0 +1,47 @@
+"""The pytest plugin: fixture `accuracy_gate` and option ``--springpot-update``.
+
+Imported by every run of pytest where springpot is installed, hence nothing heavy up here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+UPDATE = "--springpot-update"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option."""
+    text = "let accuracy_gate write its baselines instead of comparing with them"
+    parser.getgroup("springpot").addoption(UPDATE, action="store_true", help=text)
+
+
+@pytest.fixture
+def accuracy_gate(request: pytest.FixtureRequest) -> Callable[..., Any]:
+    """A function that fails the test if an optimiser became worse since the baseline was made.
+
+    ``accuracy_gate("studies/gate.py")`` or ``accuracy_gate(study, baseline=path)``: arguments and result are those of
+    `springpot.testing.regression.check`. With ``--springpot-update`` it writes the baseline instead.
+    """
+
+    def gate(study: Any, baseline: Any = None, **options: Any) -> Any:
+        __tracebackhide__ = True
+        from springpot.errors import SpringpotError
+
+        from .regression import check, update
+
+        try:
+            if request.config.getoption(UPDATE):
+                shared = {key: options[key] for key in ("out", "workers") if key in options}
+                return update(study, baseline, **shared)
+            found = check(study, baseline, **options)
+        except SpringpotError as error:
+            pytest.fail(str(error), pytrace=False)
+        if not found.passed:
+            pytest.fail("\n".join(found.regressions), pytrace=False)
+        return found
+
+    return gate

@@ -1,0 +1,172 @@
+r"""Manifests: what the columns of a folder's file mean, and who measured them, as ``dataset.toml``.
+
+::
+
+    summary = "what was measured"              # one sentence
+    file = "normalized.csv"
+    size = 340                                 # rows, shown before loading
+    citation = "who, DOI"
+    licence = "MIT"
+    model = "fractional-maxwell"               # optional: used in the literature
+    physics = ["what is known to be in it"]
+    [columns]                                  # role = "header" or { from = "header", unit = "Pa" }
+    omega = { from = "omega_rad_s", unit = "rad/s" }
+    storage = { from = "storage_Pa", unit = "Pa" }
+    loss = { from = "loss_Pa", unit = "Pa" }
+    temperature = { from = "temperature_C", unit = "degC" }
+    lane = { from = "binder", extract = 'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell
+    [conditions]                               # constants, with their units as in headers
+    "temperature [degC]" = 25
+
+A manifest stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from springpot.errors import DataError
+from springpot.measurement import DataSet, Measurement
+
+from ..readers.columns import ROLES, measurement_of
+from ..readers.table import Column, Table, name_and_unit, table_of
+from ..readers.text import text_of
+
+FILE = "dataset.toml"
+_TEXTS = ("name", "summary", "file", "citation", "licence", "model", "kind")
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """The content of a ``dataset.toml``, checked.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the data file is.
+    values : mapping
+        Names, texts, size and physics as in the file.
+    columns : mapping of str to mapping
+        Role or condition to ``from``, ``unit`` and ``extract``.
+    conditions : mapping of str to number
+        Constants.
+    """
+
+    folder: Path
+    values: dict[str, Any]
+    columns: dict[str, dict[str, str]]
+    conditions: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name of the set: as given, or the folder's."""
+        return str(self.values.get("name", self.folder.name))
+
+    def dataset(self) -> DataSet:
+        """The set; its file is opened only when it is loaded."""
+        value = self.values.get
+        file = self.folder / str(self.values["file"])
+        return DataSet(
+            self.name,
+            value("summary", ""),
+            self.load,
+            kind=value("kind", "measured"),
+            licence=value("licence", ""),
+            citation=value("citation", ""),
+            size=value("size", 0),
+            model=value("model", ""),
+            physics=tuple(value("physics", ())),
+            unavailable="" if file.is_file() else f"{file} is missing",
+        )
+
+    def load(self) -> Measurement:
+        """The measurement.
+
+        Raises
+        ------
+        DataError
+            If the file cannot be read or lacks a column that the manifest names.
+        """
+        path = self.folder / str(self.values["file"])
+        table = table_of(text_of(path), path)
+        made = [*self._mapped(table), *self._constants(table)]
+        roles = {column.name: column for column in made if column.name in ROLES}
+        others = [column for column in made if column.name not in ROLES]
+        origin = {key: str(self.values[key]) for key in ("citation", "licence") if self.values.get(key)}
+        return measurement_of(roles, others, self.name, {**origin, **table.comments}, path)
+
+    def _mapped(self, table: Table) -> Iterable[Column]:
+        by_title = {column.title: column for column in table.columns}
+        for name, source in self.columns.items():
+            title = source["from"]
+            if title not in by_title:
+                raise DataError(f"{table.path}: no column '{title}', which the manifest of {self.name} names")
+            column = by_title[title]
+            cells = column.cells
+            if pattern := source.get("extract"):
+                cells = [match[1] if (match := re.search(pattern, cell)) else "" for cell in cells]
+            unit = source.get("unit", column.unit)
+            yield Column(title, name, unit, cells, column.path, column.lines, column.decimal_comma)
+
+    def _constants(self, table: Table) -> Iterable[Column]:
+        first = table.columns[0]
+        for title, value in self.conditions.items():
+            name, unit = name_and_unit(title)
+            yield Column(title, name, unit, [repr(float(value))] * len(first.cells), table.path, first.lines)
+
+
+def read_manifest(text: str, folder: Path, path: str) -> Manifest:
+    """The manifest that a text holds.
+
+    Raises
+    ------
+    DataError
+        If it is no TOML, or an entry is missing or of the wrong kind.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(f"{path}: {error}") from None
+    columns = values.pop("columns", None)
+    constants = values.pop("conditions", {})
+    if not isinstance(columns, dict) or not columns:
+        raise DataError(f"{path}: there is no [columns] table; write omega, storage, loss = {{ from, unit }}")
+    mapped = {}
+    for name, source in columns.items():
+        entry = {"from": source} if isinstance(source, str) else source
+        if not (isinstance(entry, dict) and "from" in entry and all(isinstance(v, str) for v in entry.values())):
+            raise DataError(f"{path}: column '{name}' needs from = \"header\", and unit or extract as text")
+        _check_pattern(entry, name, path)
+        mapped[name] = entry
+    if not (isinstance(constants, dict) and all(isinstance(v, int | float) for v in constants.values())):
+        raise DataError(f"{path}: [conditions] holds numbers only")
+    _check_values(values, path)
+    return Manifest(folder, values, mapped, constants)
+
+
+def _check_pattern(entry: dict[str, str], name: str, path: str) -> None:
+    if "extract" not in entry:
+        return
+    try:
+        groups = re.compile(entry["extract"]).groups
+    except re.error as error:
+        raise DataError(f"{path}: the pattern of column '{name}' is wrong: {error}") from None
+    if groups != 1:
+        raise DataError(f"{path}: the pattern of column '{name}' needs one group in parentheses")
+
+
+def _check_values(values: dict[str, Any], path: str) -> None:
+    wrong = [key for key in _TEXTS if not isinstance(values.get(key, ""), str)]
+    unknown = [key for key in values if key not in (*_TEXTS, "size", "physics")]
+    if "file" not in values:
+        raise DataError(f'{path}: there is no file = "name.csv"')
+    if wrong or unknown:
+        raise DataError(f"{path}: check {', '.join(wrong or unknown)}; known are {', '.join(_TEXTS)}, size, physics")
+    physics = values.get("physics", [])
+    if not isinstance(values.get("size", 0), int) or not isinstance(physics, list):
+        raise DataError(f"{path}: size is a whole number, physics a list of sentences")

@@ -1,0 +1,39 @@
+"""The certified silicone fluid of NIST, SRM 2491, embedded with its uncertainties."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+
+from springpot.measurement import DataSet, Measurement
+
+from ..readers.springpot_csv import parse
+
+NAME = "nist-srm2491"
+CITATION = "Schultheisz, Flynn, Leigh: NIST Special Publication 260-147, Table 9; 10.6028/NIST.SP.260-147"
+
+
+def _load() -> Measurement:
+    file = f"{NAME}.csv"
+    text = files(__package__).joinpath(file).read_text(encoding="utf-8")
+    return replace(parse(text, Path(file)), name=NAME)
+
+
+def datasets() -> list[DataSet]:
+    """One set of six temperatures, 0 to 50 degC, at 16 frequencies each."""
+    return [
+        DataSet(
+            NAME,
+            "polydimethylsiloxane melt, 6 temperatures, 0 to 50 degC, 0.1 to 100 rad/s, with standard uncertainties",
+            _load,
+            licence="public domain (US government work)",
+            citation=CITATION,
+            size=96,
+            physics=(
+                "entangled melt in its terminal zone: a viscous limit at low frequency",
+                "thermorheologically simple: WLF with C1 = 6.64 (natural logarithm), C2 = 299.4 K at 25 degC (NIST)",
+                "a small vertical shift with density",
+            ),
+        )
+    ]

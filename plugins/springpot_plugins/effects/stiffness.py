@@ -1,0 +1,87 @@
+"""Effects in parallel: their stiffness adds to that of the model."""
+
+from __future__ import annotations
+
+from springpot.rheology import (
+    Effect,
+    Layer,
+    basset,
+    dashpot,
+    diffusion,
+    hysteretic,
+    mass,
+    parallel,
+    relaxation_mode,
+    spring,
+    springpot,
+)
+
+EFFECTS = (
+    Effect(
+        "parallel-spring",
+        parallel,
+        spring("k"),
+        "a spring beside the model carries a share of the force that is the same at all frequencies",
+        citation="Ferry, Viscoelastic Properties of Polymers, 1980",
+        aliases=("equilibrium-spring", "bearing-spring", "gas-spring"),
+    ),
+    Effect(
+        "parallel-dashpot",
+        parallel,
+        dashpot("c"),
+        "viscous drag beside the model adds a loss that grows as omega and moves with the material's temperature",
+        citation="Ferry, Viscoelastic Properties of Polymers, 1980",
+        aliases=("solvent-dashpot", "bearing-drag"),
+    ),
+    Effect(
+        "parallel-springpot",
+        parallel,
+        springpot("c", "alpha"),
+        "a further broad relaxation beside the model: storage and loss grow as the same power of omega",
+        citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
+    ),
+    Effect(
+        "relaxation-mode",
+        parallel,
+        relaxation_mode("k", "tau"),
+        "one more relaxation time: a step in storage and a bump in loss at omega = 1/tau",
+        citation="Ferry, Viscoelastic Properties of Polymers, 1980",
+        aliases=("maxwell-branch",),
+    ),
+    Effect(
+        "diffusion",
+        parallel,
+        diffusion("k", "tau"),
+        "fluid that seeps through the specimen stiffens it above omega = 1/tau, with a slope of one half",
+        citation="Biot 1941, doi:10.1063/1.1712886",
+        aliases=("poroelastic",),
+        prior=0.05,
+    ),
+    Effect(
+        "hysteretic-loss",
+        parallel,
+        hysteretic("h"),
+        "a loss that depends neither on frequency nor on amplitude",
+        citation="Crandall 1970, J. Sound Vib. 11, 3",
+        aliases=("structural-damping",),
+    ),
+    Effect(
+        "inertia",
+        parallel,
+        mass("m"),
+        "a moving mass takes force in phase with acceleration: storage falls as omega squared, loss is untouched",
+        Layer.MOVING_PARTS,
+        "Krieger 1990, J. Rheol. 34, 471",
+        ("fixture-mass", "inerter", "instrument-inertia"),
+    ),
+    Effect(
+        "basset",
+        parallel,
+        basset("c"),
+        "fluid set in motion around a moving surface adds a force at 135 degrees that grows as omega^(3/2)",
+        Layer.MOVING_PARTS,
+        "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics, section 24",
+        ("stokes-layer",),
+        prior=0.05,
+    ),
+)

@@ -1,0 +1,75 @@
+"""Effects of temperature; all need a column of temperatures."""
+
+from __future__ import annotations
+
+from springpot.rheology import (
+    Effect,
+    Layer,
+    arrhenius,
+    chain,
+    entropic_spring,
+    parallel,
+    shift,
+    steady_dashpot,
+    temperature_power,
+    thermal_dashpot,
+    wlf,
+)
+
+FERRY = "Ferry, Viscoelastic Properties of Polymers, 1980"
+
+EFFECTS = (
+    Effect(
+        "arrhenius-shift",
+        shift,
+        arrhenius("Ea"),
+        "the material relaxes faster when hot: all times follow one activation energy",
+        Layer.TEMPERATURE,
+        FERRY,
+        ("arrhenius",),
+    ),
+    Effect(
+        "wlf-shift",
+        shift,
+        wlf("C1", "C2"),
+        "the material relaxes faster when hot: all times follow the free volume above the glass transition",
+        Layer.TEMPERATURE,
+        "Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008",
+        ("wlf",),
+    ),
+    Effect(
+        "vertical-shift",
+        chain,
+        temperature_power("n"),
+        "all moduli change with a power of the absolute temperature, the same at all frequencies",
+        Layer.TEMPERATURE,
+        FERRY,
+    ),
+    Effect(
+        "entropic-spring",
+        parallel,
+        entropic_spring("k"),
+        "a rubber network beside the model, stiffer in proportion to the absolute temperature",
+        citation="Treloar, The Physics of Rubber Elasticity, 1975",
+        prior=0.1,
+    ),
+    Effect(
+        "arrhenius-dashpot",
+        parallel,
+        thermal_dashpot("c", "Ea"),
+        "a viscous branch with an activation energy of its own: sweeps at different temperatures do not superpose",
+        Layer.SPECIMEN,
+        "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
+        ("second-activation",),
+        prior=0.1,
+    ),
+    Effect(
+        "rig-drag",
+        parallel,
+        steady_dashpot("c"),
+        "viscous drag of the rig, which the specimen's temperature does not change",
+        Layer.DEVICE,
+        FERRY,
+        prior=0.1,
+    ),
+)

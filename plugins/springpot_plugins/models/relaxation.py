@@ -1,0 +1,125 @@
+"""Relaxation functions that are no network of springpots: Havriliak-Negami, Cole-Davidson and the power law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import digamma, gamma
+
+from springpot.rheology import (
+    FULL,
+    VALUE,
+    Complex,
+    Model,
+    Node,
+    Parameter,
+    Points,
+    Real,
+    Response,
+    limits_form,
+    order,
+    parallel,
+    power_of_s,
+    relaxation_time,
+    spring,
+    stiffness,
+)
+
+from .fractional import REVIEW
+
+HALF_PI = 0.5j * np.pi
+_STEP = 0.3
+_LOG_RATE = np.arange(-60.0, 4.0, _STEP)
+_RATE = np.exp(_LOG_RATE)
+"""Nodes of the trapezoidal rule in ln x, whose error is exp(-pi^2 / step), the rounding error."""
+
+
+@dataclass(frozen=True)
+class HavriliakNegami(Node):
+    """K = k1 [1 - (1 + (s tau)^alpha)^-gamma], a complete Bernstein function for orders in [0, 1]."""
+
+    kind: str = "havriliak-negami"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Strength, time and the two orders."""
+        return stiffness("k1", "k₁"), relaxation_time(), order(), order("gamma", "γ")
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """Through logarithms, so that nothing cancels where (s tau)^alpha is small."""
+        k, tau, alpha, gam = (theta[..., i, None] for i in range(4))
+        log_time = at.log_omega + np.log(tau)
+        z = power_of_s(alpha, log_time)
+        log_sum = np.log1p(z)
+        shape: Complex = -np.expm1(-gam * log_sum)
+        value = k * shape
+        if depth == VALUE:
+            return Response(value)
+        faded = k * np.exp(-gam * log_sum)
+        by_log_z = gam * faded * z / (1.0 + z)
+        parts = [shape, alpha * by_log_z / tau, by_log_z * (log_time + HALF_PI), faded * log_sum]
+        by_theta = np.stack(np.broadcast_arrays(*parts), axis=-2)
+        return Response(value, by_theta, alpha * by_log_z if depth == FULL else value)
+
+
+@dataclass(frozen=True)
+class PowerLawRelaxation(Node):
+    """The modulus whose relaxation is k1 (1 + t/tau)^-alpha.
+
+    With z = s tau, K = k1 [1 - alpha I(z)], I = 1/Gamma(1+alpha) times the integral of x^alpha e^-x / (z + x)
+    over the relaxation rates x > 0; it is evaluated by the trapezoidal rule in ln x.
+    """
+
+    kind: str = "power-law-relaxation"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Strength, time and exponent."""
+        return stiffness("k1", "k₁"), relaxation_time(), order()
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The sum over rates, and its derivatives under the sum; 1/(z + x) = (x - i y)/(x^2 + y^2) with z = i y."""
+        k, tau, alpha = (theta[..., i, None] for i in range(3))
+        y = np.exp(at.log_omega + np.log(tau))
+        pole = 1.0 / (_RATE**2 + (y * y)[..., None])
+        weight = _STEP * np.exp((alpha + 1.0) * _LOG_RATE - _RATE) / gamma(alpha + 1.0)
+
+        def over_rates(weight: Real) -> Complex:
+            sums = np.matmul(pole, np.stack([weight * _RATE, weight], axis=-1))
+            mean: Complex = sums[..., 0] - 1j * y * sums[..., 1]
+            return mean
+
+        mean = over_rates(weight)
+        shape = 1.0 - alpha * mean
+        value: Complex = k * shape
+        if depth == VALUE:
+            return Response(value)
+        spread = over_rates(weight * (_LOG_RATE - digamma(alpha + 1.0)))
+        sums = np.matmul(pole * pole, np.stack([weight * _RATE**2, weight * _RATE, weight], axis=-1))
+        square = sums[..., 0] - 2j * y * sums[..., 1] - y * y * sums[..., 2]
+        by_log_z = k * alpha * 1j * y * square
+        by_theta = np.stack(np.broadcast_arrays(shape, by_log_z / tau, -k * (mean + alpha * spread)), axis=-2)
+        return Response(value, by_theta, by_log_z if depth == FULL else value)
+
+
+_havriliak_negami = parallel(spring("k0"), HavriliakNegami())
+_power_law = parallel(spring("k0"), PowerLawRelaxation())
+
+MODELS = (
+    Model(
+        "havriliak-negami",
+        _havriliak_negami,
+        "asymmetric relaxation, kinf - k1 / (1 + (s tau)^alpha)^gamma, kinf = k0 + k1; gamma = 1 is oldroyd-b",
+        "Havriliak & Negami (1967), 10.1016/0032-3861(67)90021-3",
+        search=limits_form(_havriliak_negami.parameters),
+    ),
+    Model(
+        "power-law-plateau",
+        _power_law,
+        "relaxation k0 + k1 (1 + t/tau)^-alpha: a power law between two plateaus",
+        REVIEW,
+        aliases=("powerlawplateau",),
+        search=limits_form(_power_law.parameters),
+    ),
+)

@@ -1,0 +1,37 @@
+"""The built-in objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from springpot.hooks import hookimpl
+from springpot.identification import Objective
+from springpot.measurement import Measurement
+from springpot.rheology import Complex
+
+
+def _equal(measurement: Measurement) -> Complex:
+    return np.full(measurement.stiffness.shape, 1.0 + 1.0j, dtype=np.complex128)
+
+
+def _relative(measurement: Measurement) -> Complex:
+    return np.asarray((1.0 + 1.0j) / measurement.magnitude, dtype=np.complex128)
+
+
+def _given_sd(measurement: Measurement) -> Complex:
+    if measurement.sd is None:
+        return _relative(measurement)
+    return np.asarray(1.0 / measurement.sd.real + 1.0j / measurement.sd.imag, dtype=np.complex128)
+
+
+@hookimpl
+def springpot_objectives() -> Iterable[Objective]:
+    """The paper's objective and three others."""
+    return (
+        Objective("paper", "sum of (K' - K'_m)^2 + (K'' - K''_m)^2, eq. (44)", _equal, citation="eq. (44)"),
+        Objective("relative", "the differences of K' and K'' over |K_m|", _relative),
+        Objective("log", "the differences of ln|K| and of the phase", _equal, logarithmic=True),
+        Objective("weighted", "the differences over their given standard deviations", _given_sd),
+    )

@@ -1,0 +1,34 @@
+"""The built-in optimisers, one small file for each library or family."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from springpot.hooks import hookimpl
+from springpot.identification import Optimiser
+
+from . import annealing, evolution, leastsquares, native, nloptlib, sampling, swarm
+
+
+@hookimpl
+def springpot_optimisers() -> Iterable[type[Optimiser]]:
+    """All of them."""
+    return (
+        swarm.PaperSwarm,
+        evolution.CmaEs,
+        evolution.DifferentialEvolution,
+        nloptlib.Crs,
+        nloptlib.Isres,
+        nloptlib.Esch,
+        nloptlib.DirectL,
+        nloptlib.Mlsl,
+        nloptlib.Sbplx,
+        nloptlib.Bobyqa,
+        nloptlib.NelderMead,
+        nloptlib.Lbfgs,
+        annealing.DualAnnealing,
+        annealing.ScipyDirect,
+        leastsquares.LeastSquares,
+        native.Native,
+        sampling.RandomSearch,
+    )

@@ -1,0 +1,59 @@
+"""The unit cube: for libraries that want every parameter of the same size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.identification import Recorder
+from springpot.rheology import Real
+
+
+@dataclass(frozen=True, eq=False)
+class Cube:
+    """A problem whose search box is mapped to [0, 1]^d.
+
+    Parameters
+    ----------
+    problem : Recorder
+        Where values come from.
+    """
+
+    problem: Recorder
+
+    @property
+    def dimension(self) -> int:
+        """Number of parameters."""
+        return self.problem.dimension
+
+    def place(self, u: Real) -> Real:
+        """Search point of a point of the cube."""
+        return self.problem.lower + np.asarray(u) * (self.problem.upper - self.problem.lower)
+
+    def __call__(self, u: Real) -> float:
+        """Objective at one point (d,) of the cube."""
+        return self.problem(self.place(u))
+
+    def batch(self, u: Real) -> Real:
+        """Objective (m,) at points (m, d) of the cube."""
+        return self.problem.batch(self.place(u))
+
+    def gradient(self, u: Real) -> tuple[float, Real]:
+        """Objective and its gradient (d,) by the cube's coordinates."""
+        value, slope = self.problem.gradient(self.place(u))
+        return value, slope * (self.problem.upper - self.problem.lower)
+
+
+def keep_on(problem: Recorder, attempt: Callable[[], object]) -> None:
+    """Make attempt after attempt until the recorder ends the run, or an attempt asks for no more values."""
+    before = -1
+    while problem.evaluations > before:
+        before = problem.evaluations
+        attempt()
+
+
+def integer(rng: np.random.Generator) -> int:
+    """A seed for a library that takes no generator."""
+    return int(rng.integers(1, 2**31 - 1))

@@ -1,0 +1,102 @@
+"""Nonlinear least squares of SciPy from many starts, with the exact Jacobian."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification import Card, Optimiser, Recorder
+from springpot.rheology import Real
+
+from .cube import keep_on
+
+
+@dataclass(frozen=True)
+class LeastSquares(Optimiser):
+    """Least squares from random starts until the budget is spent.
+
+    Parameters
+    ----------
+    method : {"trf", "dogbox", "lm"}
+        Trust region or dogleg inside the box, or MINPACK's Levenberg-Marquardt without it.
+    logarithmic : bool
+        Search positive parameters without an upper limit by their logarithm.
+    tolerance : float
+        Relative change of objective, point and gradient that ends a descent.
+    """
+
+    method: Literal["trf", "dogbox", "lm"] = "trf"
+    logarithmic: bool = True
+    tolerance: float = 1e-12
+
+    name: ClassVar[str] = "least-squares"
+    card: ClassVar[Card] = Card(
+        "multi-start nonlinear least squares with exact Jacobian (SciPy)",
+        "Branch et al. 1999, doi:10.1137/S1064827595289108; More 1978, doi:10.1007/BFb0067700",
+        gradient=True,
+    )
+
+    def __post_init__(self) -> None:
+        self._require("method", self.method in ("trf", "dogbox", "lm"), "trf, dogbox or lm")
+        self._require("tolerance", 2.3e-16 < self.tolerance < 1, "in (2.3e-16, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Descend from one uniform start after another."""
+        from scipy.optimize import least_squares
+
+        scales = [self.logarithmic and p.scale == "log" and p.lower >= 0 for p in problem.problem.space.parameters]
+        misfit = _Misfit(problem, np.array(scales))
+        lower, upper = misfit.inner(problem.lower), misfit.inner(problem.upper)
+        bounds = (-np.inf, np.inf) if self.method == "lm" else (lower, upper)
+
+        def descend() -> None:
+            start = problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower)
+            least_squares(
+                misfit.residuals,
+                np.clip(misfit.inner(start), lower, upper),
+                jac=misfit.jacobian,
+                bounds=bounds,
+                method=self.method,
+                ftol=self.tolerance,
+                xtol=self.tolerance,
+                gtol=self.tolerance,
+                x_scale=1.0 if self.method == "lm" else upper - lower,
+                max_nfev=budget,
+            )
+
+        keep_on(problem, descend)
+
+
+class _Misfit:
+    """Residuals and Jacobian by inner coordinates: logarithms where asked for, search parameters elsewhere."""
+
+    def __init__(self, problem: Recorder, logarithmic: NDArray[np.bool_]) -> None:
+        self.problem = problem
+        self.logarithmic = logarithmic
+        self._at: Real = np.empty(0)
+        self._found: tuple[Real, Real] = self._at, self._at
+
+    def inner(self, x: Real) -> Real:
+        """Inner coordinates of a search point."""
+        return np.log(x, out=np.array(x), where=self.logarithmic)
+
+    def _outer(self, y: Real) -> Real:
+        return np.exp(np.minimum(y, 230.0), out=np.array(y), where=self.logarithmic)
+
+    def residuals(self, y: Real) -> Real:
+        """Residuals (2n,); the Jacobian that comes with them is kept."""
+        return self._both(y)[0]
+
+    def jacobian(self, y: Real) -> Real:
+        """Jacobian (2n, d) by inner coordinates, usually without a further evaluation."""
+        return self._both(y)[1]
+
+    def _both(self, y: Real) -> tuple[Real, Real]:
+        if not np.array_equal(y, self._at):
+            x = self._outer(y)
+            residual, jacobian = self.problem.residuals(x)
+            self._at, self._found = y.copy(), (residual, jacobian * np.where(self.logarithmic, x, 1.0))
+        return self._found

@@ -1,0 +1,249 @@
+"""Optimisers of the NLopt library, in the unit cube."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from springpot.identification import Card, Optimiser, Recorder
+from springpot.rheology import Real
+
+from .cube import Cube, integer, keep_on
+
+
+class Solver:
+    """An NLopt solver on the unit cube.
+
+    Parameters
+    ----------
+    algorithm : str
+        NLopt's name of it.
+    cube : Cube
+        What is minimised.
+    population : int
+        Its population or sample; 0 takes NLopt's own.
+    tolerance : float
+        Relative change of point and objective that ends it; 0 for none.
+    """
+
+    def __init__(self, algorithm: str, cube: Cube, population: int = 0, tolerance: float = 0.0) -> None:
+        import nlopt
+
+        self._cube = cube
+        self._fault: BaseException | None = None
+        # NLopt names its failures by classes of its own in newer releases.
+        failure = getattr(nlopt, "runtime_error", RuntimeError)
+        self._gives_up = (nlopt.ForcedStop, nlopt.RoundoffLimited, failure, RuntimeError)
+        self.native = nlopt.opt(getattr(nlopt, algorithm), cube.dimension)
+        self.native.set_lower_bounds(np.zeros(cube.dimension))
+        self.native.set_upper_bounds(np.ones(cube.dimension))
+        self.native.set_min_objective(self._objective)
+        self.native.set_xtol_rel(tolerance)
+        self.native.set_ftol_rel(tolerance)
+        if population:
+            self.native.set_population(population)
+
+    def _objective(self, u: Real, slope: Real) -> float:
+        # An exception does not stop every solver, and the next call would fail over it: keep it, ask to stop.
+        if self._fault is not None:
+            return inf
+        try:
+            if not slope.size:
+                return self._cube(u)
+            value, slope[:] = self._cube.gradient(u)
+            return value
+        except BaseException as error:
+            self._fault = error
+            self.native.force_stop()
+            return inf
+
+    def search(self, start: Real) -> None:
+        """Search from `start`; a line search that NLopt gives up is the end of a descent, not a fault."""
+        with suppress(*self._gives_up):
+            self.native.optimize(start)
+        if self._fault is not None:
+            raise self._fault
+
+
+def _seed(rng: np.random.Generator) -> None:
+    """Seed NLopt's generator, which all its solvers in this process share."""
+    import nlopt
+
+    nlopt.srand(integer(rng))
+
+
+@dataclass(frozen=True)
+class _Global(Optimiser):
+    """A global NLopt method, started from a random point."""
+
+    algorithm: ClassVar[str]
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search until the recorder ends it."""
+        cube = Cube(problem)
+        _seed(rng)
+        solver = Solver(self.algorithm, cube, getattr(self, "population", 0))
+        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+
+
+@dataclass(frozen=True)
+class _Population(_Global):
+    """A global NLopt method with a population.
+
+    Parameters
+    ----------
+    population : int
+        Its size; 0 takes NLopt's own.
+    """
+
+    population: int = 0
+
+    def __post_init__(self) -> None:
+        self._require("population", self.population >= 0, "at least 0")
+
+
+class Crs(_Population):
+    """Controlled random search with local mutation."""
+
+    algorithm = "GN_CRS2_LM"
+    name = "nlopt-crs"
+    card = Card("controlled random search (NLopt)", "Kaelo and Ali 2006, doi:10.1007/s10957-006-9101-0")
+
+    def __post_init__(self) -> None:
+        self._require("population", self.population == 0 or self.population >= 6, "0 or at least 6")
+
+
+class Isres(_Population):
+    """Evolution strategy with stochastic ranking."""
+
+    algorithm = "GN_ISRES"
+    name = "nlopt-isres"
+    card = Card("improved stochastic ranking evolution strategy (NLopt)", "Runarsson and Yao 2005")
+
+
+class Esch(_Population):
+    """Evolutionary algorithm with Cauchy mutation."""
+
+    algorithm = "GN_ESCH"
+    name = "nlopt-esch"
+    card = Card("evolutionary algorithm with Cauchy mutation (NLopt)", "da Silva Santos 2010")
+
+
+class DirectL(_Global):
+    """Locally biased division of rectangles; deterministic."""
+
+    algorithm = "GN_DIRECT_L"
+    name = "nlopt-direct-l"
+    card = Card(
+        "locally biased dividing rectangles (NLopt)",
+        "Gablonsky and Kelley 2001, doi:10.1023/A:1017930332101",
+        stochastic=False,
+    )
+
+
+@dataclass(frozen=True)
+class Mlsl(Optimiser):
+    """Multi-level single linkage: local descents from random points that no earlier descent explains.
+
+    Parameters
+    ----------
+    descent : {"bobyqa", "lbfgs"}
+        The local method.
+    low_discrepancy : bool
+        Take the points from a Sobol sequence, which is the same for every seed.
+    sample : int
+        Points sampled in each round; 0 takes NLopt's 4.
+    tolerance : float
+        Relative change of point and objective that ends a descent.
+    """
+
+    descent: Literal["bobyqa", "lbfgs"] = "bobyqa"
+    low_discrepancy: bool = False
+    sample: int = 0
+    tolerance: float = 1e-10
+
+    name: ClassVar[str] = "nlopt-mlsl"
+    card: ClassVar[Card] = Card(
+        "multi-level single linkage (NLopt)", "Rinnooy Kan and Timmer 1987, doi:10.1007/BF02592071"
+    )
+
+    def __post_init__(self) -> None:
+        self._require("descent", self.descent in ("bobyqa", "lbfgs"), "bobyqa or lbfgs")
+        self._require("sample", self.sample >= 0, "at least 0")
+        self._require("tolerance", 0 < self.tolerance < 1, "in (0, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Search until the recorder ends it."""
+        cube = Cube(problem)
+        _seed(rng)
+        kind = "GN" if self.descent == "bobyqa" else "GD"
+        solver = Solver(f"{kind}_MLSL" + ("_LDS" if self.low_discrepancy else ""), cube, self.sample)
+        local = Solver("LN_BOBYQA" if self.descent == "bobyqa" else "LD_LBFGS", cube, tolerance=self.tolerance)
+        solver.native.set_local_optimizer(local.native)
+        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+
+
+@dataclass(frozen=True)
+class _Local(Optimiser):
+    """A local NLopt method from one random start after another.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative change of point and objective that ends a descent.
+    """
+
+    tolerance: float = 1e-10
+
+    algorithm: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        self._require("tolerance", 0 < self.tolerance < 1, "in (0, 1)")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        """Descend from uniform starts until the recorder ends it."""
+        cube = Cube(problem)
+        _seed(rng)
+        solver = Solver(self.algorithm, cube, tolerance=self.tolerance)
+        keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
+
+
+class Sbplx(_Local):
+    """Rowan's subspace-searching simplex."""
+
+    algorithm = "LN_SBPLX"
+    name = "nlopt-sbplx"
+    card = Card("multi-start subplex (NLopt)", "Rowan 1990", globally=False)
+
+
+class Bobyqa(_Local):
+    """Powell's quadratic models in bounds."""
+
+    algorithm = "LN_BOBYQA"
+    name = "nlopt-bobyqa"
+    card = Card("multi-start BOBYQA (NLopt)", "Powell 2009", globally=False)
+
+
+class NelderMead(_Local):
+    """Nelder and Mead's simplex in bounds."""
+
+    algorithm = "LN_NELDERMEAD"
+    name = "nlopt-nelder-mead"
+    card = Card("multi-start simplex (NLopt)", "Nelder and Mead 1965, doi:10.1093/comjnl/7.4.308", globally=False)
+
+
+class Lbfgs(_Local):
+    """Limited-memory BFGS in bounds with the exact gradient."""
+
+    algorithm = "LD_LBFGS"
+    name = "nlopt-lbfgs"
+    card = Card(
+        "multi-start L-BFGS with exact gradient (NLopt)",
+        "Liu and Nocedal 1989, doi:10.1007/BF01589116",
+        globally=False,
+        gradient=True,
+    )

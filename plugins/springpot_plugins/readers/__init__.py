@@ -1,0 +1,44 @@
+"""The built-in readers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from springpot.hooks import hookimpl
+from springpot.measurement import Reader
+
+from . import (
+    excel,
+    generic,
+    malvern,
+    reptate,
+    reptate_laos,
+    rheocompass,
+    signals_csv,
+    signals_mat,
+    signals_tdms,
+    springpot_csv,
+    trios_json,
+    trios_lims,
+    trios_text,
+)
+
+
+@hookimpl
+def springpot_readers() -> Iterable[Reader]:
+    """All of them."""
+    return (
+        springpot_csv.READER,
+        signals_csv.READER,
+        rheocompass.READER,
+        trios_text.READER,
+        trios_lims.READER,
+        trios_json.READER,
+        malvern.READER,
+        reptate.READER,
+        reptate_laos.READER,
+        excel.READER,
+        signals_mat.READER,
+        signals_tdms.READER,
+        generic.READER,
+    )

@@ -1,0 +1,247 @@
+"""Blocks: the tables within a file, each with its names, its units and the lines above it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from springpot.errors import DataError
+
+from .grid import COMMENT, MISSING, Grid, is_number
+from .names import FREQUENCIES, MODULI
+from .titles import Heading, heading, is_unit
+
+_UNITS_WITHIN = 3
+"""Lines between names and numbers that may hold units or remarks."""
+_WIDEST = 400
+_KEPT = 1000
+_PATIENCE = 50_000
+"""Cells without any number that are tried as names of columns before giving up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One table of a file: a step, an interval, a sweep or a sheet.
+
+    Parameters
+    ----------
+    name : str
+        As the file calls it.
+    headings : tuple of Heading
+        What the columns are.
+    rows : sequence of sequence of str
+        The cells.
+    lines : sequence of int
+        Line number of each row.
+    above : list of list of str
+        The lines above the table, as cells.
+    constants : mapping of str to str
+        What holds for all rows: ``temperature [degC]`` and its value.
+    """
+
+    name: str
+    headings: tuple[Heading, ...]
+    rows: Sequence[Sequence[str]]
+    lines: Sequence[int]
+    above: list[list[str]] = field(default_factory=list)
+    constants: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def roles(self) -> set[str]:
+        """What there is."""
+        return {heading.role for heading in self.headings if heading.role} | {
+            str(heading(title).role) for title in self.constants
+        }
+
+    @property
+    def is_dynamic(self) -> bool:
+        """Whether there are a frequency and a complex modulus."""
+        return is_dynamic(self.roles)
+
+    def lacks(self) -> str:
+        """What a table that is no dynamic test holds instead, in one line."""
+        roles = self.roles
+        if "shift" in roles:
+            return "shift factors, no measurement"
+        if "relaxation" in roles:
+            return "a relaxation test in time, no dynamic test"
+        return lacking(roles)
+
+    def holds(self) -> str:
+        """The first titles, for errors."""
+        found = [heading.title for heading in self.headings if heading.title][:6]
+        return f"found {', '.join(found) or 'no names'}; {self.lacks()}"
+
+
+def lacking(roles: set[str]) -> str:
+    """What columns of these roles need to be a dynamic test."""
+    missing = [] if roles & FREQUENCIES else ["frequency [Hz] or omega [rad/s]"]
+    if not roles & MODULI:
+        missing.append("storage [unit] and loss [unit]")
+    elif not is_dynamic({*roles, "omega"}):
+        missing.append("storage [unit]" if "loss" in roles else "loss [unit], phase [deg] or loss_factor [-]")
+    return f"missing {', and '.join(missing)}"
+
+
+def is_dynamic(roles: set[str]) -> bool:
+    """Whether columns of these roles give a complex modulus against frequency."""
+    modulus = {"storage", "loss"} <= roles or (
+        bool(roles & {"storage", "magnitude", "viscosity"}) and bool(roles & {"phase", "loss_factor"})
+    )
+    return modulus and bool(roles & FREQUENCIES)
+
+
+def blocks_of(grid: Grid, path: Path, strict: bool = False) -> tuple[list[Block], list[list[str]]]:
+    """The tables in a grid, and the lines below the last one.
+
+    Parameters
+    ----------
+    grid : Grid
+        The file.
+    path : Path
+        File, for errors.
+    strict : bool
+        Whether rows must be as long as the names above them, and nothing may follow a table but another.
+
+    Raises
+    ------
+    DataError
+        If a row has more cells than there are names.
+    """
+    blocks: list[Block] = []
+    above: list[list[str]] = []
+    i, rows, tried = 0, grid.rows, 0
+    while i < len(rows):
+        words = not any(map(is_number, rows[i][:_WIDEST]))
+        tried += len(rows[i]) if words else 0
+        start = _first_row(rows, i) if words and tried < _PATIENCE and is_header(rows[i]) else None
+        if start is None:
+            if len(above) < (_PATIENCE if words else _KEPT):
+                above.append([cell.strip() for cell in rows[i]])
+            i += 1
+            continue
+        stop = _last_row(rows, start, rows[i])
+        headings = headings_of(rows[i], rows[i + 1 : start], len(rows[start]))
+        cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), path, strict)
+        blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
+        above, i, tried = [], stop, 0
+    return blocks, above
+
+
+def is_header(row: Sequence[str]) -> bool:
+    """Whether a row names columns: at least two roles and no number."""
+    if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
+        return False
+    return len({role for cell in uncommented(row)[:_WIDEST] if (role := heading(cell).role)}) > 1
+
+
+def uncommented(row: Sequence[str]) -> list[str]:
+    """The cells without the sign of a comment before the first."""
+    first = row[0].strip() if row else ""
+    if not first.startswith(COMMENT):
+        return list(row)
+    bare = first.lstrip("#%!/ ")
+    return [bare, *row[1:]] if bare else list(row[1:])
+
+
+def is_data(row: Sequence[str]) -> bool:
+    """Whether a row holds numbers, rather than a key and its value."""
+    numbers = sum(1 for cell in row if is_number(cell))
+    if numbers < 2 and not (numbers == 1 and len(row) == 1):
+        return False
+    words = sum(1 for cell in row if cell.strip() not in MISSING) - numbers
+    return words <= numbers or words <= 2
+
+
+def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
+    for j in range(i + 1, min(i + 2 + _UNITS_WITHIN, len(rows))):
+        if is_data(rows[j]) and not rows[j][0].strip().startswith(COMMENT):
+            return j
+        if is_header(rows[j]) and not _units_in(rows[j]):
+            return None
+    return None
+
+
+def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -> int:
+    """Behind the last row of a table: rows of the same width whose first number is one go quickly."""
+    width = len(rows[start])
+    key = next(k for k, cell in enumerate(rows[start]) if is_number(cell))
+    for j in range(start + 1, len(rows)):
+        row = rows[j]
+        if len(row) == width and row[0][-1:] != ":":
+            try:
+                float(row[key].replace(",", "."))
+                continue
+            except ValueError:
+                pass
+        if is_data(row) and not _ends(row):
+            continue
+        if len(row) == width and width > 1 and any(is_number(cell) for cell in row) and not _ends(row):
+            continue
+        return j
+    return len(rows)
+
+
+def _ends(row: Sequence[str]) -> bool:
+    """Whether a row with numbers is a line above the next table, such as ``Interval:  2  17``."""
+    return row[0].strip().endswith(":") or row[0].strip().startswith((*COMMENT, "["))
+
+
+def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
+    """Titles with the units from the row below them, at least `width` of them."""
+    titles = [cell.strip().strip('"') for cell in uncommented(names)]
+    if len(titles) > width:
+        titles = _rejoined(titles, names, width)
+    units: list[str | None] = [None] * max(len(titles), width)
+    titles += [""] * (len(units) - len(titles))
+    for row in between:
+        if (found := _units_in(row)) and len(found) <= len(units):
+            units[: len(found)] = found
+    return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
+    """Names with spaces in a file that is separated by them: joined where only the whole is known."""
+    while width < len(titles) < 4 * width + 8:
+        pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
+        pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
+        if not pairs:
+            return [cell for cell in titles if cell] if len([c for c in titles if c]) == width else titles
+        i = pairs[0]
+        titles[i : i + 2] = [" ".join(titles[i : i + 2])]
+    return titles
+
+
+def _units_in(row: Sequence[str]) -> list[str]:
+    """The units in a row that holds nothing else; none for other rows."""
+    cells = [cell.strip() for cell in uncommented(row)]
+    filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
+    known = [cell for cell in filled if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)]
+    return cells if filled and len(known) >= max(1, 0.6 * len(filled)) else []
+
+
+def _rectangle(
+    rows: Sequence[list[str]], lines: Sequence[int], width: int, path: Path, strict: bool
+) -> Sequence[list[str]]:
+    """The rows, all of one width."""
+    if set(map(len, rows)) == {width}:
+        return rows
+    made = []
+    for row, number in zip(rows, lines, strict=True):
+        if len(row) > width and any(cell.strip() for cell in row[width:]):
+            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}")
+        if strict and len(row) < width - 1:
+            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}")
+        made.append([*row[:width], *[""] * (width - len(row))])
+    return made
+
+
+def _name(above: list[list[str]]) -> str:
+    """What the lines above a table call it."""
+    for row in reversed(above[-4:]):
+        filled = [cell for cell in row if cell]
+        if len(filled) == 1 and not filled[0].startswith("[") and not filled[0].endswith(":") and len(filled[0]) < 80:
+            return filled[0].lstrip("#% ")
+    return ""

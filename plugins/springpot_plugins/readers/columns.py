@@ -1,0 +1,279 @@
+"""Named columns to a measurement: which column is what, units, and the checks that a user's slip runs into."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.measurement import (
+    AMPLITUDE_UNITS,
+    ANGLE_UNITS,
+    FREQUENCY_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    STIFFNESS_UNITS,
+    TEMPERATURE_UNITS,
+    Measurement,
+    Units,
+    known_unit,
+    temperature_in_celsius,
+)
+from springpot.rheology import Complex, Real
+
+from .table import Column
+
+ROLES: dict[str, tuple[str, ...]] = {
+    "frequency": ("frequency", "freq", "f"),
+    "omega": ("omega", "ω", "w", "angular_frequency"),
+    "storage": ("storage", "storage_modulus", "storage_stiffness", "k'", "g'", "e'"),
+    "loss": ("loss", "loss_modulus", "loss_stiffness", "k''", "g''", "e''", 'k"', 'g"', 'e"'),
+    "magnitude": ("magnitude", "complex_modulus", "dynamic_stiffness", "|k|", "|g|", "|e|", "|k*|", "|g*|", "|e*|"),
+    "phase": ("phase", "phase_angle", "delta", "δ"),
+    "loss_factor": ("loss_factor", "tan_delta", "tandelta", "tan_δ", "tanδ", "eta"),
+    "storage_sd": ("storage_sd",),
+    "loss_sd": ("loss_sd",),
+    "temperature": ("temperature",),
+    "amplitude": ("amplitude", "strain_amplitude", "displacement_amplitude"),
+    "repeat": ("repeat",),
+}
+TEXT = "text"
+"""Unit that marks a column of words, so that a word that looks like a number stays a word."""
+
+
+def role_of(name: str) -> str | None:
+    """What a column of that name is, or None for a further condition."""
+    return next((role for role, names in ROLES.items() if name in names), None)
+
+
+def assign(columns: tuple[Column, ...], path: Path) -> tuple[dict[str, Column], list[Column]]:
+    """Columns by role, and the others.
+
+    Raises
+    ------
+    DataError
+        If two columns claim one role.
+    """
+    roles: dict[str, Column] = {}
+    others = []
+    for column in columns:
+        role = role_of(column.name)
+        if role is None:
+            others.append(column)
+        elif role in roles:
+            raise DataError(f"{path}: both '{roles[role].title}' and '{column.title}' give {role}; keep one")
+        else:
+            roles[role] = column
+    return roles, others
+
+
+def measurement_of(
+    roles: Mapping[str, Column], others: list[Column], name: str, provenance: Mapping[str, str], path: Path
+) -> Measurement:
+    """The measurement in the file's own units.
+
+    Parameters
+    ----------
+    roles : mapping of str to Column
+        Columns by role, see `ROLES`.
+    others : list of Column
+        Further conditions, words and harmonics.
+    name : str
+        Name of the measurement.
+    provenance : mapping of str to str
+        Where it comes from.
+    path : Path
+        File, for errors.
+
+    Raises
+    ------
+    DataError
+        If a column is missing or a value cannot be used.
+    """
+    # What overflows is found by the checks of the measurement.
+    with np.errstate(all="ignore"):
+        omega = _omega(roles, path)
+        stiffness, unit = _stiffness(roles, path)
+        sd = _deviations(roles, unit)
+        conditions, amplitude_unit = _conditions(roles)
+    harmonics, others = _harmonics(others)
+    extra, labels, units = _further(others)
+    provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}}
+    repeat = _repeat(roles.get("repeat"))
+    return Measurement(
+        omega=omega,
+        stiffness=stiffness,
+        sd=sd,
+        conditions={**conditions, **extra},
+        repeat=repeat,
+        harmonics=harmonics,
+        units=Units(unit, amplitude_unit),
+        name=name,
+        provenance=provenance,
+        labels=labels,
+    )
+
+
+def _unit(column: Column, table: dict[str, float], advice: str) -> str:
+    """The column's unit as the table spells it."""
+    if column.unit is None:
+        raise column.error(f"there is no unit; {advice}")
+    try:
+        return known_unit(column.unit, table, column.name)
+    except DataError as error:
+        raise column.error(str(error)) from None
+
+
+def _omega(roles: Mapping[str, Column], path: Path) -> Real:
+    column = roles.get("omega") or roles.get("frequency")
+    if column is None:
+        raise DataError(f"{path}: no column of frequencies; write frequency [Hz] or omega [rad/s]")
+    if "omega" in roles and "frequency" in roles:
+        raise DataError(f"{path}: both omega and frequency are given; keep one")
+    unit = _unit(column, FREQUENCY_UNITS, "write frequency [Hz] or omega [rad/s]")
+    if role_of(column.name) == "omega" and unit != "rad/s":
+        raise column.error(f"omega is in rad/s; a column in {unit} is called frequency [{unit}]")
+    values = column.numbers()
+    wrong = values <= 0
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise column.error(f"the frequency must be positive, got {values[row]:g}; leave out the row", row)
+    return values if unit == "rad/s" else values * FREQUENCY_UNITS[unit]
+
+
+def _modulus(column: Column) -> tuple[Real, str]:
+    advice = f"write {column.name} [N/mm], [kN/m], [Pa] or any stiffness or pressure unit"
+    return column.numbers(), _unit(column, MODULUS_UNITS, advice)
+
+
+def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
+    """Values converted; the same bits where nothing is to be converted."""
+    if unit == wanted:
+        return values
+    kinds = [{*PRESSURE_UNITS}, {*STIFFNESS_UNITS}, {*MODULUS_UNITS} - {*PRESSURE_UNITS} - {*STIFFNESS_UNITS}]
+    if not any(unit in kind and wanted in kind for kind in kinds):
+        raise column.error(f"[{unit}] cannot be converted to [{wanted}] of the other column")
+    return values * (MODULUS_UNITS[unit] / MODULUS_UNITS[wanted])
+
+
+def _stiffness(roles: Mapping[str, Column], path: Path) -> tuple[Complex, str]:
+    """K' + i K'' from storage and loss, or from magnitude or storage with phase or loss factor."""
+    if "storage" in roles and "loss" in roles:
+        storage, unit = _modulus(roles["storage"])
+        loss, loss_unit = _modulus(roles["loss"])
+        return _complex(storage, _in_unit(loss, loss_unit, unit, roles["loss"])), unit
+    tangent = _tangent(roles)
+    if tangent is None or not ("magnitude" in roles or "storage" in roles):
+        there = ", ".join(f"'{column.title}'" for column in roles.values())
+        raise DataError(
+            f"{path}: no storage and loss (found {there}); write storage [unit] and loss [unit], "
+            "or magnitude [unit] with phase [deg] or loss_factor [-]"
+        )
+    if "storage" in roles:
+        storage, unit = _modulus(roles["storage"])
+        return _complex(storage, storage * np.tan(tangent)), unit
+    size, unit = _modulus(roles["magnitude"])
+    wrong = size <= 0
+    if wrong.any():
+        raise roles["magnitude"].error("the magnitude must be positive", int(np.argmax(wrong)))
+    return _complex(size * np.cos(tangent), size * np.sin(tangent)), unit
+
+
+def _complex(real: Real, imaginary: Real) -> Complex:
+    # Adding 1j * x would turn a storage of -0.0 into 0.0.
+    value = np.empty(len(real), dtype=np.complex128)
+    value.real, value.imag = real, imaginary
+    return value
+
+
+def _tangent(roles: Mapping[str, Column]) -> Real | None:
+    """The loss angle in rad."""
+    if "phase" in roles:
+        column = roles["phase"]
+        unit = _unit(column, ANGLE_UNITS, "write phase [deg] or phase [rad]")
+        return column.numbers() * ANGLE_UNITS[unit]
+    if "loss_factor" in roles:
+        column = roles["loss_factor"]
+        unit = known_unit(column.unit or "-", {"-": 1.0, "%": 0.01}, column.name)
+        return np.asarray(np.arctan(column.numbers() * (0.01 if unit == "%" else 1.0)))
+    return None
+
+
+def _deviations(roles: Mapping[str, Column], unit: str) -> Complex | None:
+    given = [roles.get("storage_sd"), roles.get("loss_sd")]
+    columns = [column for column in given if column is not None]
+    if not columns:
+        return None
+    if len(columns) == 1 or "loss" not in roles:
+        raise columns[0].error("standard deviations need storage, storage_sd, loss and loss_sd")
+    parts = []
+    for column in columns:
+        values = column.numbers()
+        if column.unit is not None:
+            values = _in_unit(values, _unit(column, MODULUS_UNITS, ""), unit, column)
+        wrong = values <= 0
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise column.error(f"a standard deviation must be positive, got {values[row]:g}", row)
+        parts.append(values)
+    return _complex(*parts)
+
+
+def _conditions(roles: Mapping[str, Column]) -> tuple[dict[str, Real], str]:
+    """Temperature in degC and amplitude in its own unit; columns without any entry are left out."""
+    found: dict[str, Real] = {}
+    unit = "-"
+    temperature, amplitude = roles.get("temperature"), roles.get("amplitude")
+    if temperature is not None and not temperature.is_empty:
+        scale = _unit(temperature, TEMPERATURE_UNITS, "write temperature [degC] or temperature [K]")
+        found["temperature"] = temperature_in_celsius(temperature.numbers(), scale)
+        if (found["temperature"] < -273.15).any():
+            raise temperature.error("below absolute zero", int(np.argmin(found["temperature"])))
+    if amplitude is not None and not amplitude.is_empty:
+        unit = _unit(amplitude, AMPLITUDE_UNITS, "write amplitude [mm], or amplitude [-] for a strain")
+        found["amplitude"] = amplitude.numbers()
+        if (found["amplitude"] <= 0).any():
+            row = int(np.argmin(found["amplitude"]))
+            raise amplitude.error(f"the amplitude must be positive, got {found['amplitude'][row]:g}", row)
+    return found, unit
+
+
+def _repeat(column: Column | None) -> NDArray[np.int64] | None:
+    if column is None or column.is_empty:
+        return None
+    values = column.numbers()
+    wrong = (values != np.round(values)) | (np.abs(values) > 2**53)
+    if wrong.any():
+        raise column.error("the number of the repeat must be whole", int(np.argmax(wrong)))
+    return values.astype(np.int64)
+
+
+def _harmonics(others: list[Column]) -> tuple[Complex | None, list[Column]]:
+    """Columns h2_re, h2_im, h3_re, ... as complex numbers (n, h), and what is left."""
+    parts = {column.name: column for column in others}
+    orders = [n for n in range(2, 65) if f"h{n}_re" in parts and f"h{n}_im" in parts]
+    if not orders:
+        return None, others
+    values = np.full((len(others[0].cells), max(orders) - 1), complex(np.nan, np.nan))
+    for n in orders:
+        values[:, n - 2] = _complex(parts[f"h{n}_re"].numbers(gaps=True), parts[f"h{n}_im"].numbers(gaps=True))
+    used = {f"h{n}_{part}" for n in orders for part in ("re", "im")}
+    return values, [column for column in others if column.name not in used]
+
+
+def _further(others: list[Column]) -> tuple[dict[str, Real], dict[str, NDArray[np.str_]], dict[str, str]]:
+    """Other columns: numbers as conditions (nan where empty), words as labels, and the units of the former."""
+    numbers, words, units = {}, {}, {}
+    for column in others:
+        if column.is_empty:
+            continue
+        if column.unit != TEXT and column.is_numeric():
+            numbers[column.name] = column.numbers(gaps=True)
+            if column.unit not in (None, "", "-"):
+                units[column.name] = str(column.unit)
+        else:
+            words[column.name] = np.array([cell.strip() for cell in column.cells])
+    return numbers, words, units

@@ -1,0 +1,336 @@
+"""Blocks to a measurement: which parts and columns are meant, what is left out, and the note that says so."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Part, known_unit
+from springpot.rheology import Real
+
+from .blocks import Block, is_dynamic, lacking
+from .columns import measurement_of
+from .grid import MISSING
+from .names import FREQUENCIES, rank
+from .said import ask_units, told
+from .table import Column
+from .titles import UNITS, VISCOSITY_UNITS, Heading, heading, tidy
+
+KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
+"""Further columns of instruments that are kept as conditions."""
+_PAIRS = (
+    ("storage", "loss"),
+    *((size, angle) for size in ("magnitude", "storage", "viscosity") for angle in ("phase", "loss_factor")),
+)
+"""What gives a complex modulus, best first."""
+_REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
+"""Columns that say once more what the chosen ones say."""
+_MEANT = {*UNITS, "repeat"} - {"time"}
+_WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
+
+
+def measurement_from(
+    blocks: Sequence[Block],
+    choice: Choice,
+    path: Path,
+    provenance: Mapping[str, str],
+    further: bool = False,
+) -> Measurement:
+    """The measurement in the chosen blocks, by default in all that are dynamic tests.
+
+    Parameters
+    ----------
+    blocks : sequence of Block
+        The tables of the file.
+    choice : Choice
+        What the user says.
+    path : Path
+        File, for errors.
+    provenance : mapping of str to str
+        What the file says of instrument and sample.
+    further : bool
+        Whether all further columns are kept, rather than those in `KEPT`.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    chosen = chosen_blocks(blocks, choice, path)
+    parts = [_measurement(block, choice, path, provenance, further) for block in chosen]
+    name = f"{path.stem}#{choice.part}" if choice.part else path.stem
+    if len(parts) == 1:
+        said = {"part": chosen[0].name} if chosen[0].name and len(blocks) > 1 else {}
+        return replace(parts[0], name=name, provenance={**parts[0].provenance, **said})
+    first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
+    note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
+    return joined(parts, [block.name for block in chosen], name, path, note)
+
+
+def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
+    """The blocks as they are listed for a user; none where there is but one."""
+    if len(blocks) < 2:
+        return ()
+    return tuple(
+        Part(block.name or f"table {i}", len(block.rows), block.is_dynamic, "" if block.is_dynamic else block.lacks())
+        for i, block in enumerate(blocks, 1)
+    )
+
+
+def chosen_blocks(blocks: Sequence[Block], choice: Choice, path: Path) -> list[Block]:
+    """The blocks that a user means.
+
+    Raises
+    ------
+    DataError
+        If there is no such block, or none that is a dynamic test.
+    """
+    if not blocks:
+        raise DataError(
+            f"{path}: there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]"
+        )
+    picked = _picked(blocks, choice.part, path) if choice.part else list(blocks)
+    usable = [block for block in picked if is_dynamic(_roles_told(block, choice, path))]
+    if usable and (len(usable) == len(picked) or not choice.part):
+        return usable
+    if len(picked) == 1:
+        where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
+        raise DataError(f"{path}: {where}{picked[0].holds()}")
+    names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
+    raise DataError(f"{path}: none of its {len(picked)} parts has frequency, storage and loss ({names:.120})")
+
+
+def _roles_told(block: Block, choice: Choice, path: Path) -> set[str]:
+    if not choice.columns:
+        return block.roles
+    try:
+        said = told(block.headings, choice, path)
+    except DataError:
+        # Options are for the parts that have such columns.
+        return block.roles
+    return {h.role for h in said.headings if h.role} | {str(heading(title).role) for title in said.constants}
+
+
+def _picked(blocks: Sequence[Block], part: str, path: Path) -> list[Block]:
+    if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
+        first, last = int(match[1]), int(match[2] or match[1])
+        if not 1 <= first <= last <= len(blocks):
+            raise DataError(f"{path}: there is no part {part}; it has {len(blocks)} (see 'springpot inspect {path}')")
+        return list(blocks[first - 1 : last])
+    found = [block for block in blocks if part.casefold() in block.name.casefold()]
+    if not found:
+        names = ", ".join(dict.fromkeys(block.name for block in blocks if block.name)) or "none has a name"
+        raise DataError(f"{path}: no part is called '{part:.40}' ({names:.120})")
+    return found
+
+
+def _measurement(
+    block: Block, choice: Choice, path: Path, provenance: Mapping[str, str], further: bool
+) -> Measurement:
+    said = told(block.headings, choice, path)
+    columns = _columns(block, said.headings, path)
+    columns += [
+        _constant(title, value, block, path) for title, value in {**block.constants, **said.constants}.items()
+    ]
+    roles = _roles(columns, path)
+    _require_units(roles, path)
+    used = {column.title for column in roles.values()}
+    others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
+    roles, others, notes = _cleaned(roles, others, path)
+    _from_viscosity(roles)
+    measured = measurement_of(roles, others, block.name or path.stem, dict(provenance), path)
+    return replace(measured, provenance={**measured.provenance, **notes})
+
+
+def _columns(block: Block, headings: Sequence[Heading], path: Path) -> list[Column]:
+    cells = list(zip(*block.rows, strict=True))
+    made: list[Column] = []
+    seen: dict[str, int] = {}
+    all_joined = any(heading.joined for heading in headings)
+    for heading_, column in zip(headings, cells, strict=False):
+        name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
+        unit = None if heading_.unit is None else tidy(heading_.unit)
+        if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
+            # An angular frequency is in rad/s also where the radian is not written.
+            unit = "rad/s"
+        if unit is None and heading_.role == "amplitude" and all_joined and "strain" in heading_.name.lower():
+            # Where every other name carries its unit, a strain without one is a plain number.
+            unit = "-"
+        seen[name] = seen.get(name, 0) + 1
+        title = heading_.title or name
+        made.append(Column(title, name, unit, column, path, block.lines, decimal_comma=True))
+    return made
+
+
+def _constant(title: str, value: str, block: Block, path: Path) -> Column:
+    said = heading(title)
+    unit = None if said.unit is None else tidy(said.unit)
+    return Column(title, said.role or said.name, unit, [value] * len(block.rows), path, block.lines)
+
+
+def _roles(columns: Sequence[Column], path: Path) -> dict[str, Column]:
+    """The column of each role: of several, the one whose name is surest."""
+    found: dict[str, Column] = {}
+    for column in columns:
+        if column.name not in _MEANT or _is_blank(column):
+            continue
+        before = found.get(column.name)
+        if before is None or rank(_bare(column)) < rank(_bare(before)):
+            found[column.name] = column
+    if "omega" in found and "frequency" in found:
+        found.pop("frequency" if found["omega"].unit == "rad/s" else "omega")
+    pair = next((pair for pair in _PAIRS if found.keys() >= set(pair)), ())
+    if pair:
+        spare = {role for either in _PAIRS for role in either} - set(pair)
+        found = {role: column for role, column in found.items() if role not in spare}
+    if not is_dynamic(set(found)):
+        there = ", ".join(f"'{column.title}'" for column in found.values()) or "no known column"
+        raise DataError(f"{path}: found {there}; {lacking({str(role) for role in found})}")
+    return found
+
+
+def _bare(column: Column) -> str:
+    return heading(column.title).name
+
+
+def _is_blank(column: Column) -> bool:
+    return all(cell.strip() in MISSING for cell in column.cells)
+
+
+def _is_kept(column: Column, further: bool) -> bool:
+    return bool(column.name) and (further or column.name in KEPT) and not _is_blank(column)
+
+
+def _require_units(roles: Mapping[str, Column], path: Path) -> None:
+    """Ask for all units that are missing at once."""
+    bare = [
+        Heading(column.title, column.title, role, None)
+        for role, column in roles.items()
+        if column.unit is None and role in UNITS and role not in ("loss_factor", "storage_sd", "loss_sd")
+    ]
+    if bare:
+        raise ask_units(bare, path)
+    for role, column in roles.items():
+        if column.unit is None or role not in UNITS:
+            continue
+        try:
+            known_unit(column.unit, UNITS[role], role)
+        except DataError as error:
+            raise column.error(f"{error}; say it with '{path}?{role}=UNIT'") from None
+
+
+def _cleaned(
+    roles: dict[str, Column], others: list[Column], path: Path
+) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
+    """Rows in which something was measured, columns that are complete there, and what was left out."""
+    notes: dict[str, str] = {}
+    keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
+    for role, column in roles.items():
+        if role not in (*_WHOLE, "repeat"):
+            _one_style(column)
+            keep &= _present(column)
+    if not keep.any():
+        raise DataError(f"{path}: no row has a number for {', '.join(c.title for c in roles.values())}")
+    if not keep.all():
+        notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
+    roles = {role: _rows(column, keep) for role, column in roles.items()}
+    for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
+        if not _present(roles[role]).all():
+            notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
+            del roles[role]
+    if ("storage_sd" in roles) != ("loss_sd" in roles):
+        roles.pop("storage_sd", roles.pop("loss_sd", None))
+    return roles, _named_apart([_rows(column, keep) for column in others]), notes
+
+
+def _present(column: Column) -> NDArray[np.bool_]:
+    return np.fromiter((cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells))
+
+
+def _one_style(column: Column) -> None:
+    """Numbers with commas and numbers with points in one column can be read in two ways."""
+    commas = next((cell for cell in column.cells if "," in cell), None)
+    points = next((cell for cell in column.cells if "." in cell), None)
+    if commas is not None and points is not None:
+        raise column.error(
+            f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one decimal sign"
+        )
+
+
+def _rows(column: Column, keep: NDArray[np.bool_]) -> Column:
+    if keep.all():
+        cells: Sequence[str] = column.cells
+        lines = column.lines
+    else:
+        places = np.flatnonzero(keep).tolist()
+        cells = [column.cells[i] for i in places]
+        lines = [column.lines[i] for i in places]
+    if any(cell in MISSING for cell in cells):
+        cells = ["" if cell.strip() in MISSING else cell for cell in cells]
+    return replace(column, cells=cells, lines=lines)
+
+
+def _named_apart(columns: list[Column]) -> list[Column]:
+    """Further columns, each with a name of its own."""
+    made: dict[str, Column] = {}
+    for column in columns:
+        name, number = column.name, 2
+        while name in made:
+            name, number = f"{column.name}_{number}", number + 1
+        made[name] = replace(column, name=name)
+    return list(made.values())
+
+
+def _from_viscosity(roles: dict[str, Column]) -> None:
+    """The complex modulus omega |eta*| where the complex viscosity was given instead."""
+    if "viscosity" not in roles:
+        return
+    column = roles.pop("viscosity")
+    factor = VISCOSITY_UNITS[known_unit(column.unit or "", VISCOSITY_UNITS, "viscosity")]
+    clock = roles.get("omega") or roles["frequency"]
+    omega = clock.numbers() * UNITS["frequency"][known_unit(clock.unit or "", UNITS["frequency"], "frequency")]
+    values: Real = omega * column.numbers() * factor
+    roles["magnitude"] = replace(
+        column, name="magnitude", unit="Pa", cells=[repr(v) for v in values.tolist()], decimal_comma=False
+    )
+
+
+def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:
+    """Several parts as one measurement, with the label ``step``.
+
+    Raises
+    ------
+    DataError
+        If they come in different units.
+    """
+    units = {part.units.stiffness for part in parts}
+    if len(units) > 1:
+        raise DataError(f"{path}: its parts come in {' and '.join(sorted(units))}; choose one, such as '{path}#1'")
+    amplitude = {part.units.amplitude for part in parts if "amplitude" in part.conditions}
+    common = [key for key in parts[0].conditions if all(key in part.conditions for part in parts)]
+    if len(amplitude) > 1:
+        common = [key for key in common if key != "amplitude"]
+    words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
+    labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
+    shown = [called or f"part {i}" for i, called in enumerate(names, 1)]
+    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, shown, strict=True)])
+    dropped = sorted({key for part in parts for key in part.conditions} - set(common))
+    notes = {"note parts": note}
+    if dropped:
+        notes["note columns"] = f"not in every part, left out: {', '.join(dropped)}"
+    first = next((part for part in parts if part.units.amplitude in amplitude), parts[0])
+    return Measurement(
+        omega=np.concatenate([part.omega for part in parts]),
+        stiffness=np.concatenate([part.stiffness for part in parts]),
+        conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
+        units=replace(parts[0].units, amplitude=first.units.amplitude if "amplitude" in common else "-"),
+        name=name,
+        provenance={**parts[0].provenance, **notes},
+        labels=labels,
+    )

@@ -1,0 +1,132 @@
+"""Excel workbooks (.xlsx), through openpyxl: tables as in CSV, one or more on each sheet."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import replace
+from datetime import date, datetime, time
+from pathlib import Path
+from typing import Any
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Part, Reader
+
+from .blocks import Block, blocks_of
+from .dynamic import measurement_from, parts_from
+from .facts import facts_of, pairs_in
+from .grid import Grid
+
+_LIMIT = 400_000_000
+"""Bytes that a workbook may hold once it is unpacked."""
+_RATIO = 300
+_MOST_CELLS = 6_000_000
+_OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+
+
+def recognises(head: bytes) -> float:
+    """High for a zip archive of spreadsheets; old workbooks are taken too, to say how to save them."""
+    if head.startswith(_OLE):
+        return 0.5
+    if not head.startswith(b"PK\x03\x04"):
+        return 0.0
+    return 0.95 if b"xl/" in head or b"[Content_Types].xml" in head else 0.3
+
+
+def _blocks(path: Path) -> list[Block]:
+    """The tables of all sheets.
+
+    Raises
+    ------
+    DataError
+        If openpyxl is not installed, or the file is no workbook, broken, or unpacks to far too much.
+    """
+    with path.open("rb") as stream:
+        if stream.read(8) == _OLE:
+            raise DataError(f"{path}: an old Excel or project file; save it as .xlsx, or export it as CSV")
+    _check_archive(path)
+    try:
+        from openpyxl import load_workbook
+    except ImportError:
+        raise DataError(f"{path}: Excel files need openpyxl: pip install 'springpot[instruments]'") from None
+    try:
+        with path.open("rb") as stream:
+            book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
+            sheets = [(str(sheet.title), _grid(sheet, path)) for sheet in book.worksheets[:200]]
+            book.close()
+    except DataError:
+        raise
+    except Exception as error:
+        # Broken workbooks fail within openpyxl in many ways.
+        reason = (str(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
+    return [block for title, grid in sheets for block in _named(title, blocks_of(grid, path)[0])]
+
+
+def _named(sheet: str, blocks: list[Block]) -> list[Block]:
+    """Blocks called by their sheet, and numbered where it has several."""
+    if len(blocks) == 1:
+        return [replace(blocks[0], name=sheet)]
+    return [replace(block, name=f"{sheet} {block.name or i}") for i, block in enumerate(blocks, 1)]
+
+
+def _check_archive(path: Path) -> None:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
+        raise DataError(f"{path}: no readable Excel file: {error}") from None
+    if not any(entry.filename.startswith("xl/") for entry in entries):
+        raise DataError(f"{path}: a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
+    size = sum(entry.file_size for entry in entries)
+    if size > _LIMIT or len(entries) > 10_000 or size > 1_000_000 + _RATIO * path.stat().st_size:
+        raise DataError(f"{path}: the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
+
+
+def _grid(sheet: Any, path: Path) -> Grid:
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    cells = 0
+    # What a sheet says of its own size may be wrong.
+    sheet.reset_dimensions()
+    for number, row in enumerate(sheet.iter_rows(values_only=True), 1):
+        cells += len(row) + 1
+        if cells > _MOST_CELLS:
+            raise DataError(f"{path}: sheet '{sheet.title}' has more than {_MOST_CELLS} cells; save it as CSV")
+        texts = [_text(value) for value in row]
+        while texts and not texts[-1]:
+            texts.pop()
+        if texts:
+            rows.append(texts)
+            lines.append(number)
+    return Grid(rows, lines, "\t")
+
+
+def _text(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return ""
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, datetime | date | time):
+        return value.isoformat()
+    return str(value).strip()[:500]
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The tables of a workbook that are dynamic tests.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    blocks = _blocks(path)
+    facts = facts_of(pairs_in(row for block in blocks for row in block.above))
+    return measurement_from(blocks, choice, path, {"format": "Excel", **facts}, further=True)
+
+
+def parts(path: Path) -> tuple[Part, ...]:
+    """The tables of a workbook."""
+    return parts_from(_blocks(path))
+
+
+READER = Reader("excel", "Excel .xlsx with named columns on one or more sheets", recognises, read, parts=parts)

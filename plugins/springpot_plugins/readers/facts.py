@@ -1,0 +1,128 @@
+"""What a file says of instrument, geometry and sample, under fixed keys, and what it means for a measured modulus."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from .names import fold
+
+KEYS: dict[str, tuple[str, ...]] = {
+    "sample": ("samplename", "sample", "echantillon", "probe", "probenname", "muestra", "campione"),
+    "project": ("project", "projet", "projekt", "proyecto", "progetto"),
+    "test": ("test", "essai", "versuch", "prueba", "prova", "testname", "procedurename"),
+    "result": ("result", "resultat", "ergebnis", "resultado", "risultato"),
+    "date": ("rundate", "date", "datum", "datetime", "datum/zeit", "fecha", "data", "starttime"),
+    "instrument.type": ("instrumenttype", "instrument", "gerat", "messgerat", "appareil", "device", "instrumento"),
+    "instrument.serial": ("instrumentserialnumber", "serialnumber"),
+    "instrument.inertia": ("instrumentinertia", "motorinertia", "systeminertia", "deviceinertia"),
+    "instrument.friction": ("bearingfriction", "instrumentfriction", "motorfriction", "friction"),
+    "instrument.compliance": ("instrumentcompliance", "axialcompliance", "torsionalcompliance", "systemcompliance"),
+    "software": ("triosversion", "softwareversion", "software", "rheocompassversion"),
+    "geometry.type": ("geometrytype", "measuringsystemtype"),
+    "geometry.name": (
+        *("geometryname", "measuringsystem", "messsystem", "systemedemesure", "sistemademedicion"),
+        *("sistemadimisura", "measuringgeometry", "geometry", "messgeometrie"),
+    ),
+    "geometry.diameter": ("diameter", "durchmesser", "diametre", "diametro", "platediameter"),
+    "geometry.angle": ("angle", "coneangle", "kegelwinkel"),
+    "geometry.gap": ("gap", "messspalt", "entrefer", "measuringgap", "spalt"),
+    "geometry.length": ("length", "boblength", "gaugelength", "samplelength"),
+    "geometry.width": ("width", "samplewidth"),
+    "geometry.thickness": ("thickness", "samplethickness"),
+    "geometry.inertia": ("geometryinertia", "measuringsysteminertia", "inertia"),
+    "geometry.compliance": ("compliance", "geometrycompliance", "measuringsystemcompliance"),
+    "geometry.upper_compliance": ("uppercompliance",),
+    "geometry.lower_compliance": ("lowercompliance",),
+    "geometry.mass": ("uppergeometrymass", "geometrymass"),
+    "geometry.stress_constant": ("stressconstant", "css"),
+    "geometry.strain_constant": ("strainconstant",),
+    "geometry.stress_constant_linear": ("stressconstant(linear)",),
+    "geometry.strain_constant_linear": ("strainconstant(linear)",),
+    "inertia_correction": ("inertiacorrection", "flowinertiacorrection"),
+    "fluid_density": ("fluiddensity", "density"),
+}
+_KEY_OF = {fold(name): key for key, names in KEYS.items() for name in names}
+_QUANTITY = re.compile(r"^\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*[\[(]?(.*?)[\])]?\s*$")
+_SMALL = {"": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "k": 1e3}
+_INERTIA = r"^([munk]?)N\.?m\.?s(?:2|\^2)$"
+_COMPLIANCE = r"^([munk]?)rad/\(?N\.?m\)?$"
+_FRICTION = r"^([munk]?)N\.?m(?:/\(?rad/s\)?|\.?s/rad|\.?s)$"
+
+
+def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The pairs that are known, under their fixed keys; the first of each.
+
+    Parameters
+    ----------
+    pairs : iterable of tuple of str
+        Key and value as the file writes them.
+    """
+    found: dict[str, str] = {}
+    for key, value in pairs:
+        known = _KEY_OF.get(fold(key)) if len(key) < 60 else None
+        value = " ".join(value.split())[:200]
+        if known is not None and value and value not in ("-", "Anonymous"):
+            found.setdefault(known, value)
+    return {**found, **as_modulus(found)}
+
+
+def pairs_in(rows: Iterable[list[str]]) -> list[tuple[str, str]]:
+    """Lines of a key and a value, as cells."""
+    pairs = []
+    for row in rows:
+        filled = [cell for cell in row if cell]
+        if len(filled) > 1 and not filled[0].startswith("["):
+            pairs.append((filled[0].rstrip(": "), " ".join(filled[1:4])))
+        elif len(filled) == 1 and ":" in filled[0]:
+            key, _, value = filled[0].partition(":")
+            pairs.append((key.strip("#% "), value.strip()))
+    return pairs
+
+
+def quantity(text: str) -> tuple[float, str] | None:
+    """Number and unit of a value such as ``20.72 µN.m.s²``; None for words."""
+    match = _QUANTITY.match(text)
+    if match is None:
+        return None
+    return float(match[1].replace(",", ".")), match[2].strip()
+
+
+def as_modulus(facts: dict[str, str]) -> dict[str, str]:
+    """Inertia, friction and compliance of a rotational rheometer as they act on a shear modulus.
+
+    With stress = F_s torque and strain = F_g angle, a moment of inertia I takes I omega^2 F_s / F_g from the modulus,
+    a friction b adds a viscosity b F_s / F_g, a compliance C is a spring F_s / (F_g C) in series.
+    """
+    stress, strain = (
+        _in_si(facts.get("geometry.stress_constant"), r"^Pa/\(?N\.?m\)?$"),
+        _in_si(facts.get("geometry.strain_constant"), r"^1/rad$"),
+    )
+    if not stress or not strain:
+        return {}
+    factor, found = stress / strain, {}
+    inertia = sum(_in_si(facts.get(f"{part}.inertia"), _INERTIA) for part in ("instrument", "geometry"))
+    friction = _in_si(facts.get("instrument.friction"), _FRICTION)
+    compliance = sum(
+        _in_si(facts.get(key), _COMPLIANCE)
+        for key in ("geometry.compliance", "geometry.upper_compliance", "geometry.lower_compliance")
+    )
+    if inertia:
+        found["inertia as modulus"] = f"{inertia * factor:.6g} Pa s^2"
+    if friction:
+        found["friction as viscosity"] = f"{friction * factor:.6g} Pa s"
+    if compliance:
+        found["compliance as modulus"] = f"{factor / compliance:.6g} Pa"
+    return found
+
+
+def _in_si(text: str | None, pattern: str) -> float:
+    """A quantity in SI; zero where it is missing or its unit is another."""
+    said = quantity(text or "")
+    if said is None:
+        return 0.0
+    unit = said[1].replace("µ", "u").replace("μ", "u").replace("²", "2").replace("·", ".").replace(" ", "")
+    match = re.match(pattern, unit)
+    if match is None:
+        return 0.0
+    return said[0] * (_SMALL[match[1]] if match.groups() else 1.0)

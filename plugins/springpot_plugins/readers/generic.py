@@ -1,0 +1,105 @@
+"""Any table of a frequency and a complex modulus, whatever separates its cells and in whatever language.
+
+Units stand in brackets, after `` / ``, a comma or an underscore, or in a row of their own; decimals have a point or,
+where commas do not separate cells, a comma. What a file leaves open is asked for: ``FILE?frequency=Hz,storage=MPa``.
+Columns without names are named by number: ``FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Part, Reader
+
+from .blocks import Block, blocks_of, headings_of, is_data, is_dynamic, is_header
+from .dynamic import measurement_from, parts_from
+from .facts import facts_of, pairs_in
+from .grid import COMMENT, Grid, grid_of, head_grid, is_number
+from .names import FREQUENCIES, MODULI
+from .said import ask_columns, numbered
+from .text import head_text, text_of
+
+
+def recognises(head: bytes) -> float:
+    """High for a frequency and a modulus with units, low for any other table."""
+    grid = head_grid(head_text(head))
+    best = 0.1 if sum(1 for row in grid.rows[:50] if is_data(row)) else 0.0
+    for i, row in enumerate(grid.rows[:100]):
+        if is_header(row):
+            width = len(grid.rows[i + 1]) if i + 1 < len(grid.rows) else len(row)
+            best = max(best, _confidence(headings_of(row, grid.rows[i + 1 : i + 3], max(width, len(row)))))
+    return best
+
+
+def _confidence(headings: tuple[object, ...]) -> float:
+    named = [heading for heading in headings if getattr(heading, "role", None)]
+    roles = {str(getattr(heading, "role", "")) for heading in named}
+    if is_dynamic(roles):
+        return 0.8 if any(getattr(heading, "unit", None) for heading in named) else 0.55
+    return 0.3 if roles & FREQUENCIES or roles & MODULI else 0.2
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The measurement in a file.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    grid = grid_of(text_of(path), path)
+    blocks, pairs = _blocks(grid, path, choice)
+    return measurement_from(blocks, choice, path, facts_of(pairs), further=True)
+
+
+def parts(path: Path) -> tuple[Part, ...]:
+    """The tables in a file, where there are several."""
+    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
+    return parts_from(blocks)
+
+
+def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
+    blocks, below = blocks_of(grid, path, strict=True)
+    if not blocks:
+        return [_without_names(grid, path, choice)], []
+    rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
+    if rest:
+        shown = " ".join(rest[0])
+        raise DataError(f"{path}: '{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
+    return blocks, pairs_in([row for block in blocks for row in block.above])
+
+
+def _without_names(grid: Grid, path: Path, choice: Choice) -> Block:
+    """The numbers of a file without names for its columns, which the user gives."""
+    kept = [(row, n) for row, n in zip(grid.rows, grid.lines, strict=True) if not row[0].strip().startswith(COMMENT)]
+    start = next((i for i, (row, _) in enumerate(kept) if is_data(row) and len(row) > 1), None)
+    if start is None:
+        raise DataError(
+            f"{path}: there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
+        )
+    rows, lines = [row for row, _ in kept[start:]], [n for _, n in kept[start:]]
+    width = len(rows[0])
+    for row, number in zip(rows, lines, strict=True):
+        if len(row) != width:
+            raise DataError(f"{path}, line {number}: {len(row)} cells where the first row has {width}")
+    names = kept[start - 1][0] if start else []
+    if not choice.columns:
+        if names and len(names) == width:
+            shown = ", ".join(cell.strip() for cell in names)
+            spec = f"'{path}?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+            raise DataError(
+                f"{path}: no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
+            )
+        raise ask_columns(width, path)
+    headings = headings_of(names, [], width) if names and len(names) == width else numbered(width)
+    return Block("", headings, rows, lines)
+
+
+READER = Reader(
+    "table",
+    "CSV, TSV or text with named columns in many languages and units; asks for what it leaves open",
+    recognises,
+    read,
+    parts=parts,
+)

@@ -1,0 +1,128 @@
+"""Text as rows of cells, whatever separates them."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from springpot.errors import DataError
+
+NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
+MISSING = frozenset(
+    (
+        *("", "-", "--", "---", "----", "-----", "------", "*", "***", "****", "*****", "******", "—", "–", "?"),
+        *("n/a", "N/A", "NA", "nan", "NaN", "NAN", "-nan", "null", "None", "none", "#N/A", "#NV", "#DIV/0!"),
+        *("#VALUE!", "#REF!", "inf", "-inf", "Inf", "-Inf", "1.#QNAN", "-1.#IND"),
+    )
+)
+"""What stands where nothing was measured."""
+SEPARATORS = (";", "\t", ",", "|", " ")
+COMMENT = ("#", "%", "//", "!")
+_SAMPLED = 300
+_HEAD = 1 << 15
+_LONG = 20_000
+_MOST = 10_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Rows of cells with their line numbers; cells are stripped only where they are used.
+
+    Parameters
+    ----------
+    rows : list of list of str
+        The cells.
+    lines : list of int
+        Line numbers in the file.
+    separator : str
+        What stands between the cells; a space for any white space.
+    """
+
+    rows: list[list[str]]
+    lines: Sequence[int]
+    separator: str = ","
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, with point or comma."""
+    return NUMBER.match(cell) is not None
+
+
+def lines_of(text: str) -> list[str]:
+    """The lines of a text, with any kind of ending."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def separator_in(lines: Sequence[str]) -> str:
+    """The sign that makes the most numbers of the lines, and the fewest cells that are none."""
+    step = max(1, len(lines) // _SAMPLED)
+    sample = [line for line in (*lines[:50], *lines[50::step]) if any(sign.isdigit() for sign in line[:200])]
+    return max(SEPARATORS, key=lambda sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG))
+
+
+def _gain(line: str, separator: str) -> int:
+    cells = _split(line, separator)
+    if len(cells) < 2:
+        return 0
+    numbers = sum(map(is_number, cells))
+    filled = sum(1 for cell in cells if cell.strip())
+    return max(0, 2 * numbers - filled) if numbers > 1 else 0
+
+
+def cells_of(line: str, separator: str, path: Path, number: int) -> list[str]:
+    """The cells of a line.
+
+    Raises
+    ------
+    DataError
+        If quotes do not close.
+    """
+    try:
+        return _split(line, separator)
+    except csv.Error as error:
+        raise DataError(f"{path}, line {number}: {error}") from None
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        return line.split()
+    if '"' not in line or line.count('"') % 2 or not re.search(rf'(?:^|{re.escape(separator)})\s*"', line):
+        # A lone quote is a prime, as in G".
+        return line.split(separator)
+    return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [""])
+
+
+def grid_of(text: str, path: Path) -> Grid:
+    """All lines that hold anything, as rows of cells.
+
+    Raises
+    ------
+    DataError
+        If there is nothing, or far too much.
+    """
+    lines = lines_of(text)
+    if len(lines) > _MOST:
+        raise DataError(f"{path}: more than {_MOST} lines; 'springpot signals' reads time signals of any length")
+    if lines and re.fullmatch(r"\ufeff?sep=.", lines[0].strip()):
+        lines[0] = ""
+    filled = [(i, line) for i, line in enumerate(lines, 1) if line and not line.isspace()]
+    if not filled:
+        raise DataError(f"{path}: the file holds no table")
+    separator = separator_in([line for _, line in filled])
+    rows = [cells_of(line, separator, path, i) for i, line in filled]
+    return Grid(rows, [i for i, _ in filled], separator)
+
+
+def head_grid(text: str, most: int = 400) -> Grid:
+    """The first lines of a file as rows, for its recognition; never an error."""
+    filled = [line for line in islice(lines_of(text[:_HEAD]), most) if line and not line.isspace()]
+    if len(filled) > 1 and len(text) >= _HEAD:
+        # The last line may be cut off.
+        filled = filled[:-1]
+    separator = separator_in(filled) if filled else ","
+    rows = [_split(line, separator) for line in filled]
+    return Grid(rows, range(1, len(rows) + 1), separator)

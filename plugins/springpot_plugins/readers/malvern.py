@@ -1,0 +1,66 @@
+"""Malvern rSpace: one table for all actions of a sequence, units in parentheses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+
+from springpot.measurement import Choice, Measurement, Part, Reader
+
+from .blocks import Block, blocks_of
+from .dynamic import measurement_from, parts_from
+from .grid import grid_of
+from .text import head_text, text_of
+
+_MARKS = ("(sequence)(s)", "(action)(s)", "(elastic component)", "(viscous component)", "Action Name")
+
+
+def recognises(head: bytes) -> float:
+    """High for the names of an rSpace table."""
+    first = head_text(head[:8000]).lstrip("\ufeff \r\n").splitlines()[:1]
+    return min(1.0, 0.49 * sum(mark in line for line in first for mark in _MARKS))
+
+
+def _actions(path: Path) -> list[Block]:
+    """One block for each action, in order."""
+    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
+    made: list[Block] = []
+    for block in blocks:
+        place = next((i for i, h in enumerate(block.headings) if h.title.startswith("Action")), None)
+        if place is None:
+            made.append(block)
+            continue
+        start = 0
+        for name, run in groupby(row[place].strip() for row in block.rows):
+            stop = start + len(list(run))
+            made.append(replace(block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]))
+            start = stop
+    return [_without_blank_columns(block) for block in made]
+
+
+def _without_blank_columns(block: Block) -> Block:
+    """The columns that hold anything, so that an action shows what it measured."""
+    filled = [any(row[i].strip() for row in block.rows) for i in range(len(block.headings))]
+    keep = [i for i, there in enumerate(filled) if there]
+    rows = [[row[i] for i in keep] for row in block.rows]
+    return replace(block, headings=tuple(block.headings[i] for i in keep), rows=rows)
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The oscillatory actions of a file.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    return measurement_from(_actions(path), choice, path, {"format": "Malvern rSpace"})
+
+
+def parts(path: Path) -> tuple[Part, ...]:
+    """The actions of a file."""
+    return parts_from(_actions(path))
+
+
+READER = Reader("malvern", "Malvern rSpace, exported as CSV", recognises, read, parts=parts)

@@ -1,0 +1,173 @@
+"""What a column is called: names and symbols in the languages that instruments speak, as the role they stand for.
+
+Names are compared folded: without accents, case, spaces, hyphens, dots and underscores, with primes as ``'``.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import lru_cache
+
+EXACT = {"T": "temperature", "t": "time", "f": "frequency", "w": "omega", "W": "omega", "d": "phase"}
+"""Single letters, where case decides."""
+
+NAMES: dict[str, tuple[str, ...]] = {
+    "omega": (
+        *("角周波数", "角频率"),
+        *("omega", "ω", "angularfrequency", "angfrequency", "angularfreq", "angfreq", "radianfrequency"),
+        *("circularfrequency", "oscillationangularfrequency", "ang.frequency"),
+        *("pulsation", "frequenceangulaire", "kreisfrequenz", "winkelfrequenz"),
+        *("frecuenciaangular", "frequenzaangolare", "pulsazione", "frequenciaangular"),
+    ),
+    "frequency": (
+        *("周波数", "频率"),
+        *("frequency", "freq", "testfrequency", "oscillationfrequency", "excitationfrequency", "ν"),
+        *("frequence", "frequenz", "messfrequenz", "frecuencia", "frequenza", "frequencia"),
+    ),
+    "storage": (
+        *("貯蔵弾性率", "貯蔵せん断弾性率", "储能模量"),
+        *("storage", "storagemodulus", "g'", "gp", "gprime", "storageshearmodulus", "shearstoragemodulus"),
+        *(
+            "elasticshearmodulus",
+            "shearmodulus(elasticcomponent)",
+            "elasticmodulusg'",
+            "storagestiffness",
+            "k'",
+            "kp",
+        ),
+        *("e'", "ep", "eprime", "estor", "estorage", "gstor", "gstorage", "storageyoungsmodulus", "reg*", "re(g*)"),
+        *("tensilestoragemodulus", "storageyoung'smodulus", "storagetensilemodulus", "kprime", "storagemodul"),
+        *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
+        *("moduledecisaillementdestockage", "moduledestockageencisaillement"),
+        *("speichermodul", "speicherschubmodul", "schubspeichermodul", "speichersteifigkeit"),
+        *("modulodealmacenamiento", "moduloelastico", "modulodealmacenaje", "almacenamiento"),
+        *("modulodiconservazione", "moduloconservativo", "modulodiimmagazzinamento", "modulodiaccumulo"),
+        *("modulodistoccaggio", "modulodearmazenamento"),
+    ),
+    "loss": (
+        *("損失弾性率", "損失せん断弾性率", "损耗模量"),
+        *("loss", "lossmodulus", "g''", "gpp", "gdoubleprime", "gdprime", "lossshearmodulus", "shearlossmodulus"),
+        *("viscousmodulus", "viscousshearmodulus", "shearmodulus(viscouscomponent)", "lossstiffness", "k''", "kpp"),
+        *("e''", "epp", "edoubleprime", "eloss", "gloss", "lossyoungsmodulus", "img*", "im(g*)", "kdoubleprime"),
+        *(
+            "tensilelossmodulus",
+            "lossyoung'smodulus",
+            "losstensilemodulus",
+            "edprime",
+            "lossmodul",
+            "viscousmodulusg''",
+        ),
+        *("moduledeperte", "moduledepertes", "moduleperte", "moduledissipatif", "modulevisqueux"),
+        *("moduledeperteencisaillement", "verlustmodul", "verlustschubmodul", "schubverlustmodul"),
+        *("verluststeifigkeit", "modulodeperdida", "modulodeperdidas", "moduloviscoso", "perdida"),
+        *("modulodiperdita", "modulodissipativo", "modulodeperda"),
+    ),
+    "magnitude": (
+        *("dynamischesteifigkeit", "kdyn", "rigiditedynamique", "rigidezdinamica", "rigidezzadinamica", "複素弾性率"),
+        *("magnitude", "complexmodulus", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
+        *("shearmodulus(complexcomponent)", "|k|", "|k*|", "k*", "|g|", "|e|", "dynamicmodulus", "dynamicstiffness"),
+        *("absg*", "abse*", "complexstiffness", "|complexmodulus|", "modulecomplexe", "komplexermodul"),
+        *("komplexerschubmodul", "betragkomplexermodul", "modulocomplejo", "modulocomplesso", "modulocomplexo"),
+    ),
+    "phase": (
+        *("位相角", "相位角"),
+        *("phaseangle", "phase", "delta", "δ", "phaseshift", "lossangle", "phi", "φ", "phaselag", "phaseshiftangle"),
+        *("angledephase", "dephasage", "angledeperte", "phasenwinkel", "verlustwinkel", "phasenverschiebung"),
+        *("phasenverschiebungswinkel", "angulodefase", "angulodeperdida", "desfase", "angolodifase"),
+        *("angolodiperdita", "sfasamento", "ϕ"),
+    ),
+    "loss_factor": (
+        *("lossfactor", "tandelta", "tanδ", "tan(delta)", "tan(δ)", "tand", "tgδ", "tgdelta", "losstangent"),
+        *("dampingfactor", "dissipationfactor", "eta", "tanphi", "tanφ", "facteurdeperte", "facteurdamortissement"),
+        *("tangentedelta", "verlustfaktor", "dampfungsfaktor", "factordeperdida", "factordeamortiguamiento"),
+        *("factordeamortiguacion", "tangentedeperdida", "fattorediperdita", "fattoredismorzamento"),
+        *("factordeperdidas", "fatordeperda"),
+    ),
+    "viscosity": (
+        *("complexviscosity", "|η*|", "η*", "eta*", "|eta*|", "etastar", "shearviscosity(complexcomponent)"),
+        *("viscositecomplexe", "komplexeviskositat", "betrag(viskositat)", "viscosidadcompleja"),
+        *("viscositacomplessa", "|viscosity|", "viscosidadecomplexa"),
+    ),
+    "storage_sd": (
+        *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
+        *("storageerror", "g'sd", "g'std", "gpsd", "gpstd", "storagestandarddeviation", "sdstorage"),
+    ),
+    "loss_sd": (
+        *("losssd", "lossstd", "lossstdunc", "lossstandarduncertainty", "lossuncertainty", "losserror"),
+        *("g''sd", "g''std", "gppsd", "gppstd", "lossstandarddeviation", "sdloss"),
+    ),
+    "temperature": (
+        *("温度"),
+        *("temperature", "temp", "sampletemperature", "temperatur", "probentemperatur", "temperatura", "teta"),
+        *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
+    ),
+    "amplitude": (
+        *("oscillationstrain", "strainamplitude", "shearstrainamplitude", "complexshearstrain", "shearstrainamp"),
+        *("strainamp", "amplitude", "displacementamplitude", "dispamplitude", "dispamp", "displacementamp"),
+        *("dynamicstrain", "shearstrain", "strain", "γ0", "gamma0", "γ", "gamma", "%strain", "strainγ"),
+        *("amplitudededeformation", "deformationdecisaillement", "deformation", "scherdeformation"),
+        *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
+        *("deformaciondecizalla", "deformacionporcizalla", "deformacion", "amplitud", "ampiezza"),
+        *("deformazioneditaglio", "deformazione", "ampiezzadideformazione", "deformacaodecisalhamento"),
+    ),
+    "repeat": ("repeat", "rep", "replicate", "repetition", "replica", "wiederholung", "repeticion", "ripetizione"),
+    "time": ("time", "steptime", "runtime", "time(action)", "temps", "zeit", "tiempo", "tempo", "abschnittszeit"),
+    "gap": ("gap", "entrefer", "spalt", "messspalt", "entrehierro", "fessura", "traferro", "spaltweite"),
+    "normal_force": ("normalforce", "axialforce", "forcenormale", "normalkraft", "fuerzanormal", "forzanormale"),
+    "torque": ("oscillationtorque", "torque", "couple", "drehmoment", "moment", "par", "momentotorsor", "coppia"),
+    "displacement": ("oscillationdisplacement", "angulardisplacement", "deflectionangle", "auslenkwinkel"),
+    "raw_phase": ("rawphase", "rawphase(torque)"),
+    "stress": (
+        *("oscillationstress", "complexshearstress", "shearstress", "contraintedecisaillement", "schubspannung"),
+        *("tensioncortante", "esfuerzocortante", "sforzoditaglio"),
+    ),
+    "shift": ("logat", "at", "log10at", "shiftfactor", "shiftfactors", "logshiftfactor", "logalphat"),
+    "relaxation": ("erelax", "grelax", "relaxationmodulus", "relaxationsmodul", "modulederelaxation", "g(t)", "e(t)"),
+    "flow": ("shearrate", "viscosity", "scherrate", "viskositat", "gradientdecisaillement", "viscosite"),
+}
+FREQUENCIES = frozenset({"omega", "frequency"})
+MODULI = frozenset({"storage", "loss", "magnitude", "viscosity"})
+ROLES = frozenset(NAMES) - {"shift", "relaxation", "flow"}
+"""What a user may say that a column is."""
+
+_PRIMES = str.maketrans(
+    {"′": "'", "’": "'", "‘": "'", "´": "'", "`": "'", "″": "''", "”": "''", "“": "''", '"': "''"}
+)
+_LOST = re.compile(r"[\s_.\-:,]+")
+
+
+@lru_cache(maxsize=4096)
+def fold(name: str) -> str:
+    """A name without accents, case, spaces and signs between words."""
+    plain = unicodedata.normalize("NFKD", name[:200].translate(_PRIMES).replace("∗", "*"))
+    kept = "".join(sign for sign in plain if not unicodedata.combining(sign))
+    return _LOST.sub("", kept.casefold().replace("ß", "ss").replace("µ", "μ"))
+
+
+_ROLE_OF = {fold(name): role for role, names in reversed(NAMES.items()) for name in names}
+_RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
+_FURTHER = re.compile(r"\((?:[^()]*)\)$")
+
+
+@lru_cache(maxsize=4096)
+def role_of(name: str) -> str | None:
+    """What a column of that name is, or None."""
+    name = name.strip()
+    if name in EXACT:
+        return EXACT[name]
+    folded = fold(name)
+    if folded in _ROLE_OF:
+        return _ROLE_OF[folded]
+    # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.
+    if " " in name and len(name) < 100:
+        words, _, last = name.rpartition(" ")
+        first = _ROLE_OF.get(fold(words))
+        if first is not None and first == (EXACT.get(last.strip("(),")) or _ROLE_OF.get(fold(last.strip("(),")))):
+            return first
+    return None
+
+
+def rank(name: str) -> int:
+    """How surely a column of that name is the one meant; lower is surer."""
+    return _RANK.get(fold(name), 99)

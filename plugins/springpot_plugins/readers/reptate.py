@@ -1,0 +1,108 @@
+"""RepTate: ``Mw=23.4;T=-35;chem=PI;`` in the first line, then omega, G' and G'' in rad/s and Pa (.tts, .osc)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Reader
+
+from .blocks import Block, headings_of, is_data
+from .dynamic import measurement_from
+from .grid import COMMENT, cells_of, lines_of, separator_in
+from .text import head_text, text_of
+from .titles import Heading, heading
+
+HEADER = re.compile(r"^\s*(?:[A-Za-z_]\w{0,20}\s*=\s*[^;=\n]{0,60};\s*){1,40}\s*$")
+_FORMAT = (
+    Heading("w", "omega", "omega", "rad/s"),
+    Heading("G'", "storage", "storage", "Pa"),
+    Heading("G''", "loss", "loss", "Pa"),
+)
+"""What the first three columns are by the definition of the format."""
+
+
+def first_line(text: str) -> dict[str, str]:
+    """The keys and values of the first line; none for other files."""
+    line = text.lstrip("\ufeff").split("\n", 1)[0].strip("\r")[:4000]
+    if not HEADER.match(line):
+        return {}
+    pairs = (piece.partition("=") for piece in line.split(";") if "=" in piece)
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def recognises(head: bytes) -> float:
+    """High for a first line of keys without the amplitude and frequency of a time signal."""
+    said = first_line(head_text(head[:8000]))
+    return 0.0 if not said or said.keys() & {"omega", "gamma"} else 0.95
+
+
+def table_of(text: str, path: Path) -> tuple[list[list[str]], list[int], list[list[str]]]:
+    """Rows, their line numbers, and the lines between the first line and the numbers.
+
+    Raises
+    ------
+    DataError
+        If there are no numbers, or rows of fewer than three cells.
+    """
+    lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if i > 1 and line.strip()]
+    separator = separator_in([line for _, line in lines])
+    split = [(i, cells_of(line.strip(), separator, path, i)) for i, line in lines]
+    start = next((k for k, (_, cells) in enumerate(split) if _is_row(cells)), None)
+    if start is None:
+        raise DataError(f"{path}: a RepTate file without three columns of numbers")
+    numbers = [(i, cells) for i, cells in split[start:] if not cells[0].startswith(COMMENT)]
+    for i, cells in numbers:
+        if len(cells) < 3:
+            raise DataError(f"{path}, line {i}: {len(cells)} cells where at least 3 are needed")
+    return [cells for _, cells in numbers], [i for i, _ in numbers], [cells for _, cells in split[:start]]
+
+
+def _is_row(cells: list[str]) -> bool:
+    return is_data(cells) and len(cells) > 2 and not cells[0].startswith(COMMENT)
+
+
+def _block(text: str, path: Path, said: dict[str, str]) -> Block:
+    rows, lines, above = table_of(text, path)
+    width = min(len(row) for row in rows)
+    rows = [row[:width] for row in rows]
+    named = next(
+        (i for i, cells in enumerate(above) if len(cells) >= 3 and heading(cells[1]).role == "storage"), None
+    )
+    below = headings_of(above[named], above[named + 1 :], width) if named is not None else ()
+    headings = [*_FORMAT, *(Heading(str(i), f"column_{i}", None, None) for i in range(4, width + 1))]
+    for i, found in enumerate(below[:width]):
+        if i >= len(_FORMAT):
+            headings[i] = found
+        elif found.unit is not None:
+            headings[i] = Heading(found.title, found.name, "omega" if i == 0 else _FORMAT[i].role, found.unit)
+    constants = {"temperature [degC]": said["T"]} if _is_number(said.get("T", "")) else {}
+    if any(h.role == "temperature" and h.unit for h in headings):
+        constants = {}
+    return Block("", tuple(headings), rows, lines, constants=constants)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return abs(float(text)) < 1e6
+    except ValueError:
+        return False
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The sweep in a file.
+
+    Raises
+    ------
+    DataError
+        If it holds no such table.
+    """
+    text = text_of(path)
+    said = first_line(text)
+    block = _block(text, path, said)
+    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in said.items()}}
+    return measurement_from([block], choice, path, origin)
+
+
+READER = Reader("reptate", "RepTate .tts and .osc: omega, G' and G'' of one sweep", recognises, read)

@@ -1,0 +1,65 @@
+"""RepTate .laos: ``omega=0.3;gamma=3.16;`` in the first line, then time, strain and stress."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+
+from .channels import channel_of, found_in, places_of, signals_from
+from .grid import MISSING
+from .reptate import first_line, table_of
+from .text import head_text, text_of
+from .titles import is_unit
+
+_FORMAT = ("time [s]", "strain [-]", "stress [Pa]")
+"""What the columns are by the definition of the format."""
+
+
+def recognises(head: bytes) -> float:
+    """High for a first line with a frequency."""
+    said = first_line(head_text(head[:8000]))
+    return 0.96 if said.keys() & {"omega", "gamma"} else 0.0
+
+
+def signals(path: Path, choice: Choice) -> Signals:
+    """The signals in a file.
+
+    Raises
+    ------
+    DataError
+        If there are no three columns of numbers.
+    """
+    rows, lines, above = table_of(text_of(path), path)
+    named = [[cells[0].lstrip("#% "), *cells[1:]] for cells in above]
+    titles = next((cells for cells in named if len(found_in(cells)) == 3), list(_FORMAT))
+    units = next((cells for cells in named if sum(map(is_unit, cells)) >= 3), [])
+    titles = [title if channel_of(title)[1] or units else _with_unit(title) for title in titles]
+    places = places_of(titles, units, choice, path)
+    width = max(places.columns) + 1
+    values = []
+    for row, line in zip(rows, lines, strict=True):
+        cells = [row[i].strip() if i < len(row) else "" for i in places.columns]
+        try:
+            values.append([np.nan if cell in MISSING else float(cell.replace(",", ".")) for cell in cells])
+        except ValueError:
+            raise DataError(f"{path}, line {line}: no number in its first {width} columns") from None
+    time, moved, pulled = np.array(values, dtype=float).T
+    return signals_from(time, moved, pulled, places.units, path, "RepTate LAOS")
+
+
+def _with_unit(title: str) -> str:
+    """A name without a unit has that of the format."""
+    channel = channel_of(title)[0]
+    return next((known for known in _FORMAT if channel_of(known)[0] == channel), title)
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The measurement of one row that the signals give."""
+    return measurement_from_signals([signals(path, choice)])
+
+
+READER = Reader("reptate-laos", "RepTate .laos: strain and stress against time", recognises, read, signals=signals)

@@ -1,0 +1,88 @@
+"""Anton Paar RheoCompass and RheoPlus: short and full exports, in the language of the instrument."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from springpot.measurement import Choice, Measurement, Part, Reader
+
+from .blocks import Block, blocks_of
+from .dynamic import measurement_from, parts_from
+from .facts import facts_of, pairs_in
+from .grid import grid_of
+from .names import fold
+from .text import head_text, text_of
+
+_INTERVAL = re.compile(
+    r"^[\"\s]*(?:interval|intervall|intervalle|intervalo|intervallo|abschnitt|messabschnitt|tramo)\b[^\t;,:\n]{0,50}:",
+    re.IGNORECASE | re.MULTILINE,
+)
+_FIRST = re.compile(
+    r"^[\"\s]*(?:test|project|projet|projekt|proyecto|progetto|projeto|essai|versuch|prueba|prova|ensayo|messung|name)"
+    r"\s*:[\"\t;, ]",
+    re.IGNORECASE,
+)
+_SERIES = re.compile(r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE)
+_RESULTS = frozenset(map(fold, ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test")))
+_INVALID = ("invalid", "ungültig", "ungultig", "inválido", "non valido", "invalide")
+
+
+def recognises(head: bytes) -> float:
+    """High for the lines that stand above an interval."""
+    text = head_text(head)
+    return min(1.0, 0.8 * bool(_INTERVAL.search(text) or _SERIES.search(text)) + 0.18 * bool(_FIRST.match(text)))
+
+
+def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
+    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
+    made, pairs, result = [], [], ""
+    for i, block in enumerate(blocks, 1):
+        said = pairs_in(block.above)
+        pairs += said
+        result = next((value for key, value in said if fold(key) in _RESULTS - {"test"}), result)
+        number = next((value.split()[0] for key, value in said if _INTERVAL.match(f"{key}:") and value.split()), "")
+        name = f"{result} interval {number or i}".strip()
+        made.append(_valid(replace(block, name=name)))
+    return made, pairs
+
+
+def _valid(block: Block) -> Block:
+    """The block without the points that the instrument calls invalid."""
+    keep = [i for i, row in enumerate(block.rows) if not _is_invalid(row)]
+    if len(keep) == len(block.rows):
+        return block
+    return replace(block, rows=[block.rows[i] for i in keep], lines=[block.lines[i] for i in keep])
+
+
+def _is_invalid(row: Sequence[str]) -> bool:
+    marked = [cell for cell in row[:2] if "(" in cell]
+    return any(word in cell.lower() for cell in marked for word in _INVALID)
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The oscillatory intervals of a file.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    blocks, pairs = _parsed(path)
+    return measurement_from(blocks, choice, path, {"format": "Anton Paar RheoCompass", **facts_of(pairs)})
+
+
+def parts(path: Path) -> tuple[Part, ...]:
+    """The intervals of a file."""
+    return parts_from(_parsed(path)[0])
+
+
+READER = Reader(
+    "rheocompass",
+    "Anton Paar RheoCompass and RheoPlus, short or full, in any language",
+    recognises,
+    read,
+    parts=parts,
+)

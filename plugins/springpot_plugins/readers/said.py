@@ -1,0 +1,111 @@
+"""What a user says of a file's columns (``FILE?frequency=Hz,3=loss [Pa]``), and how to ask for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from springpot.errors import DataError
+from springpot.measurement import Choice
+
+from .names import ROLES, fold, role_of
+from .titles import USUAL, Heading, heading, is_unit
+
+_CONSTANT = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\[?\s*([^\[\]]*?)\s*\]?$")
+_MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
+
+
+@dataclass(frozen=True)
+class Told:
+    """Columns after what the user said.
+
+    Parameters
+    ----------
+    headings : tuple of Heading
+        What the columns are.
+    constants : dict of str to str
+        Further columns of one value: ``frequency [Hz]`` and the number.
+    """
+
+    headings: tuple[Heading, ...]
+    constants: dict[str, str]
+
+
+def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
+    """The columns with the units and meanings that the user gives.
+
+    Raises
+    ------
+    DataError
+        If there is no such column, or what is said of it is neither a unit nor a meaning.
+    """
+    found, constants = list(headings), {}
+    for name, meaning in choice.columns.items():
+        role = name if name in ROLES else role_of(name)
+        constant = _CONSTANT.match(meaning)
+        if role is not None and not name.isdigit() and constant is not None:
+            constants[f"{role} [{constant[2]}]"] = constant[1]
+            continue
+        place = _place(found, name, role, path)
+        found[place] = _meant(found[place], meaning, path)
+    return Told(tuple(found), constants)
+
+
+def _place(headings: Sequence[Heading], name: str, role: str | None, path: Path) -> int:
+    """Where the column is that is called by number, title, name or role."""
+    if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
+        return int(name) - 1
+    for test in (
+        lambda h: h.title == name or h.name == name,
+        lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
+        lambda h: role is not None and h.role == role,
+    ):
+        places = [i for i, heading in enumerate(headings) if test(heading)]
+        if places:
+            return places[0]
+    shown = ", ".join(heading.title or str(i) for i, heading in enumerate(headings[:12], 1))
+    raise DataError(f"{path}: no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
+
+
+def _meant(heading_: Heading, meaning: str, path: Path) -> Heading:
+    match = _MEANING.match(meaning)
+    name, unit = (match[1].strip(), match[2]) if match else (meaning, None)
+    if match is None and is_unit(meaning) and meaning not in ROLES:
+        return replace(heading_, unit=meaning)
+    role = name if name in ROLES else role_of(name)
+    if role is None and name not in ("ignore", "none"):
+        roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
+        raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {roles}, ignore")
+    return Heading(heading_.title, name, role, heading_.unit if unit is None else unit)
+
+
+def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
+    """The question for the units that are missing."""
+    missing = [heading for heading in headings if heading.role]
+    names = ", ".join(f"'{heading.title}'" for heading in missing)
+    given = ",".join(f"{heading.role}={USUAL.get(str(heading.role), 'UNIT')}" for heading in missing)
+    plural = "have" if len(missing) > 1 else "has"
+    clock = any(heading.role == "frequency" for heading in missing)
+    write = "write frequency [Hz] or omega [rad/s], or " if clock else ""
+    return DataError(
+        f"{path}: {names} {plural} no unit; {write}say it with '{path}?{given}', or whatever the units are"
+    )
+
+
+def ask_columns(count: int, path: Path) -> DataError:
+    """The question for columns that have no names."""
+    spec = f"'{path}?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+    weights = "; further columns, such as weights, are left out" if count > 3 else ""
+    return DataError(f"{path}: {count} columns of numbers without names; say what they are, such as {spec}{weights}")
+
+
+def numbered(count: int) -> tuple[Heading, ...]:
+    """Headings of columns without names."""
+    return tuple(Heading(str(i), str(i), None, None) for i in range(1, count + 1))
+
+
+def constant_heading(title: str) -> Heading:
+    """What a constant is."""
+    return heading(title)

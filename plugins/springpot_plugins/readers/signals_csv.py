@@ -1,0 +1,164 @@
+"""Time signals as delimited text: columns of time, displacement and force, read in pieces.
+
+Headers are ``time [s]``, ``displacement [mm]``, ``force [N]``, or joined as ``t_s``, ``disp_mm``, ``force_N``, or
+have their units in the row below; strain and stress, angle and torque serve as well, and names in other languages.
+Other columns are left alone; a unit that is missing is said by ``FILE?force=kN``. A file of any size takes little
+memory: its numbers go to a temporary file that is mapped, and all that follows works block by block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.rheology import Real
+
+from .blocks import is_dynamic
+from .channels import UNITS, found_in, places_of, signals_from
+from .table import header_of, split_header
+from .text import encoding_of, head_text
+from .titles import heading, is_unit
+
+CHUNK = 1 << 24
+"""Characters parsed at a time."""
+IN_MEMORY = 1 << 26
+"""Larger files go through a temporary file."""
+
+
+def recognises(head: bytes) -> float:
+    """High for a header with time, displacement and force."""
+    _, titles = header_of(head_text(head))
+    found = found_in(titles)
+    if is_dynamic({str(heading(title).role) for title in titles[:200]}):
+        # A sweep may list time, deflection and torque of each point.
+        return 0.0
+    if len(found) == len(UNITS):
+        return 0.95
+    # Any other table may be said to be signals.
+    return 0.3 if "time" in found and len(found) == 2 else 0.02 * (len(titles) > 2)
+
+
+def signals(path: Path, choice: Choice) -> Signals:
+    """The signals in a file; missing samples are nan.
+
+    Raises
+    ------
+    DataError
+        If a channel or its unit is missing, or a cell is no number.
+    """
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(1 << 16)
+        encoding = encoding_of(head)
+        if encoding is None:
+            raise DataError(f"{path}: this is no text file; save the signals as CSV in UTF-8")
+        separator, titles = header_of(head_text(head))
+        places = places_of(titles, _units_below(head_text(head), separator, titles), choice, path)
+        with path.open(encoding=encoding, newline=None) as text:
+            channels = _numbers(text, path, separator, titles, list(places.columns))
+    except UnicodeDecodeError as error:
+        raise DataError(f"{path}: byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror or error}") from None
+    return signals_from(channels[0], channels[1], channels[2], places.units, path, "text")
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The measurement of one row that the signals give."""
+    return measurement_from_signals([signals(path, choice)])
+
+
+def _units_below(head: str, separator: str, titles: list[str]) -> list[str]:
+    """A row of units below the names, if there is one."""
+    lines = [line for line in head.splitlines()[:10_000] if line.strip()]
+    start = next((i for i, line in enumerate(lines) if split_header(line.strip(), separator) == titles), len(lines))
+    line = "".join(lines[start + 1 : start + 2])
+    return line.split(separator) if _is_units(line, separator) else []
+
+
+def _numbers(text: IO[str], path: Path, separator: str, titles: list[str], places: list[int]) -> list[Real]:
+    """The three channels, in memory or mapped."""
+    small = path.stat().st_size <= IN_MEMORY
+    pieces: list[Real] = []
+    with TemporaryFile() as a, TemporaryFile() as b, TemporaryFile() as c:
+        rows = 0
+        for piece in _pieces(text, path, separator, titles, places):
+            rows += len(piece)
+            if small:
+                pieces.append(piece)
+            else:
+                for stream, column in zip((a, b, c), piece.T, strict=True):
+                    column.tofile(stream)
+        if not rows:
+            raise DataError(f"{path}: there is a header but no row of numbers below it")
+        if small:
+            return list(np.concatenate(pieces).T.copy())
+        # The mapping outlives the closed file.
+        return [np.memmap(stream, dtype=float, mode="r", shape=(rows,)) for stream in (a, b, c)]
+
+
+def _pieces(text: IO[str], path: Path, separator: str, titles: list[str], places: list[int]) -> Iterator[Real]:
+    """Rows (m, 3) after the header, piece by piece."""
+    line, seen = 0, False
+    while lines := text.readlines(CHUNK):
+        first, line = line + 1, line + len(lines)
+        if not seen:
+            start = next((i for i, raw in enumerate(lines) if split_header(raw.strip(), separator) == titles), None)
+            if start is None:
+                continue
+            seen, first, lines = True, first + start + 1, lines[start + 1 :]
+            if lines and _is_units(lines[0], separator):
+                first, lines = first + 1, lines[1:]
+        if separator != ",":
+            lines = [raw.replace(",", ".") for raw in lines]
+        yield _piece(lines, first, path, separator, titles, places)
+
+
+def _is_units(line: str, separator: str) -> bool:
+    cells = [cell.strip().strip("[]()") for cell in line.split(separator)]
+    return any(cells) and all(is_unit(cell) for cell in cells if cell)
+
+
+def _piece(lines: list[str], first: int, path: Path, separator: str, titles: list[str], places: list[int]) -> Real:
+    filled = [raw for raw in lines if not raw.isspace()]
+    if not filled:
+        return np.empty((0, 3))
+    try:
+        values: Real = np.loadtxt(filled, delimiter=separator, usecols=places, ndmin=2, comments="#")
+        return values
+    except ValueError:
+        # Something is missing or misspelt: go slowly and say where.
+        return _slowly(lines, first, path, separator, titles, places)
+
+
+def _slowly(lines: list[str], first: int, path: Path, separator: str, titles: list[str], places: list[int]) -> Real:
+    rows = []
+    for number, raw in enumerate(lines, first):
+        if not raw.strip() or raw.lstrip().startswith("#"):
+            continue
+        cells = [cell.strip().strip('"') for cell in raw.rstrip("\r\n").split(separator)]
+        row = []
+        for place in places:
+            cell = cells[place] if place < len(cells) else ""
+            try:
+                row.append(float(cell) if cell else np.nan)
+            except ValueError:
+                where = f"{path}, line {number}, column '{titles[place]}'"
+                raise DataError(f"{where}: '{cell:.30}' is no number") from None
+        rows.append(row)
+    return np.array(rows, dtype=float).reshape(-1, 3)
+
+
+READER = Reader(
+    "signals-csv",
+    "CSV of displacement and force against time: time [s], displacement [mm], force [N]",
+    recognises,
+    read,
+    signals=signals,
+)

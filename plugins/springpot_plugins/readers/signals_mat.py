@@ -1,0 +1,87 @@
+"""Time signals in MATLAB files (version 7 and before): vectors named as in CSV, or the columns of one matrix.
+
+Their names carry the units (``t_s``, ``disp_mm``, ``force_N``), or the user says them: ``FILE?t=s,x=mm,F=N``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+
+from .channels import places_of, signals_from
+from .matfile import BrokenFile, arrays_in
+
+_LIMIT = 1 << 30
+"""Bytes that a file may hold once it is unpacked."""
+
+
+def recognises(head: bytes) -> float:
+    """High for the first line of a MATLAB file."""
+    return 1.0 if head.startswith(b"MATLAB ") and len(head) > 127 else 0.0
+
+
+def signals(path: Path, choice: Choice) -> Signals:
+    """The signals in a file.
+
+    Raises
+    ------
+    DataError
+        If the file is of version 7.3, broken, too large, or lacks a channel or its unit.
+    """
+    columns = _columns(_arrays(path))
+    if not columns:
+        raise DataError(f"{path}: no vectors of numbers; save t_s, disp_mm and force_N from MATLAB with -v7")
+    titles = list(columns)
+    places = places_of(titles, [], choice, path)
+    chosen = [columns[titles[i]] for i in places.columns]
+    if len({len(values) for values in chosen}) > 1:
+        lengths = ", ".join(f"{titles[i]}: {len(columns[titles[i]])}" for i in places.columns)
+        raise DataError(f"{path}: time, displacement and force differ in length ({lengths})")
+    return signals_from(chosen[0], chosen[1], chosen[2], places.units, path, "MATLAB")
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The measurement of one row that the signals give."""
+    return measurement_from_signals([signals(path, choice)])
+
+
+def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
+    if path.stat().st_size > _LIMIT:
+        raise DataError(f"{path}: more than 1 GB; save the three vectors alone, or as CSV")
+    content = path.read_bytes()
+    if content.startswith(b"MATLAB 7.3"):
+        raise DataError(f"{path}: MATLAB 7.3 files are HDF5; save it with -v7, or as CSV")
+    try:
+        return arrays_in(content, _LIMIT)
+    except BrokenFile as error:
+        raise DataError(f"{path}: no readable MATLAB file: {error}") from None
+
+
+def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """Vectors by name, those in a structure by the names of its fields; columns of a matrix by name and number."""
+    found: dict[str, NDArray[np.float64]] = {}
+    for name, array in arrays.items():
+        key = name.rpartition(".")[2]
+        flat = array.reshape([size for size in array.shape if size != 1] or [1], order="F")
+        if flat.size < 2:
+            continue
+        if flat.ndim == 1:
+            found.setdefault(key, flat)
+        elif flat.ndim == 2 and min(flat.shape) <= 64:
+            tall = flat if flat.shape[0] >= flat.shape[1] else flat.T
+            found |= {f"{key}:{i}": tall[:, i - 1] for i in range(1, tall.shape[1] + 1)}
+    return found
+
+
+READER = Reader(
+    "signals-mat",
+    "MATLAB .mat (to version 7) with vectors of time, displacement and force",
+    recognises,
+    read,
+    signals=signals,
+)

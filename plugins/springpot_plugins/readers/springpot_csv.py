@@ -1,0 +1,152 @@
+"""springpot's own tables: columns ``name [unit]`` separated by comma, semicolon or tab.
+
+Needed: ``frequency [Hz]`` or ``omega [rad/s]``, and ``storage [kN/m]`` with ``loss [kN/m]`` (any stiffness, pressure
+or torsion unit), or ``magnitude [..]`` with ``phase [deg]`` or ``loss_factor [-]``. Optional: ``storage_sd`` and
+``loss_sd`` (in the unit of storage unless they say another), ``temperature [degC]``, ``amplitude [mm]`` or ``[-]``,
+``repeat``; ``h3_re [-]`` and ``h3_im [-]``, the third force harmonic over the first with phases counted from the
+displacement, and so for 2, 4, ... Any other column of numbers is a condition, any other column of words (or marked
+``[text]``) a label; both can be chosen by ``FILE@name=value``. Lines beginning with ``#`` are kept as provenance.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Measurement, Reader
+
+from . import generic
+from .columns import TEXT, assign, measurement_of
+from .table import Column, header_of, name_and_unit, table_of
+from .text import head_text, text_of
+
+_CELSIUS, _UNIT = "degC", "unit "
+
+
+def recognises(head: bytes) -> float:
+    """High for a header with a frequency and a modulus of these very names, with units in square brackets."""
+    _, titles = header_of(head_text(head))
+    names = {name_and_unit(title)[0] for title in titles}
+    units = {name_and_unit(title)[0] for title in titles if title.endswith("]")}
+    if not (units & {"frequency", "omega"} and units & {"storage", "magnitude"}):
+        return 0.0
+    return 0.9 if names & {"loss", "phase", "loss_factor"} else 0.0
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The measurement in a file.
+
+    Raises
+    ------
+    DataError
+        One line with file, line, column and what to mend.
+    """
+    if choice:
+        return generic.read(path, choice)
+    return parse(text_of(path), path)
+
+
+def parse(text: str, path: Path) -> Measurement:
+    """The measurement in a text; `path` names it in errors."""
+    table = table_of(text, path)
+    roles, others = assign(table.columns, path)
+    provenance = {key: value for key, value in table.comments.items() if key != "name"}
+    measurement = measurement_of(roles, others, table.comments.get("name", path.stem), provenance, path)
+    _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
+    return measurement
+
+
+def _check_duplicates(measurement: Measurement, column: Column) -> None:
+    """Two rows of one frequency, one set of conditions and one repeat cannot both be meant."""
+    keys = [np.nan_to_num(values, nan=-np.inf) for values in measurement.conditions.values()]
+    keys += [np.unique(words, return_inverse=True)[1].astype(float) for words in measurement.labels.values()]
+    if measurement.repeat is not None:
+        keys.append(measurement.repeat.astype(float))
+    keys.append(measurement.omega)
+    order = np.lexsort(keys)
+    same = np.ones(max(len(order) - 1, 0), dtype=bool)
+    for key in keys:
+        same &= key[order][1:] == key[order][:-1]
+    if not same.any():
+        return
+    pairs = np.flatnonzero(same)
+    later = np.maximum(order[pairs], order[pairs + 1])
+    row = int(later.min())
+    twin = order[pairs + 1][later == row][0] + order[pairs][later == row][0] - row
+    advice = "number the sweeps in a column repeat" if measurement.repeat is None else "give it another repeat"
+    raise column.error(
+        f"the frequency {column.cells[row].strip()} stands already in line {column.lines[int(twin)]} "
+        f"with the same conditions; {advice} or leave out the row",
+        row,
+    )
+
+
+def text_from(measurement: Measurement) -> str:
+    """The text of a file that reads back as the same numbers, bit for bit."""
+    columns = _columns(measurement)
+    stream = io.StringIO()
+    for key, value in {"name": measurement.name, **measurement.provenance}.items():
+        if not key.startswith(_UNIT):
+            stream.write(f"# {key}: {' '.join(str(value).split())}\n")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([title for title, _ in columns])
+    writer.writerows(zip(*(cells for _, cells in columns), strict=True))
+    return stream.getvalue()
+
+
+def write_csv(measurement: Measurement, path: str | Path) -> None:
+    """Write a measurement to a file that `read` gives back bit for bit.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be written.
+    """
+    try:
+        Path(path).write_text(text_from(measurement), encoding="utf-8")
+    except OSError as error:
+        raise DataError(f"cannot write {path}: {error.strerror or error}") from None
+
+
+def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
+    unit, moved = measurement.units.stiffness, measurement.units.amplitude
+    units = {"temperature": _CELSIUS, "amplitude": moved}
+    found = [
+        ("omega [rad/s]", _cells(measurement.omega)),
+        (f"storage [{unit}]", _cells(measurement.storage)),
+        (f"loss [{unit}]", _cells(measurement.loss)),
+    ]
+    if measurement.sd is not None:
+        found += [
+            (f"storage_sd [{unit}]", _cells(measurement.sd.real)),
+            (f"loss_sd [{unit}]", _cells(measurement.sd.imag)),
+        ]
+    for key, values in measurement.conditions.items():
+        told = units.get(key, measurement.provenance.get(f"{_UNIT}{key}", ""))
+        found.append((f"{key} [{told}]" if told else key, _cells(values)))
+    if measurement.repeat is not None:
+        found.append(("repeat", [str(value) for value in measurement.repeat.tolist()]))
+    if measurement.harmonics is not None:
+        for i, values in enumerate(measurement.harmonics.T):
+            found += [(f"h{i + 2}_re [-]", _cells(values.real)), (f"h{i + 2}_im [-]", _cells(values.imag))]
+    for key, words in measurement.labels.items():
+        found.append((f"{key} [{TEXT}]", [" ".join(word.split()) for word in words.tolist()]))
+    return found
+
+
+def _cells(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[str]:
+    """Shortest decimals that read back as the same bits; nothing for nan."""
+    return ["" if value != value else repr(value) for value in values.tolist()]
+
+
+READER = Reader(
+    "springpot-csv",
+    "CSV with columns name [unit]: frequency [Hz] or omega [rad/s], storage, loss",
+    recognises,
+    read,
+    text=text_from,
+)

@@ -1,0 +1,242 @@
+"""Delimited text as named columns that know where they came from, so that every error names file, line and column."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+_BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
+_COMMENT = re.compile(r"^#+\s*([\w][\w .-]{0,40}?)\s*:\s+(.*)$")
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of a table.
+
+    Parameters
+    ----------
+    title : str
+        The header as written, for errors.
+    name : str
+        The name in lower case, with underscores.
+    unit : str or None
+        What stood in brackets; None where there were none.
+    cells : sequence of str
+        The cells.
+    path : Path
+        File, for errors.
+    lines : sequence of int
+        Line number of every cell, for errors.
+    decimal_comma : bool
+        Whether 1,5 may mean 1.5.
+    """
+
+    title: str
+    name: str
+    unit: str | None
+    cells: Sequence[str]
+    path: Path
+    lines: Sequence[int]
+    decimal_comma: bool = False
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no cell holds anything."""
+        return not any(cell.strip() for cell in self.cells)
+
+    def error(self, message: str, row: int | None = None) -> DataError:
+        """An error at this column, and at a row of it."""
+        line = "" if row is None else f", line {self.lines[row]}"
+        return DataError(f"{self.path}{line}, column '{self.title}': {message}")
+
+    def numbers(self, gaps: bool = False) -> Real:
+        """The cells as finite numbers; empty ones as nan where `gaps` are allowed.
+
+        Raises
+        ------
+        DataError
+            At the first cell that is no number.
+        """
+        cells: Sequence[str] = self.cells
+        if self.decimal_comma and any("," in cell for cell in cells):
+            cells = [cell if "." in cell else cell.replace(",", ".") for cell in cells]
+        if gaps:
+            cells = [cell if cell.strip() else "nan" for cell in cells]
+        try:
+            values = np.fromiter(map(float, cells), float, len(cells))
+        except ValueError:
+            values = np.array([_number(cell) for cell in cells])
+        # Python reads 1_000 as a number; in a table it is a slip.
+        wrong = ~np.isfinite(values)
+        wrong |= np.fromiter(("_" in cell for cell in cells), bool, len(cells))
+        if gaps:
+            wrong &= np.fromiter((bool(cell.strip()) for cell in self.cells), bool, len(cells))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise self.error(_complaint(self.cells[row]), row)
+        return values
+
+    def is_numeric(self) -> bool:
+        """Whether all cells that hold anything are numbers."""
+        try:
+            self.numbers(gaps=True)
+        except DataError:
+            return False
+        return True
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan
+
+
+def _complaint(cell: str) -> str:
+    if not cell.strip():
+        return "the cell is empty; give a number or leave out the row"
+    shown = cell.strip() if len(cell) <= 30 else cell.strip()[:27] + "..."
+    if "," in cell and "." in cell:
+        return f"'{shown}' has both comma and point; write it without thousands separators"
+    if shown.lower().lstrip("+-") in ("nan", "inf", "infinity"):
+        return f"'{shown}' is no finite number; leave out the row"
+    return f"'{shown}' is no number"
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A delimited text file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    columns : tuple of Column
+        Its columns in order.
+    comments : mapping of str to str
+        Lines ``# key: value``; other comment lines under ``comment``.
+    """
+
+    path: Path
+    columns: tuple[Column, ...]
+    comments: dict[str, str] = field(default_factory=dict)
+
+
+def separator_of(header: str) -> str:
+    """The sign between the cells: a semicolon, a tab, or else a comma."""
+    plain = re.sub(r"\[[^\[\]]*\]|\([^()]*\)|\"[^\"]*\"", "", header)
+    return next((sign for sign in (";", "\t") if sign in plain), ",")
+
+
+def split_header(header: str, separator: str) -> list[str]:
+    """Titles of the columns; separators within brackets or quotes belong to a title."""
+    titles, depth, quoted, title = [], 0, False, ""
+    for sign in header:
+        quoted ^= sign == '"'
+        depth = max(0, depth + (sign in "[(") - (sign in "])"))
+        if sign == separator and not quoted and depth == 0:
+            titles.append(title)
+            title = ""
+        else:
+            title += sign
+    return [text.strip().strip('"').replace('""', '"').strip() for text in [*titles, title]]
+
+
+def name_and_unit(title: str) -> tuple[str, str | None]:
+    """``Storage modulus [kN/m]`` as (``storage_modulus``, ``kN/m``)."""
+    match = _BRACKETED.match(title)
+    name, unit = (match[1], match[2]) if match and match[1] else (title, None)
+    return re.sub(r"[\s-]+", "_", name.strip().lower()), unit
+
+
+def header_of(text: str) -> tuple[str, list[str]]:
+    """Separator and titles of the first line that is neither empty nor a comment; no titles if there is none."""
+    for line in islice(re.split(r"\r\n|\n|\r", text), 10_000):
+        if line.strip() and not line.lstrip().startswith("#") and not re.fullmatch(r"sep=.", line.strip()):
+            separator = separator_of(line)
+            return separator, split_header(line, separator)
+    return ",", []
+
+
+def table_of(text: str, path: Path) -> Table:
+    """The table that a text holds.
+
+    Raises
+    ------
+    DataError
+        If there is no header, no row, two columns of one title, or a row of the wrong length.
+    """
+    lines = re.split(r"\r\n|\n|\r", text)
+    comments = _comments(line for line in lines if line.lstrip().startswith("#"))
+    filled = [
+        (number, line)
+        for number, line in enumerate(lines, 1)
+        if line and not line.isspace() and not line.lstrip().startswith("#") and not line.startswith("sep=")
+    ]
+    if not filled:
+        raise DataError(f"{path}: the file holds no table")
+    separator = separator_of(filled[0][1])
+    titles = split_header(filled[0][1], separator)
+    while len(titles) > 1 and not titles[-1]:
+        titles.pop()
+    if len(filled) == 1:
+        raise DataError(f"{path}: there is a header but no row of numbers below it")
+    numbers = [number for number, _ in filled[1:]]
+    rows = [_cells(line, separator, path, number) for number, line in filled[1:]]
+    _check_lengths(rows, len(titles), numbers, path, separator)
+    cells = list(zip(*rows, strict=True)) if rows else []
+    columns = []
+    for title, column in zip(titles, cells, strict=False):
+        name, unit = name_and_unit(title)
+        columns.append(Column(title, name, unit, column, path, numbers, separator != ","))
+    _check_names(columns, path)
+    return Table(path, tuple(columns), comments)
+
+
+def _cells(line: str, separator: str, path: Path, number: int) -> list[str]:
+    if '"' not in line:
+        return line.split(separator)
+    try:
+        return next(csv.reader([line], delimiter=separator))
+    except (csv.Error, StopIteration) as error:
+        raise DataError(f"{path}, line {number}: {error}") from None
+
+
+def _check_lengths(rows: list[list[str]], width: int, numbers: list[int], path: Path, separator: str) -> None:
+    if set(map(len, rows)) == {width}:
+        return
+    for row, number in zip(rows, numbers, strict=True):
+        while len(row) > width and not row[-1].strip():
+            row.pop()
+        if len(row) != width:
+            hint = "; with a decimal comma, separate the columns by semicolons" if separator == "," else ""
+            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}{hint}")
+
+
+def _check_names(columns: list[Column], path: Path) -> None:
+    seen: dict[str, Column] = {}
+    for column in columns:
+        if not column.name and not column.is_empty:
+            raise DataError(f"{path}: a column has no title; write name [unit] above it")
+        if column.name and column.name in seen:
+            raise DataError(f"{path}: two columns are called '{column.name}'; rename one")
+        seen[column.name] = column
+
+
+def _comments(lines: Iterable[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for line in lines:
+        match = _COMMENT.match(line.strip())
+        key, value = (match[1], match[2].strip()) if match else ("comment", line.strip().lstrip("#").strip())
+        if value:
+            found[key] = f"{found[key]} {value}" if key in found else value
+    return found

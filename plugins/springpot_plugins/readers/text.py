@@ -1,0 +1,79 @@
+"""Bytes to text: UTF-8, UTF-16 and latin-1, as far as they can be told apart."""
+
+from __future__ import annotations
+
+import codecs
+from pathlib import Path
+
+from springpot.errors import DataError
+
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_LARGEST = 1 << 29
+"""Bytes of a table that is read whole."""
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\r\f")) + b"\x7f"
+
+
+def encoding_of(head: bytes) -> str | None:
+    """The encoding of a text that begins with `head`, or None if it is no text."""
+    for mark, encoding in _MARKS:
+        if head.startswith(mark):
+            return encoding
+    if b"\0" in head:
+        return _wide(head)
+    if head.translate(None, _CONTROL) != head:
+        return None
+    # The head may end within a character: an incremental decoder waits for the rest of it.
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8"
+
+
+def _wide(head: bytes) -> str | None:
+    """UTF-16 without a mark: western text has a zero in every second byte."""
+    even, odd = head[0::2], head[1::2]
+    if len(odd) and odd.count(0) > 0.9 * len(odd) and not even.count(0):
+        return "utf-16-le"
+    if len(even) and even.count(0) > 0.9 * len(even) and not odd.count(0):
+        return "utf-16-be"
+    return None
+
+
+def head_text(head: bytes) -> str:
+    """As much of a file's beginning as is text; empty for what is none."""
+    encoding = encoding_of(head)
+    return "" if encoding is None else head.decode(encoding, errors="ignore")
+
+
+def text_of(path: Path) -> str:
+    """The whole text of a file.
+
+    Raises
+    ------
+    DataError
+        If it is empty, no text, or cannot be read.
+    """
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise DataError(
+                f"{path}: more than {_LARGEST >> 20} MB; 'springpot signals' reads time signals of any size"
+            )
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise DataError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not data.strip():
+        raise DataError(f"{path}: the file is empty")
+    encoding = encoding_of(data[: 1 << 16])
+    if encoding == "utf-8" and encoding_of(data) != "utf-8":
+        encoding = encoding_of(data)
+    if encoding is None:
+        raise DataError(f"{path}: this is no text file; save the table as CSV in UTF-8")
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        raise DataError(f"{path}: byte {error.start} is no {encoding} text; save the table as CSV in UTF-8") from None

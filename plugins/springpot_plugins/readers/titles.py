@@ -1,0 +1,180 @@
+"""The title of a column: its role, its name, and its unit in any of the ways in which units are written."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+from springpot.measurement import (
+    AMPLITUDE_UNITS,
+    ANGLE_UNITS,
+    FORCE_UNITS,
+    FREQUENCY_UNITS,
+    LENGTH_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    TEMPERATURE_UNITS,
+    TIME_UNITS,
+    TORQUE_UNITS,
+    normal_unit,
+)
+
+from .names import role_of
+
+VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
+UNITS: dict[str, dict[str, float]] = {
+    "omega": FREQUENCY_UNITS,
+    "frequency": FREQUENCY_UNITS,
+    "storage": MODULUS_UNITS,
+    "loss": MODULUS_UNITS,
+    "magnitude": MODULUS_UNITS,
+    "storage_sd": MODULUS_UNITS,
+    "loss_sd": MODULUS_UNITS,
+    "viscosity": VISCOSITY_UNITS,
+    "phase": ANGLE_UNITS,
+    "loss_factor": {"-": 1.0, "%": 0.01},
+    "temperature": TEMPERATURE_UNITS,
+    "amplitude": AMPLITUDE_UNITS,
+    "time": TIME_UNITS,
+}
+"""The units of each role that has any."""
+USUAL = {
+    "omega": "rad/s",
+    "frequency": "Hz",
+    "storage": "Pa",
+    "loss": "Pa",
+    "magnitude": "Pa",
+    "viscosity": "Pa s",
+    "phase": "deg",
+    "temperature": "degC",
+    "amplitude": "%",
+}
+"""What to write in an example."""
+KNOWN = frozenset(
+    unit
+    for table in (*UNITS.values(), FORCE_UNITS, LENGTH_UNITS, PRESSURE_UNITS, TORQUE_UNITS, TIME_UNITS)
+    for unit in table
+) | {"1/s", "1/K", "1/Pa", "1/MPa", "1/kPa", "1/rad", "A", "V"}
+_LONGEST = 120
+"""Signs of a title that is looked at."""
+_BRACKETS = re.compile(r"^(.*?)\s*\[([^\[\]]*)\]\s*$")
+_PARENTHESES = re.compile(r"^(.+?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)\s*$")
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What a title says.
+
+    Parameters
+    ----------
+    title : str
+        As written.
+    name : str
+        Without its unit.
+    role : str or None
+        What the column is; None for what is not known.
+    unit : str or None
+        The unit as written; None where there is none.
+    joined : bool
+        Whether the unit was joined by an underscore, as programs write it.
+    """
+
+    title: str
+    name: str
+    role: str | None
+    unit: str | None
+    joined: bool = False
+
+
+@lru_cache(maxsize=2048)
+def tidy(unit: str) -> str:
+    """A unit in the usual spelling: ``N.m`` and ``rad·s-1`` as ``N m`` and ``rad/s``."""
+    text = unit.strip().strip("[]").strip()[:60]
+    text = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", text)
+    text = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", text)
+    text = re.sub(r"\bsec(?:onds?)?\b", "s", text)
+    known = normal_unit(text)
+    if known.endswith(" s^-1"):
+        known = f"{known[:-5]}/s"
+    if "/" in known and known not in KNOWN:
+        over, _, under = known.partition("/")
+        known = f"{normal_unit(over)}/{normal_unit(under)}"
+    return known
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit that is known anywhere."""
+    return tidy(text) in KNOWN
+
+
+@lru_cache(maxsize=2048)
+def heading(title: str, below: str | None = None) -> Heading:
+    """Role, name and unit of a title; `below` is what a row of units says."""
+    if len(title) > _LONGEST:
+        return Heading(title[:_LONGEST], title[:_LONGEST], None, below)
+    title = " ".join(title.split())
+    if below is not None and below.strip():
+        inner = below.strip()
+        inner = inner[1:-1] if inner[:1] + inner[-1:] in ("[]", "()") else inner
+        return Heading(title, title, role_of(title) or heading(title).role, inner.strip())
+    if (match := _BRACKETS.match(title)) and match[1]:
+        return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
+    if (role := role_of(title)) is not None:
+        return Heading(title, title, role, None)
+    return _in_parentheses(title) or _after_sign(title) or _joined(title) or Heading(title, title, None, None)
+
+
+def _stem_role(stem: str) -> str | None:
+    """The role of a name that may still have a remark, as in ``Frequency (f) [Hz]``."""
+    role = role_of(stem)
+    if role is None and (match := _PARENTHESES.match(stem)):
+        explained = role_of(match[2])
+        role = role_of(match[1]) if explained in (None, role_of(match[1])) and not _restricts(match[2]) else None
+    return role
+
+
+def _restricts(remark: str) -> bool:
+    """Whether a remark says that this is not the measured value."""
+    return remark.lower() in ("cmd", "set", "target", "soll", "consigne", "step", "average", "sample", "command")
+
+
+def _in_parentheses(title: str) -> Heading | None:
+    match = _PARENTHESES.match(title)
+    if match is None:
+        return None
+    role, inner = role_of(match[1]) or _stem_role(match[1]), match[2].strip()
+    if role is not None and role == role_of(inner) and not is_unit(inner):
+        return Heading(title, match[1], role, None)
+    if role is not None and not _restricts(inner):
+        return Heading(title, match[1], role, inner)
+    return Heading(title, match[1], None, inner) if is_unit(inner) else None
+
+
+def _after_sign(title: str) -> Heading | None:
+    """``Storage modulus / Pa``, ``Frequenz in Hz``, ``Frequency, Hz`` and ``T °C``."""
+    for place in [i for i in range(len(title) - 1, 0, -1) if title[i] in " /,"][:8]:
+        stem, unit = title[:place].rstrip(" /,"), title[place + 1 :].strip()
+        stem = re.sub(r"\s+(?:in|en)$", "", stem)
+        role = role_of(stem) or _stem_role(stem)
+        if role is not None and unit and is_unit(unit):
+            return Heading(title, stem, role, unit)
+    return None
+
+
+def _joined(title: str) -> Heading | None:
+    """``storage_N_per_mm``, ``omega_rad_s`` and ``Storage modulus_Pa``."""
+    for match in reversed(list(re.finditer("_", title))[-8:]):
+        stem, said = title[: match.start()], title[match.end() :]
+        role = role_of(stem)
+        if role is None or role not in UNITS:
+            continue
+        for unit in (said.replace("_per_", "/"), said.replace("_", "/"), said.replace("_", " "), _word(said)):
+            known = tidy(unit)
+            if known in UNITS[role] or known.lower() in {name.lower() for name in UNITS[role]}:
+                return Heading(title, stem, role, unit, joined=True)
+    return None
+
+
+def _word(said: str) -> str:
+    return {"pct": "%", "percent": "%", "c": "degC", "k": "K"}.get(said.lower(), said)

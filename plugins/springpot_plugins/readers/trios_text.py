@@ -1,0 +1,51 @@
+"""TA Instruments TRIOS as CSV or text: a header of keys and values, then steps of names, units and numbers."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from springpot.measurement import Choice, Measurement, Part, Reader
+
+from .blocks import Block, blocks_of
+from .dynamic import measurement_from, parts_from
+from .facts import facts_of, pairs_in
+from .grid import grid_of
+from .text import head_text, text_of
+
+_STEP = re.compile(r"^\s*\"?\[step\]", re.IGNORECASE | re.MULTILINE)
+_HEADER = re.compile(r"^\"?(?:Filename|proceduresegments|Trios version|\[File Parameters\])\b", re.I | re.M)
+_LIMS = re.compile(r"LIMS export|^Variables\t", re.MULTILINE)
+
+
+def recognises(head: bytes) -> float:
+    """High for the sections of a TRIOS export."""
+    text = head_text(head)
+    if _LIMS.search(text):
+        return 0.0
+    return 0.5 * bool(_STEP.search(text)) + 0.48 * bool(_HEADER.search(text))
+
+
+def _blocks(path: Path) -> list[Block]:
+    return blocks_of(grid_of(text_of(path), path), path)[0]
+
+
+def read(path: Path, choice: Choice) -> Measurement:
+    """The oscillatory steps of a file.
+
+    Raises
+    ------
+    DataError
+        One line that says what was recognised and what is missing.
+    """
+    blocks = _blocks(path)
+    facts = facts_of(pairs_in(row for block in blocks for row in block.above))
+    return measurement_from(blocks, choice, path, {"format": "TA TRIOS", **facts})
+
+
+def parts(path: Path) -> tuple[Part, ...]:
+    """The steps of a file."""
+    return parts_from(_blocks(path))
+
+
+READER = Reader("trios", "TA Instruments TRIOS, exported as CSV or text", recognises, read, parts=parts)

@@ -1,0 +1,217 @@
+"""The hidden-effect test: thousands of measurements with a known hidden effect go through the diagnosis.
+
+    python studies/hidden_effect.py --cases 2000 --workers 2
+
+Answers are appended to ``results/hidden_effect/answers.jsonl`` and a second run resumes; tables and pictures are
+a pure function of that file (``--report-only`` makes them again). ``--auto N`` also runs discovery on every N-th
+case, ``--signals N`` sends N cases through time signals, ``--experiments`` carries out the suggested experiments.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from hidden_effects.cases import Case, draw_case
+from hidden_effects.experiments import remeasure
+from hidden_effects.figures import first_class
+from hidden_effects.oracle import oracle
+from hidden_effects.report import write
+from hidden_effects.rivals import rivals, sizes
+from hidden_effects.signals import SignalCase, draw_signal_case
+
+ROOT = Path(__file__).resolve().parent.parent
+PATIENCE = 300  # seconds until an answer counts as failed
+
+
+# --- the tool under test: the only functions that know springpot --------------------------------------------------
+def answer(case: Case) -> dict[str, Any]:
+    """Return the diagnosis of a case as the dictionary of schema springpot.diagnosis/1."""
+    import springpot
+
+    with tempfile.TemporaryDirectory() as folder:
+        measurement = springpot.read(case.to_csv(Path(folder) / "case.csv"))
+    return dict(springpot.diagnose(measurement, case.model).to_dict())
+
+
+def ladder(case: Case) -> dict[str, Any]:
+    """Return automatic discovery of a case as the dictionary of schema springpot.discovery/1."""
+    import springpot
+
+    with tempfile.TemporaryDirectory() as folder:
+        measurement = springpot.read(case.to_csv(Path(folder) / "case.csv"))
+    return dict(springpot.discover(measurement, case.model).to_dict())
+
+
+def answer_signals(case: SignalCase) -> dict[str, Any]:
+    """Return the diagnosis of records that first went through ``springpot signals``."""
+    command = [sys.executable, "-m", "springpot"]
+    with tempfile.TemporaryDirectory() as folder:
+        files = [str(p) for p in case.to_csvs(Path(folder) / "records")]
+        out = str(Path(folder) / "measurement.csv")
+        subprocess.run([*command, "signals", *files, "-o", out], check=True, capture_output=True)
+        shown = [*command, "diagnose", out, "--model", case.model, "--json"]
+        return dict(json.loads(subprocess.run(shown, check=True, capture_output=True, text=True).stdout))
+
+
+# --- one case -----------------------------------------------------------------------------------------------------
+def warm_up() -> None:
+    """Import and compile everything once per worker, so that times are those of an answer."""
+    signal.signal(signal.SIGALRM, _too_late)
+    try:
+        answer(draw_case(1))
+    except Exception:  # the cases will report it
+        return
+
+
+def _too_late(*_: object) -> None:
+    raise TimeoutError(f"no answer in {PATIENCE} s")
+
+
+def run_case(seed: int, auto: bool, with_rivals: bool, experiments: bool, reference: bool) -> dict[str, Any]:
+    """Draw, diagnose and describe one case; with ``reference`` the oracle answers instead of the tool."""
+    case = draw_case(seed)
+    row = case.summary()
+    row |= _timed(lambda: oracle(case) if reference else answer(case), "answer", "seconds")
+    if auto:
+        row |= _timed(lambda: ladder(case), "ladder", "ladder_seconds")
+    if case.kind == "outside" or (with_rivals and case.kind == "one"):
+        row |= {"rivals": rivals(case), "rival_sizes": sizes()}
+        row["unexplained"] = min(case.chi2, *row["rivals"].values()) if case.kind == "outside" else None
+    if experiments and row["answer"]:
+        row["tie_broken"] = tie_broken(case, row)
+    return row
+
+
+def run_signals(seed: int) -> dict[str, Any]:
+    """Draw, reduce and diagnose one case of time signals."""
+    case = draw_signal_case(seed)
+    return case.summary() | _timed(lambda: answer_signals(case), "answer", "seconds")
+
+
+def tie_broken(case: Case, row: dict[str, Any]) -> bool | None:
+    """Carry out the suggested experiment; None where there is no tie or nothing that can be simulated.
+
+    The tie is broken when the truth stays in the first class and that class has become smaller.
+    """
+    before = first_class(row)
+    action = ((row["answer"] or {}).get("next_experiment") or {}).get("action")
+    if case.kind != "one" or len(before) < 2 or not set(before) & set(case.truth) or not action:
+        return None
+    wider = remeasure(case, action)
+    if wider is None:
+        return None
+    again = _timed(lambda: answer(wider), "answer", "seconds")
+    after = first_class(again)
+    return len(after) < len(before) and bool(set(after) & set(case.truth))
+
+
+def _timed(call: Any, key: str, clock: str) -> dict[str, Any]:
+    """Call the tool; a fault becomes part of the row, never a missing row."""
+    start = time.perf_counter()
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    try:
+        return {key: slim(call()), clock: time.perf_counter() - start}
+    except Exception as fault:
+        detail = getattr(fault, "stderr", "") or ""
+        return {
+            key: None,
+            clock: time.perf_counter() - start,
+            "fault": f"{type(fault).__name__}: {fault} {detail}"[:500],
+        }
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
+def slim(found: dict[str, Any], most: int = 12) -> dict[str, Any]:
+    """Drop prose and the tail of the ranking, to keep the file of answers small."""
+    found = {k: v for k, v in found.items() if k != "where"}
+    if "candidates" in found:
+        drop = {"says"}
+        found["candidates"] = [{k: v for k, v in c.items() if k not in drop} for c in found["candidates"][:most]]
+    if isinstance(found.get("diagnosis"), dict):
+        found["diagnosis"] = slim(found["diagnosis"], 3)
+    return found
+
+
+# --- all cases ----------------------------------------------------------------------------------------------------
+def run(asked: argparse.Namespace, path: Path) -> None:
+    """Run what is not in the file of answers yet."""
+    done = {(r["design"] == "signals", r["seed"]) for r in read(path)}
+    todo = [(run_case, s, _options(asked, s)) for s in range(asked.seed, asked.seed + asked.cases)]
+    todo += [(run_signals, s, ()) for s in range(asked.seed, asked.seed + asked.signals)]
+    todo = [t for t in todo if (t[0] is run_signals, t[1]) not in done]
+    print(f"{len(done)} cases done, {len(todo)} to do")
+    with (
+        path.open("a", encoding="utf-8") as file,
+        ProcessPoolExecutor(asked.workers, initializer=warm_up) as pool,
+    ):
+        futures = [pool.submit(function, seed, *options) for function, seed, options in todo]
+        for count, future in enumerate(as_completed(futures), 1):
+            file.write(json.dumps(future.result()) + "\n")
+            file.flush()
+            if count % 100 == 0:
+                print(f"{count} of {len(todo)}", flush=True)
+
+
+def _options(asked: argparse.Namespace, seed: int) -> tuple[bool, bool, bool, bool]:
+    auto = bool(asked.auto) and seed % asked.auto == 0
+    return auto, not asked.no_rivals, asked.experiments, asked.reference
+
+
+def read(path: Path) -> Iterator[dict[str, Any]]:
+    """Yield the collected rows; a last line cut short by an interruption is passed over."""
+    if not path.exists():
+        return
+    for line in path.read_text(encoding="utf-8").splitlines():
+        try:
+            yield json.loads(line)
+        except json.JSONDecodeError:
+            continue
+
+
+def main() -> None:
+    """Run and report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", type=int, default=2000)
+    parser.add_argument("--signals", type=int, default=0, metavar="N", help="cases of time signals")
+    parser.add_argument("--auto", type=int, default=0, metavar="N", help="discovery on every N-th case (1: all)")
+    parser.add_argument("--experiments", action="store_true", help="carry out the suggested experiments")
+    parser.add_argument("--no-rivals", action="store_true", help="skip the ideal rivals of one-effect cases")
+    parser.add_argument("--reference", action="store_true", help="let the generator's own BIC selector answer")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--seed", type=int, default=0, help="the first seed")
+    parser.add_argument("--out", type=Path, default=ROOT / "results" / "hidden_effect")
+    parser.add_argument("--report-only", action="store_true")
+    asked = parser.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    path = asked.out / "answers.jsonl"
+    if not asked.report_only:
+        run(asked, path)
+    rows = list(read(path))
+    if not rows:
+        parser.error(f"{path} holds no answers yet")
+    for figure in write(rows, asked.out):
+        if figure.n and figure.goal is not None:
+            met = "met   " if figure.met else "MISSED"
+            print(
+                f"{met} {figure.design:7} {figure.name:55} {figure.value:.3f} (goal {figure.better} {figure.goal:g})"
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,169 @@
+"""Choices, ranks and profiles of races whose outcome is known; failures last, never numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from benchmark_fakes import moody_study, small_study
+
+from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark.comparison import OVER_ALL, choose, profiles, quality, rank, rankings, scopes
+from springpot.benchmark.scores import CellScores, Race, Scale, races_of, score_cell
+from springpot.benchmark.statistics import expected_running_time
+from springpot.benchmark.store import CellRow, ProblemRow
+from springpot.benchmark.trace import at
+
+INF = np.inf
+SCALE = Scale(1e-6, 2000)
+
+
+def race(problem: int, values: dict[str, np.ndarray], hits: dict[str, np.ndarray] | None = None) -> Race:
+    """A race in which each entrant ends at `values` (n,) at every mark."""
+    row = ProblemRow(
+        problem, f"data-{problem}", "artificial", 10, "N/m", f"model-{problem % 2}", "paper", 1.0, 0.0, {}
+    )
+    marks, grid = len(SCALE.marks), len(SCALE.grid)
+    cells = []
+    for i, (label, given) in enumerate(values.items()):
+        n = len(given)
+        reached = np.where(given <= SCALE.target, 50.0, INF) if hits is None else hits[label]
+        cells.append(
+            CellScores(
+                CellRow(i, row, label, label, "{}", SCALE.budget), np.arange(n), reached, np.full(n, 2000.0),
+                np.tile(given[:, None], marks), np.zeros(grid), np.zeros((3, grid)), None, 3,
+            )
+        )  # fmt: skip
+    return races_of(cells)[0]
+
+
+def test_marks_end_with_the_budget():
+    assert Scale(1e-6, 2000).marks == (100, 500, 2000)
+    assert Scale(1e-6, 40_000).marks == (500, 2000, 8000, 40_000)
+    assert Scale(1e-6, 60).marks == (60,)
+    assert set(Scale(1e-6, 3000).marks) <= set(Scale(1e-6, 3000).grid.tolist())
+    assert Scale(1e-4, 60).targets[-1] == 1e-4
+    assert (np.diff(Scale(1e-4, 60).targets) < 0).all()
+
+
+def test_the_better_is_chosen_and_the_next_is_named(rng):
+    noise = rng.random((3, 30))
+    found = choose(race(0, {"a": 1 + noise[0], "b": 5 + noise[1], "c": 3 + noise[2]}), 2, SCALE)
+    assert (found.label, found.alike, found.runner_up, found.chance) == ("a", (), "c", 1.0)
+    assert found.success.value == 0.0
+    assert found.running_time == INF
+    assert found.excess == pytest.approx(np.median(1 + noise[0]), abs=0.1)
+    assert found.decided
+
+
+def test_of_those_that_reach_the_target_the_cheapest_is_chosen():
+    zero = np.zeros(20)
+    hits = {"slow": np.full(20, 900.0), "fast": np.full(20, 90.0), "late": np.full(20, 1900.0)}
+    there = race(0, dict.fromkeys(hits, zero), hits)
+    found = choose(there, 2, SCALE)
+    assert (found.label, found.alike, found.running_time) == ("fast", ("slow", "late"), 90.0)
+    assert choose(there, 0, SCALE).success.value == 1.0
+
+
+def test_few_trials_decide_nothing(rng):
+    found = choose(race(0, {"a": rng.random(3), "b": 9 + rng.random(3), "c": 9 + rng.random(3)}), 2, SCALE)
+    assert not found.decided
+
+
+def test_failures_come_last_and_are_counted():
+    half = np.where(np.arange(40) % 2, 1e-9, INF)
+    there = race(0, {"half": half, "all": np.full(40, 1e-9), "none": np.full(40, INF)})
+    found = choose(there, 2, SCALE)
+    assert (found.label, found.runner_up) == ("all", "half")
+    assert found.chance == 0.75
+    assert np.isinf(quality(there, 2, SCALE.target)[2]).all()
+    nobody = choose(race(0, {"x": np.full(5, INF), "y": np.full(5, INF)}), 2, SCALE)
+    assert nobody.label is None
+    assert nobody.success.value == 0.0
+
+
+def test_ranks_over_many_problems(rng):
+    races = [race(i, {"a": rng.random(5), "b": 2 + rng.random(5), "c": 2 + rng.random(5)}) for i in range(12)]
+    found = rank(OVER_ALL, races, 2, SCALE)
+    assert (found.blocks, found.unit, found.decided) == (12, "problems", True)
+    assert found.ranks[0].value == found.ranks[0].low == found.ranks[0].high == 1.0
+    assert found.alike(0) == ()
+    assert found.alike(1) == ("c",)
+    assert found.p_all < 1e-3
+    assert found.chances[0, 1] == 1.0
+    assert found.chances[1, 2] + found.chances[2, 1] == 1.0
+    assert found.means.sum() == pytest.approx(6.0)
+
+
+def test_few_problems_are_ranked_by_repetition(rng):
+    races = [race(i, {"a": rng.random(20), "b": 2 + rng.random(20)}) for i in range(2)]
+    found = rank(OVER_ALL, races, 2, SCALE)
+    assert (found.blocks, found.unit, found.decided) == (40, "repetitions", True)
+    assert not rank(OVER_ALL, [race(0, {"a": np.zeros(2), "b": np.ones(2)})], 2, SCALE).decided
+
+
+def test_scopes_are_models_and_data_sets_with_several_problems():
+    races = [race(i, {"a": np.zeros(3), "b": np.ones(3)}) for i in range(4)]
+    assert [name for name, _ in scopes(races)] == [OVER_ALL, "model model-0", "model model-1"]
+    assert {r.budget for r in rankings(races, SCALE)} == set(SCALE.marks)
+    assert rankings([], SCALE) == []
+
+
+def test_profiles_count_each_repetition_and_no_miss():
+    hits = {"a": np.array([10.0, INF]), "b": np.array([40.0, 40.0])}
+    there = race(0, {"a": np.zeros(2), "b": np.zeros(2)}, hits)
+    found = profiles([there], np.array([2.5, 10.0]), np.array([1.0, 4.0]))
+    assert found.data.tolist() == [[0.5, 0.5], [0.0, 1.0]]
+    assert found.performance.tolist() == [[0.5, 0.5], [0.5, 1.0]]
+
+
+def test_scores_are_what_the_traces_say(tmp_path):
+    outcome = run_study(small_study(target=1e-3), engine="serial", out=tmp_path, quiet=True)
+    with Store(outcome.store) as store:
+        findings = Findings.of(store)
+        trials, bests = dict(store.trials()), store.bests()
+    assert [s.cell for s in findings.scores] == [s.cell for s in findings.summaries]
+    for scores, summary in zip(findings.scores, findings.summaries, strict=True):
+        problem, rows = scores.cell.problem, trials[scores.cell.id]
+        best = bests[problem.id]
+        goal = best + 1e-3 * (problem.reference - best)
+        first = [next((e for e, v in zip(*row.improvements(), strict=True) if v <= goal), INF) for row in rows]
+        assert scores.hits.tolist() == first
+        assert summary.success.value == np.mean(np.isfinite(first))
+        assert summary.running_time.value == expected_running_time(np.array(first), scores.spent)
+        values = [at(*row.improvements(), np.array([100]))[0] for row in rows]
+        assert scores.values[:, 0] == pytest.approx((np.array(values) - best) / (problem.reference - best))
+        assert (np.diff(scores.attained) >= 0).all()
+        noisy = problem.dataset == "noisy"
+        assert (scores.clean is not None) == noisy
+        assert scores.dimension == len(rows[0].theta)
+
+
+def test_a_cell_of_failures_has_no_numbers(tmp_path):
+    outcome = run_study(moody_study("throw"), engine="serial", out=tmp_path, quiet=True)
+    with Store(outcome.store) as store:
+        findings = Findings.of(store)
+    bad = findings.scores[0]
+    assert bad.cell.label.startswith("moody")
+    assert np.isinf(bad.values).all()
+    assert np.isinf(bad.curve).all()
+    assert not bad.attained.any()
+    assert all(choice.label == "walk" for choice in findings.choices)
+
+
+def test_a_problem_that_somebody_has_not_tried_is_left_out():
+    full = race(0, {"a": np.zeros(3), "b": np.ones(3)})
+    half = race(1, {"a": np.zeros(3), "b": np.ones(3)})
+    assert len(races_of([*full.cells, *half.cells])) == 2
+    assert [r.problem.id for r in races_of([*full.cells, half.cells[0]])] == [0]
+
+
+def test_only_common_repetitions_race(tmp_path):
+    outcome = run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
+    with Store(outcome.store) as store:
+        scale, cells, trials = Scale.of(store), store.cells(), dict(store.trials())
+        best = store.bests()[cells[0].problem.id]
+    one = score_cell(cells[0], trials[cells[0].id][1:], best, scale)
+    two = score_cell(cells[1], trials[cells[1].id][:3], best, scale)
+    [there] = races_of([one, two])
+    assert there.hits.shape == (2, 2)
+    assert there.values[1].tolist() == two.values[1:].tolist()

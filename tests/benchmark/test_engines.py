@@ -1,0 +1,139 @@
+"""Engines: the same bytes whoever runs the trials, and survival of whatever a trial does."""
+
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from benchmark_fakes import Moody, Walk, moody_study, small_study
+
+from springpot.benchmark import FORMATS, Status, Store, run_study
+from springpot.errors import StudyError
+
+ACCURACY = [f"summary.{suffix}" for suffix, _ in FORMATS.values()]
+
+
+def tables(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / "small" / name).read_bytes() for name in ACCURACY}
+
+
+def trials(path: Path):
+    """Trials by optimiser label."""
+    with Store(path) as store:
+        labels = {cell.id: cell.label for cell in store.cells()}
+        return {labels[number]: rows for number, rows in store.trials()}
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("serial")
+    run_study(small_study(), engine="serial", out=folder, quiet=True)
+    return tables(folder)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_local_workers_give_the_bytes_of_a_serial_run(serial, tmp_path, workers):
+    outcome = run_study(small_study(), workers=workers, out=tmp_path, quiet=True)
+    assert (outcome.trials, outcome.ran, outcome.failed) == (32, 32, 0)
+    assert tables(tmp_path) == serial
+
+
+def test_any_executor_gives_the_bytes_of_a_serial_run(serial, tmp_path):
+    with ThreadPoolExecutor(2) as threads:
+        run_study(small_study(), engine=threads, out=tmp_path / "threads", quiet=True)
+    with ProcessPoolExecutor(2, mp_context=get_context("forkserver")) as processes:
+        run_study(small_study(), engine=processes, out=tmp_path / "processes", quiet=True)
+    assert tables(tmp_path / "threads") == serial
+    assert tables(tmp_path / "processes") == serial
+
+
+@pytest.mark.parametrize(
+    ("mood", "status", "reason"),
+    [
+        ("segfault", Status.CRASH, "SIGSEGV"),
+        ("vanish", Status.CRASH, "exit code 7"),
+        ("eat", Status.MEMORY, ""),
+        ("exit", Status.ERROR, "SystemExit: enough"),
+        ("throw", Status.ERROR, "ValueError: out of"),
+        ("orphan", Status.ERROR, "left 1 process behind"),
+    ],
+)
+def test_a_fault_becomes_a_status_and_the_study_goes_on(tmp_path, mood, status, reason):
+    outcome = run_study(moody_study(mood, memory=512), workers=2, out=tmp_path, quiet=True)
+    assert (outcome.ran, outcome.failed) == (6, 3)
+    rows = trials(outcome.store)
+    assert [row.status for row in rows[f"moody(mood={mood})"]] == [status] * 3
+    assert all(reason in row.reason and row.best is None for row in rows[f"moody(mood={mood})"])
+    assert [row.status for row in rows["walk"]] == [Status.BUDGET] * 3
+    assert mood == "eat" or reason in (outcome.store.parent / "failures.md").read_text()
+
+
+def test_a_hang_ends_at_its_deadline(tmp_path):
+    outcome = run_study(moody_study("hang", deadline=0.3), workers=2, out=tmp_path, quiet=True)
+    rows = trials(outcome.store)
+    assert [row.status for row in rows["moody(mood=hang)"]] == [Status.TIMEOUT] * 3
+    assert [row.status for row in rows["walk"]] == [Status.BUDGET] * 3
+
+
+def test_a_library_that_swallows_the_end_stays_within_the_budget(tmp_path):
+    outcome = run_study(moody_study("swallow"), workers=1, out=tmp_path, quiet=True)
+    rows = trials(outcome.store)["moody(mood=swallow)"]
+    assert [(row.status, row.evaluations) for row in rows] == [(Status.BUDGET, 300)] * 3
+
+
+def test_failed_trials_run_again_only_if_asked(tmp_path, monkeypatch):
+    study = moody_study("throw")
+    run_study(study, engine="serial", out=tmp_path, quiet=True)
+    monkeypatch.setattr(Moody, "throw", Moody.fine)
+    assert run_study(study, engine="serial", out=tmp_path, quiet=True).ran == 0
+    again = run_study(study, engine="serial", out=tmp_path, quiet=True, retry_failed=True)
+    assert (again.ran, again.failed) == (3, 0)
+    assert {row.status for rows in trials(again.store).values() for row in rows} == {Status.BUDGET}
+
+
+def test_faults_in_this_process_are_statuses_too(tmp_path):
+    outcome = run_study(moody_study("exit"), engine="serial", out=tmp_path, quiet=True)
+    assert (outcome.ran, outcome.failed) == (6, 3)
+
+
+def test_an_executor_whose_tasks_fail_reports_each(tmp_path):
+    class Sour(ThreadPoolExecutor):
+        """Loses every batch."""
+
+        def submit(self, fn, /, *args, **kwargs):
+            return super().submit(lambda: 1 / 0)
+
+    with Sour(1) as executor:
+        outcome = run_study(moody_study("fine"), engine=executor, out=tmp_path, quiet=True)
+    assert (outcome.ran, outcome.failed) == (6, 6)
+    assert {row.status for rows in trials(outcome.store).values() for row in rows} == {Status.CRASH}
+
+
+def test_workers_that_cannot_find_an_optimiser_say_so(tmp_path, monkeypatch):
+    module = ModuleType("only_here")
+    module.Hidden = type("Hidden", (Walk,), {"__module__": "only_here"})
+    monkeypatch.setitem(sys.modules, "only_here", module)
+    with pytest.raises(StudyError, match=r"a worker cannot start: .*only_here"):
+        run_study(small_study(optimisers=[module.Hidden()]), workers=1, out=tmp_path, quiet=True)
+
+
+def test_an_optimiser_defined_in_a_function_is_refused_in_one_line(tmp_path):
+    class Local(Walk):
+        """Known to this function only."""
+
+    with pytest.raises(StudyError, match="cannot be sent to workers"):
+        run_study(small_study(optimisers=[Local()]), workers=1, out=tmp_path, quiet=True)
+
+
+def test_unknown_engines_and_missing_dask_are_one_line(tmp_path, monkeypatch):
+    with pytest.raises(StudyError, match="unknown engine 'slurm': use local"):
+        run_study(small_study(), engine="slurm", out=tmp_path, quiet=True)
+    run_study(small_study(), engine="serial", out=tmp_path, quiet=True)
+    for nonsense in ("nonsense", 7):
+        with pytest.raises(StudyError, match=f"unknown engine '{nonsense}'"):
+            run_study(small_study(), engine=nonsense, out=tmp_path, quiet=True)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(StudyError, match="needs dask: pip install distributed"):
+        run_study(small_study(), engine="dask:tcp://127.0.0.1:1", out=tmp_path / "new", quiet=True)

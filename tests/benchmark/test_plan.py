@@ -1,0 +1,161 @@
+"""Plans: what a trial is known by, and where its randomness comes from."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from benchmark_fakes import OMEGA, TRUTH, Walk, artificial, measurement, small_study
+
+from springpot.benchmark import Study
+from springpot.benchmark.plan import BLOCK, digest_of, digest_of_data, stream_of
+from springpot.errors import DataError, ModelError, StudyError
+from springpot.identification.optimiser import BatchedOptimiser
+
+
+@dataclass(frozen=True)
+class Herd(BatchedOptimiser):
+    """Many walks at once."""
+
+    name = "herd"
+    card = Walk.card
+
+    def minimise_batch(self, problems, budget, rngs):
+        for recorder, rng in zip(problems.recorders, rngs, strict=True):
+            recorder(rng.random(recorder.dimension))
+
+
+def digests(study):
+    return [cell.digest for cell in study.plan().cells]
+
+
+def test_the_digest_depends_on_everything_that_a_result_depends_on():
+    base = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    (reference,) = digests(base)
+    assert digests(base) == [reference]
+    assert digests(base.with_options(repeats=9)) == [reference]
+    others = [
+        base.with_options(budget=301),
+        replace(base, seed=2),
+        replace(base, objectives=["log"]),
+        replace(base, models=["springpot"]),
+        replace(base, optimisers=[Walk(shrink=0.5)]),
+        replace(base, datasets=[artificial(0.01)]),
+        replace(base, datasets=[replace(artificial(), stiffness_scale=500.0)]),
+        replace(base, stop_at_target=True),
+    ]
+    found = [digests(study)[0] for study in others]
+    assert len({reference, *found}) == 1 + len(others)
+
+
+def test_a_label_or_a_limit_does_not_change_the_trial():
+    base = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    assert digests(replace(base, optimisers=[("mine", Walk())], deadline=1.0, memory=64)) == digests(base)
+
+
+def test_the_digest_of_data_sees_every_column():
+    data = measurement()
+    variants = [
+        replace(data, omega=OMEGA * (1 + 1e-15)),
+        replace(data, sd=np.full(len(OMEGA), 1 + 1j)),
+        replace(data, conditions={"temperature": np.full(len(OMEGA), 20.0)}),
+        replace(data, conditions={"amplitude": np.full(len(OMEGA), 20.0)}),
+        replace(data, repeat=np.ones(len(OMEGA), dtype=np.int64)),
+    ]
+    assert len({digest_of_data(item) for item in [data, *variants]}) == 6
+    assert digest_of_data(replace(data, name="other")) == digest_of_data(data)
+
+
+def test_neighbouring_parts_of_a_digest_do_not_run_together():
+    assert digest_of("ab", "c") != digest_of("a", "bc")
+    assert digest_of(1) != digest_of("1")
+
+
+def test_optimisers_share_their_random_numbers_and_nothing_else_does():
+    plan = small_study().plan()
+    states = {}
+    for cell in plan.cells:
+        for repetition in range(2):
+            key = (cell.case, repetition)
+            state = tuple(np.random.default_rng(plan.stream(cell, repetition)).random(4))
+            assert states.setdefault(key, state) == state
+    assert len(set(states.values())) == len(states) == len(plan.cases) * 2
+
+
+def test_streams_do_not_depend_on_what_else_is_in_the_study():
+    whole, part = small_study().plan(), small_study(datasets=[artificial(0.02, "noisy")]).plan()
+    theirs = {c.digest: whole.stream(c, 1).entropy for c in whole.cells}
+    ours = {c.digest: part.stream(c, 1).entropy for c in part.cells}
+    assert ours.items() <= theirs.items()
+    assert stream_of(1, "a", "b").entropy != stream_of(1, "b", "a").entropy
+
+
+def test_only_what_is_missing_is_to_be_done():
+    plan = small_study(repetitions=3).plan()
+    tasks = list(plan.tasks(lambda cell: {0, 2} if cell.index else {0, 1, 2}))
+    assert [(task.cell, task.repetitions) for task in tasks] == [(i, (1,)) for i in range(1, len(plan.cells))]
+
+
+def test_a_batched_optimiser_gets_whole_blocks_whatever_was_done():
+    plan = small_study(datasets=[artificial()], models=["own"], optimisers=[Herd()], repetitions=BLOCK + 2).plan()
+    blocks = [task.repetitions for task in plan.tasks(lambda cell: {0, 1})]
+    assert blocks == [tuple(range(BLOCK)), (BLOCK, BLOCK + 1)]
+    assert [t.repetitions for t in plan.tasks(lambda cell: set(range(BLOCK)))] == [(BLOCK, BLOCK + 1)]
+
+
+def test_own_and_a_mapping_pair_data_with_models():
+    study = small_study(models={"noisy": ["springpot", "fractional-kelvin + inertia"]})
+    pairs = [(case.source.name, case.model) for case in study.plan().cases]
+    assert pairs == [
+        ("kelvin", "fractional-kelvin"),
+        ("noisy", "springpot"),
+        ("noisy", "fractional-kelvin + inertia"),
+    ]
+
+
+def test_the_value_at_the_truth_is_known_for_the_true_model_only():
+    cases = small_study().plan().cases
+    known = {(case.source.name, case.model): case.known for case in cases}
+    assert known["kelvin", "fractional-kelvin"] < 1e-20 * cases[0].reference
+    assert 0 < known["noisy", "fractional-kelvin"] < 1e-2 * cases[0].reference
+    assert known["kelvin", "springpot"] is None
+    assert small_study(datasets=[measurement()], models=["springpot"]).plan().cases[0].known is None
+
+
+def test_labels_show_the_options_that_differ():
+    plan = small_study(optimisers=[Walk, Walk(shrink=0.5), ("mine", Walk(shrink=0.1))]).plan()
+    assert [entrant.label for entrant in plan.entrants] == ["walk", "walk(shrink=0.5)", "mine"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"name": "a/b"}, "study name 'a/b'"),
+        ({"datasets": "kelvin"}, "datasets must be a list"),
+        ({"optimisers": []}, "optimisers must be a list with at least one"),
+        ({"budget": 0}, "budget must be positive, not 0"),
+        ({"datasets": [artificial(), artificial()]}, "data set 'kelvin' occurs twice"),
+        ({"optimisers": [Walk(), Walk()]}, "optimiser 'walk' occurs twice"),
+        ({"optimisers": [Walk(), ("again", Walk())]}, "occurs twice"),
+        ({"datasets": [measurement()], "models": ["own"]}, "kelvin has no model of its own"),
+        ({"optimisers": [Walk(shrink=len)]}, "option walk.shrink is a builtin_function_or_method"),
+        ({"models": {"kelvim": ["springpot"]}}, "models are given for 'kelvim'"),
+        ({"optimisers": [3]}, "3 is no optimiser"),
+    ],
+)
+def test_a_study_that_cannot_be_is_one_line(changes, message):
+    with pytest.raises(StudyError, match=message) as caught:
+        small_study(**changes).plan()
+    assert "\n" not in str(caught.value)
+
+
+def test_unknown_names_are_one_line():
+    with pytest.raises(ModelError, match="unknown model 'kelvinn'"):
+        small_study(models=["kelvinn"]).plan()
+    with pytest.raises(DataError, match="no-such-data"):
+        small_study(datasets=["no-such-data"]).plan()
+
+
+def test_a_study_needs_no_more_than_names():
+    study = Study("named", [artificial()], ["own"], ["paper"], [Walk], repetitions=1, budget=10)
+    assert study.plan().size == 1
+    assert study.plan().cases[0].source.truth == TRUTH

@@ -1,0 +1,205 @@
+"""Statistics against scipy, printed values and cases worked by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from springpot.benchmark import statistics as s
+
+INF = np.inf
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(1, 300).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
+def test_wilson_is_scipys(pair):
+    successes, trials = pair
+    interval = s.wilson(successes, trials)
+    theirs = stats.binomtest(successes, trials).proportion_ci(method="wilson")
+    assert interval.value == successes / trials
+    assert [interval.low, interval.high] == pytest.approx([theirs.low, theirs.high], abs=1e-12)
+
+
+def test_wilson_of_nothing_is_nothing():
+    assert s.wilson(0, 0) is None
+
+
+def test_hitting_time_is_the_first_improvement_at_or_below_the_target():
+    evaluations, values = np.array([1, 5, 9]), np.array([10.0, 4.0, 1.0])
+    assert [s.hitting_time(evaluations, values, t) for t in (20, 10, 9.9, 4, 1, 0.5)] == [1, 1, 5, 5, 9, INF]
+    assert s.hitting_time(np.empty(0, dtype=np.int64), np.empty(0), 1.0) == INF
+
+
+def test_expected_running_time_charges_failures():
+    hits, spent = np.array([100.0, INF, 300.0, INF]), np.full(4, 1000.0)
+    assert s.expected_running_time(hits, spent) == (100 + 300 + 2000) / 2
+    assert s.expected_running_time(np.full(3, INF), np.full(3, 9.0)) == INF
+
+
+def test_the_bootstrap_interval_covers_the_truth_as_often_as_it_says():
+    rng = np.random.default_rng(3)
+    p, budget, covered = 0.6, 100.0, 0
+    for _ in range(200):
+        hits = np.where(rng.random(60) < p, rng.uniform(0, budget, 60), INF)
+        interval = s.running_time_interval(hits, np.full(60, budget), rng, draws=400)
+        assert interval.low <= interval.value <= interval.high
+        covered += interval.low <= budget / 2 + budget * (1 - p) / p <= interval.high
+    assert 0.88 <= covered / 200 <= 0.99
+
+
+def test_the_bootstrap_knows_when_success_is_too_rare():
+    hits = np.array([5.0, INF, INF])
+    interval = s.running_time_interval(hits, np.full(3, 10.0), np.random.default_rng(1))
+    assert interval.value == 25.0
+    assert interval.high == INF
+    assert s.running_time_interval(np.empty(0), np.empty(0), np.random.default_rng(1)) is None
+
+
+def test_median_counts_misses_as_the_largest():
+    assert s.median(np.array([INF, 3.0, 1.0])) == 3.0
+    assert s.median(np.array([INF, INF, 1.0])) == INF
+    assert s.median(np.array([4.0, 1.0])) == 2.5
+    assert s.median(np.array([])) is None
+
+
+def test_ecdf_never_counts_a_miss():
+    times = np.array([[1.0, INF], [2.0, 3.0]])
+    assert s.ecdf(times, np.array([0.5, 1, 2.5, 1e300])).tolist() == [0, 0.25, 0.5, 0.75]
+
+
+def test_performance_profile_by_hand():
+    costs = np.array([[1.0, 2.0], [4.0, 1.0], [INF, 5.0], [INF, INF]])
+    profile = s.performance_profile(costs, np.array([1.0, 2.0, 4.0]))
+    assert profile.tolist() == [[0.25, 0.25, 0.5], [0.5, 0.75, 0.75]]
+
+
+def test_data_profile_by_hand():
+    costs = np.array([[10.0, 30.0], [INF, 8.0]])
+    profile = s.data_profile(costs, np.array([4, 3]), np.array([2.0, 6.0]))
+    assert profile.tolist() == [[0.5, 0.5], [0.5, 1.0]]
+
+
+def test_friedman_is_scipys_and_takes_infinite_scores(rng):
+    scores = rng.random((12, 4)) + np.arange(4) * 0.2
+    theirs = stats.friedmanchisquare(*scores.T)
+    assert s.friedman(scores) == pytest.approx((theirs.statistic, theirs.pvalue))
+    worst = np.where(scores == scores.max(axis=1, keepdims=True), INF, scores)
+    assert s.friedman(worst) == pytest.approx(s.friedman(scores))
+    assert s.mean_ranks(worst) == pytest.approx(s.mean_ranks(scores))
+
+
+def test_holm_on_a_worked_example():
+    assert s.holm(np.array([0.01, 0.04, 0.03, 0.005])) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert s.holm(np.array([0.9, 0.8])).tolist() == [1.0, 1.0]
+
+
+def test_wilcoxon_holm_is_symmetric_and_finds_the_better(rng):
+    base = rng.random(25)
+    scores = np.column_stack([base, base + 0.3 + 0.1 * rng.random(25), base])
+    table = s.wilcoxon_holm(scores)
+    assert np.array_equal(table, table.T)
+    assert table[0, 1] < 1e-3
+    assert table[0, 2] == 1.0
+    raw = stats.wilcoxon(scores[:, 0] - scores[:, 1], zero_method="zsplit").pvalue
+    assert table[0, 1] == pytest.approx(3 * raw)
+
+
+def test_wilcoxon_holm_treats_two_failures_as_a_tie():
+    scores = np.array([[INF, INF], [1.0, INF], [2.0, 3.0], [INF, INF], [1.0, 4.0]])
+    assert 0 < s.wilcoxon_holm(scores)[0, 1] <= 1
+    assert s.wilcoxon_holm(np.full((4, 2), INF))[0, 1] == 1.0
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(st.integers(0, 5), min_size=1, max_size=20), st.lists(st.integers(0, 5), min_size=1, max_size=20))
+def test_a12_is_the_mann_whitney_statistic(a, b):
+    u = stats.mannwhitneyu(b, a, method="asymptotic").statistic
+    assert s.a12(np.array(a, float), np.array(b, float)) == pytest.approx(u / (len(a) * len(b)))
+
+
+def test_a12_with_failures():
+    assert s.a12(np.array([1.0, 2.0]), np.array([INF, INF])) == 1.0
+    assert s.a12(np.array([INF]), np.array([INF])) == 0.5
+
+
+def test_target_lies_a_fraction_above_the_best():
+    assert s.target_value(2.0, 12.0, 0.1) == 3.0
+
+
+def test_a12_table_holds_every_pair(rng):
+    values = np.where(rng.random((5, 30)) < 0.2, INF, rng.integers(0, 6, (5, 30)).astype(float))
+    expected = [[s.a12(one, other) for other in values] for one in values]
+    assert s.a12_table(values) == pytest.approx(np.array(expected))
+
+
+def test_wilcoxon_of_every_pair_is_scipys(rng):
+    for blocks in (rng.random((14, 5)), rng.random((80, 5)), rng.integers(0, 4, (30, 5)).astype(float)):
+        pairs = [(i, j) for i in range(5) for j in range(i + 1, 5)]
+        gaps = [blocks[:, i] - blocks[:, j] for i, j in pairs]
+        tied = [len(np.unique(np.abs(gap))) < len(gap) for gap in gaps]
+        methods = ["asymptotic" if t or len(blocks) > 50 else "exact" for t in tied]
+        raw = [stats.wilcoxon(g, zero_method="zsplit", method=m).pvalue for g, m in zip(gaps, methods, strict=True)]
+        table = s.wilcoxon_holm(blocks)
+        assert [table[pair] for pair in pairs] == pytest.approx(s.holm(np.array(raw)))
+
+
+def test_mann_whitney_is_scipys_and_takes_failures(rng):
+    one, other = rng.random(20), rng.random(20) + 0.3
+    expected = stats.mannwhitneyu(one, other, method="asymptotic").pvalue
+    assert s.mann_whitney_holm(one, other[None])[0] == pytest.approx(expected)
+    worst = np.where(other > 1.0, INF, other)
+    assert s.mann_whitney_holm(one, worst[None])[0] == pytest.approx(expected, rel=0.05)
+    assert s.mann_whitney_holm(np.full(5, INF), np.full((2, 5), INF)).tolist() == [1.0, 1.0]
+    assert s.mann_whitney_holm(one, np.empty((0, 20))).tolist() == []
+
+
+def test_signed_ranks_know_when_there_are_too_few_blocks():
+    assert not s.can_tell(5, 1)
+    assert s.can_tell(6, 1)
+    rng = np.random.default_rng(1)
+    best = np.arange(6) + rng.random((2, 6)) * [[0.0], [0.5]] + [[0.0], [9.0]]
+    assert s.wilcoxon_holm(best.T)[0, 1] == pytest.approx(2.0**-5)
+
+
+def test_cliques_by_hand():
+    p = np.ones((4, 4))
+    p[0, 2] = p[2, 0] = p[0, 3] = p[3, 0] = p[1, 3] = p[3, 1] = 0.01
+    assert s.cliques(np.array([1.0, 2.0, 3.0, 4.0]), p) == [(0, 1), (1, 2), (2, 3)]
+    assert s.cliques(np.array([4.0, 3.0, 2.0, 1.0]), p[::-1, ::-1]) == [(0, 1), (1, 2), (2, 3)]
+    assert s.cliques(np.array([1.0, 2.0, 3.0, 4.0]), np.ones((4, 4))) == [(0, 3)]
+    assert s.cliques(np.array([1.0, 2.0, 3.0, 4.0]), np.eye(4)) == []
+
+
+def test_bands_are_values_themselves():
+    values = np.array([[1.0, INF], [2.0, 5.0], [3.0, INF], [INF, INF]])
+    assert s.bands(values).tolist() == [[1.0, 5.0], [2.0, INF], [3.0, INF]]
+    odd = np.random.default_rng(2).random((31, 4))
+    assert s.bands(odd)[1] == pytest.approx(np.median(odd, axis=0))
+
+
+def test_mean_interval_agrees_with_scipys_bootstrap(rng):
+    values = rng.exponential(size=(60, 2))
+    ours = s.mean_interval(values, np.random.default_rng(1), draws=4000)
+    theirs = stats.bootstrap(
+        (values,), np.mean, n_resamples=4000, axis=0, method="percentile", rng=np.random.default_rng(2)
+    ).confidence_interval
+    assert [i.value for i in ours] == pytest.approx(values.mean(axis=0))
+    assert [i.low for i in ours] == pytest.approx(theirs.low, rel=0.05)
+    assert [i.high for i in ours] == pytest.approx(theirs.high, rel=0.05)
+
+
+def test_the_running_times_interval_agrees_with_scipys_bootstrap(rng):
+    hits = np.where(rng.random(80) < 0.7, rng.uniform(0, 100, 80), INF)
+    spent = np.full(80, 100.0)
+    ours = s.running_time_interval(hits, spent, np.random.default_rng(1), draws=4000)
+
+    def ratio(cost, success, axis):
+        return cost.sum(axis=axis) / success.sum(axis=axis)
+
+    success = np.isfinite(hits).astype(float)
+    cost = np.where(success == 1, hits, spent)
+    theirs = stats.bootstrap(
+        (cost, success), ratio, paired=True, n_resamples=4000, method="percentile", rng=np.random.default_rng(2)
+    ).confidence_interval
+    assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), rel=0.05)

@@ -1,0 +1,152 @@
+"""The store: keeps everything once, survives, and says in one line why it cannot be used."""
+
+import sqlite3
+
+import pytest
+from benchmark_fakes import small_study
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from springpot.benchmark import Status, Store
+from springpot.benchmark.store import SCHEMA
+from springpot.benchmark.trace import pack, unpack
+from springpot.benchmark.trial import TrialResult
+from springpot.errors import StudyError
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "small" / "small.sqlite"
+
+
+def result(repetition=0, best=1.0, cell=0):
+    trace = pack([(1, 9.0), (7, best)])
+    return TrialResult(cell, repetition, Status.BUDGET, best=best, theta={"k": 1 / 3}, evaluations=9, trace=trace)
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(allow_nan=False, width=64), max_size=30), st.integers(1, 10**6))
+def test_a_trace_is_kept_to_the_last_bit(values, step):
+    trace = [(1 + i * step, value) for i, value in enumerate(values)]
+    evaluations, kept = unpack(pack(trace))
+    assert list(zip(evaluations.tolist(), kept.tolist(), strict=True)) == trace
+
+
+def test_what_is_put_in_comes_out(path):
+    plan = small_study().plan()
+    with Store(path, write=True) as store:
+        cells = store.register(plan, {"numpy": "9"})
+        store.add([result(), result(1)], cells)
+        store.add([TrialResult(1, 0, Status.CRASH, "gone", seconds=2.0)], cells)
+    with Store(path) as store:
+        assert store.facts()["numpy"] == "9"
+        assert [cell.label for cell in store.cells()] == ["walk", "walk-slow"] * 4
+        found = dict(store.trials())
+    first, second = found[cells[0]]
+    assert (first.best, first.theta, first.status) == (1.0, {"k": 1 / 3}, Status.BUDGET)
+    assert first.improvements()[0].tolist() == [1, 7]
+    assert second.repetition == 1
+    (failed,) = found[cells[1]]
+    assert (failed.status, failed.reason, failed.best, failed.trace) == (Status.CRASH, "gone", None, b"")
+
+
+def test_the_first_result_of_a_trial_stays(path):
+    with Store(path, write=True) as one, Store(path, write=True) as other:
+        cells = one.register(small_study().plan(), {})
+        assert other.register(small_study().plan(), {}) == cells
+        one.add([result(best=1.0)], cells)
+        other.add([result(best=2.0), result(1)], cells)
+        assert one.finished(cells[0]) == {0, 1}
+    with Store(path) as store:
+        assert [row.best for row in dict(store.trials())[cells[0]]] == [1.0, 1.0]
+
+
+def test_tables_show_the_study_as_it_was_last_run(path):
+    with Store(path, write=True) as store:
+        cells = store.register(small_study().plan(), {})
+        store.add([result(0), result(3)], cells)
+        store.register(small_study(repetitions=2, models=["own"]).plan(), {})
+    with Store(path) as store:
+        assert len(store.cells()) == 4
+        assert [len(rows) for _, rows in store.trials()] == [1]
+
+
+def test_half_a_transaction_is_none(path):
+    def broken():
+        yield result(0)
+        raise KeyboardInterrupt
+
+    with Store(path, write=True) as store:
+        cells = store.register(small_study().plan(), {})
+        with pytest.raises(KeyboardInterrupt):
+            store.add(broken(), cells)
+        assert store.finished(cells[0]) == set()
+        store.add([result(0)], cells)
+        assert store.finished(cells[0]) == {0}
+
+
+def test_no_results_yet(path):
+    with pytest.raises(StudyError, match="there are no results at"):
+        Store(path)
+
+
+def test_a_newer_store_is_one_line(path):
+    Store(path, write=True).close()
+    with sqlite3.connect(path) as db:
+        db.execute(f"PRAGMA user_version = {SCHEMA + 1}")
+    for write in (False, True):
+        with pytest.raises(StudyError, match=rf"newer springpot \(schema {SCHEMA + 1}\)"):
+            Store(path, write=write)
+
+
+@pytest.mark.parametrize("write", [False, True])
+def test_garbage_and_strangers_are_one_line(path, write):
+    path.parent.mkdir()
+    path.write_bytes(b"not a database at all " * 100)
+    with pytest.raises(StudyError, match="damaged or no study store"):
+        Store(path, write=write)
+    path.unlink()
+    with sqlite3.connect(path) as db:
+        db.execute("CREATE TABLE recipes (name TEXT)")
+    with pytest.raises(StudyError, match="no study store"):
+        Store(path, write=write)
+
+
+def read_all(path):
+    with Store(path) as store:
+        return store.cells(), store.bests(), list(store.trials())
+
+
+@pytest.mark.parametrize("part", [0.15, 0.4, 0.7, 0.95])
+def test_a_truncated_store_is_one_line(path, part):
+    with Store(path, write=True) as store:
+        cells = store.register(small_study().plan(), {})
+        store.add([result(r, cell=c) for c in cells for r in range(200)], cells)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(part * len(whole))])
+    with pytest.raises(StudyError, match="damaged or no study store") as caught:
+        read_all(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_full_disk_is_one_line_and_keeps_what_is_there(path):
+    with Store(path, write=True) as store:
+        cells = store.register(small_study().plan(), {})
+        store.add([result(0)], cells)
+        pages = store._db.execute("PRAGMA page_count").fetchone()[0]
+        store._db.execute(f"PRAGMA max_page_count = {pages}")
+        with pytest.raises(StudyError, match="the disk is full"):
+            store.add([result(r) for r in range(1, 2000)], cells)
+        assert store.finished(cells[0]) == {0}
+
+
+def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(StudyError, match="cannot write"):
+        Store(tmp_path / "file" / "small.sqlite", write=True)
+
+
+def test_a_read_only_database_is_one_line(path, monkeypatch):
+    Store(path, write=True).close()
+    with Store(path) as store, pytest.raises(StudyError, match="no permission"):
+        store.register(small_study().plan(), {})

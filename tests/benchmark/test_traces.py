@@ -1,0 +1,136 @@
+"""What is kept of a run: every improvement, and on noisy data what it was worth without the noise."""
+
+import sqlite3
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
+
+from springpot import parse_model, plugins
+from springpot.benchmark import Store, run_study
+from springpot.benchmark.store import SCHEMA
+from springpot.benchmark.trace import at, geometric_grid, improvements
+from springpot.benchmark.trial import Bench
+from springpot.errors import StudyError
+from springpot.identification import Problem, Recorder, all_points, run, run_batch
+
+NOISY = artificial(0.05, "noisy")
+
+
+def rows_of(study, folder, label):
+    outcome = run_study(study, engine="serial", out=folder, quiet=True)
+    with Store(outcome.store) as store:
+        labels = {cell.id: cell.label for cell in store.cells()}
+        return [row for number, rows in store.trials() for row in rows if labels[number] == label]
+
+
+@pytest.mark.parametrize("name", ["walk", "pso-paper", "native", "cma-es", "nlopt-lbfgs"])
+def test_the_diary_holds_every_point_in_order(name, rng):
+    problem = Problem.of(parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper"))
+    optimiser = Walk() if name == "walk" else plugins().find("optimiser", name)
+    optimiser = optimiser() if isinstance(optimiser, type) else optimiser
+    done = run(optimiser, problem, 333, rng, diary=True)
+    points, factors = all_points(done.diary, problem.dimension)
+    assert points.shape == (done.evaluations, problem.dimension)
+    values = problem.evaluate(points) * factors
+    evaluations, kept = np.array(done.trace).T
+    # Stacked and single evaluations differ in the last bits.
+    lowest = np.minimum.accumulate(values)
+    assert values[evaluations.astype(int) - 1] == pytest.approx(kept, rel=1e-9)
+    assert lowest == pytest.approx(at(evaluations, kept, np.arange(1, len(values) + 1)), rel=1e-9)
+    assert run(optimiser, problem, 50, rng).diary is None
+
+
+def test_a_batch_of_runs_keeps_a_diary_for_each():
+    problem = Problem.of(parse_model("fractional-kelvin"), measurement(0.02), plugins().find("objective", "paper"))
+    swarm = plugins().find("optimiser", "pso-paper")()
+    together = run_batch(swarm, problem, 250, [np.random.default_rng(i) for i in range(3)], diary=True)
+    for i, done in enumerate(together):
+        alone = run(swarm, problem, 250, np.random.default_rng(i), diary=True)
+        for mine, other in zip(all_points(done.diary, 3), all_points(alone.diary, 3), strict=True):
+            assert np.array_equal(mine, other)
+
+
+def test_points_of_each_kind_are_counted_apart():
+    problem = Problem.of(parse_model("fractional-kelvin"), measurement(), plugins().find("objective", "paper"))
+    recorder = Recorder(problem, 20)
+    x = 0.5 * (problem.lower + problem.upper)
+    recorder(x)
+    recorder.gradient(x)
+    recorder.batch(np.tile(x, (5, 1)))
+    recorder.residual_batch(np.tile(x, (30, 1)))
+    assert (recorder.evaluations, recorder.gradients, recorder.batched) == (20, 14, 18)
+
+
+def test_noisy_data_have_a_recommendation_and_an_oracle_trace(tmp_path):
+    study = small_study(datasets=[NOISY], models=["own"], optimisers=[Walk()], budget=400)
+    plan = study.plan()
+    noisy = Bench(plan.cases[0]).problem
+    clean = replace(noisy, measurement=measurement())
+    for row in rows_of(study, tmp_path, "walk"):
+        again = run(Walk(), noisy, 400, np.random.default_rng(plan.stream(plan.cells[0], row.repetition)), diary=True)
+        points, _ = all_points(again.diary, noisy.dimension)
+        values = clean.evaluate(points)
+        seen = list(zip(*(column.tolist() for column in row.oracle_trace()), strict=True))
+        assert np.array(seen) == pytest.approx(np.array(improvements(values)))
+        evaluations, recommended = row.recommendations()
+        assert evaluations.tolist() == row.improvements()[0].tolist()
+        assert recommended == pytest.approx(values[evaluations - 1])
+        assert recommended[-1] == pytest.approx(row.oracle)
+        assert seen[-1][1] <= row.oracle
+        assert row.parameter_error == pytest.approx(max(abs(row.theta[k] / TRUTH[k] - 1) for k in TRUTH))
+
+
+def test_luck_with_the_noise_is_not_scored(tmp_path):
+    """On noisy data the best value seen is not what the recommended point is worth."""
+    study = small_study(datasets=[NOISY], models=["own"], optimisers=[Walk()], repetitions=8, budget=2000)
+    rows = rows_of(study, tmp_path, "walk")
+    assert any(np.any(np.diff(row.recommendations()[1]) > 0) for row in rows)
+    assert any(row.oracle_trace()[1][-1] < row.oracle for row in rows)
+
+
+def test_exact_data_are_their_own_oracle_and_measured_ones_have_none(tmp_path):
+    exact = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    for row in rows_of(exact, tmp_path / "exact", "walk"):
+        assert row.recommended == row.seen == b""
+        assert row.oracle_trace()[1].tolist() == row.recommendations()[1].tolist() == row.improvements()[1].tolist()
+    measured = small_study(datasets=[measurement(0.01)], models=["springpot"], optimisers=[Walk()])
+    for row in rows_of(measured, tmp_path / "measured", "walk"):
+        assert row.oracle_trace() is row.recommendations() is None
+
+
+def test_a_grid_is_geometric_and_ends_at_the_last_evaluation():
+    grid = geometric_grid(8000)
+    assert grid[0] == 1
+    assert grid[-1] == 8000
+    assert {10, 100, 1000} <= set(grid.tolist())
+    assert np.all(np.diff(grid) > 0)
+    assert len(grid) < 90
+    assert geometric_grid(1).tolist() == [1]
+    evaluations, values = np.array([2, 7]), np.array([5.0, 1.0])
+    assert at(evaluations, values, np.array([1, 2, 6, 7, 100])).tolist() == [np.inf, 5, 5, 1, 1]
+
+
+def old_store(folder):
+    """A store as the first release wrote it."""
+    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    path = run_study(study, engine="serial", out=folder, quiet=True).store
+    with sqlite3.connect(path) as db:
+        db.execute("ALTER TABLE trial DROP COLUMN batched")
+        db.execute("ALTER TABLE trace DROP COLUMN recommended")
+        db.execute("ALTER TABLE trace DROP COLUMN seen")
+        db.execute("PRAGMA user_version = 1")
+    return study, path
+
+
+def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path):
+    study, path = old_store(tmp_path)
+    with pytest.raises(StudyError, match="older springpot: run the study again, nothing is lost"):
+        Store(path)
+    again = run_study(study.with_options(repeats=5), engine="serial", out=tmp_path, quiet=True)
+    assert again.ran == 1
+    with Store(path) as store:
+        assert store._version() == SCHEMA
+        [(_, rows)] = store.trials()
+    assert [row.oracle_trace() is None for row in rows] == [True] * 4 + [False]

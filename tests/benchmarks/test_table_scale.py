@@ -1,0 +1,57 @@
+"""Size of the store and time of the tables at a thousand, ten thousand and a hundred thousand trials."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from time import process_time
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
+
+from synthetic import synthetic_store
+
+from springpot.benchmark import Store
+from springpot.benchmark.findings import TABLES, study_tables
+
+SIZES = {1000: (2, 10, 50), 10_000: (20, 10, 50), 100_000: (100, 20, 50)}
+SLACK = 2.0
+"""Cost per trial at the largest size over that at the middle one; a quadratic cost would give 10."""
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scale")
+    return {trials: synthetic_store(folder / f"{trials}.sqlite", *shape) for trials, shape in SIZES.items()}
+
+
+def seconds(path: Path, names: tuple[str, ...]) -> float:
+    """Processor time of some tables."""
+    with Store(path) as store:
+        start = process_time()
+        for _ in study_tables(store, names):
+            pass
+        return process_time() - start
+
+
+@pytest.mark.slow
+def test_store_and_tables_grow_linearly(stores, capsys):
+    sizes = {n: path.stat().st_size / n for n, path in stores.items()}
+    summary = {n: seconds(path, ("summary",)) for n, path in stores.items()}
+    everything = {n: seconds(path, TABLES) for n, path in stores.items()}
+    with capsys.disabled():
+        for n in stores:
+            print(
+                f"\n{n} trials: {sizes[n]:.0f} B each; summary {summary[n]:.2f} s, all tables {everything[n]:.2f} s"
+            )
+    assert max(sizes.values()) < 1.1 * min(sizes.values())
+    small, large = 10_000, 100_000
+    assert summary[large] / large < SLACK * summary[small] / small
+    assert everything[large] / large < SLACK * everything[small] / small
+
+
+@pytest.mark.benchmark(group="tables")
+@pytest.mark.parametrize("name", ["summary", "choice"])
+def test_one_table_of_ten_thousand_trials(benchmark, stores, name):
+    benchmark.pedantic(seconds, args=(stores[10_000], (name,)), rounds=3)

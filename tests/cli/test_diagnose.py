@@ -1,0 +1,224 @@
+"""``springpot diagnose``, ``discover``, ``compare`` and ``demo``: what they print, write and refuse."""
+
+import json
+
+import numpy as np
+import pytest
+
+from springpot.diagnosis import display
+
+OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
+CANDIDATE = {
+    "effect", "class", "probability", "delta_bic", "score", "verdict", "predicted_error", "error_after", "parameters",
+    "says",
+}  # fmt: skip
+
+
+def table(stiffness, header="frequency [Hz],storage [kN/m],loss [kN/m]"):
+    rows = [
+        f"{w / (2 * np.pi)!r},{k.real!r},{k.imag!r}" for w, k in zip(OMEGA.tolist(), stiffness.tolist(), strict=True)
+    ]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def damper(mass=0.0, delay=0.0, seed=7):
+    """A fractional Maxwell damper on a rig, with 1 % noise."""
+    s = 1j * OMEGA
+    exact = (1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5)) + mass * s**2) * np.exp(-delay * s)
+    rng = np.random.default_rng(seed)
+    return exact * (1 + 0.01 * (rng.normal(size=len(s)) + 1j * rng.normal(size=len(s))))
+
+
+@pytest.fixture
+def heavy(write):
+    return write(table(damper(mass=6e-4)), "heavy.csv")
+
+
+@pytest.fixture
+def sound(write):
+    return write(table(damper()), "sound.csv")
+
+
+def test_json_is_as_agreed(springpot, heavy):
+    answer = springpot("diagnose", heavy, "--model", "fractional-maxwell", "--json").json
+    assert answer["schema"] == "springpot.diagnosis/1"
+    assert (answer["data"], answer["model"]) == ("heavy", "fractional-maxwell")
+    assert set(answer["error"]) >= {"relative_rms", "noise_floor", "noise_source"}
+    assert answer["error"]["noise_source"] == "estimated"
+    assert answer["verdict"] == "effect-missing"
+    assert set(answer["where"][0]) >= {"plane", "condition", "from", "to", "size", "says"}
+    best = answer["candidates"][0]
+    assert set(best) >= CANDIDATE
+    assert (best["effect"], best["verdict"]) == ("inertia", "missing")
+    mass = best["parameters"]["m"]
+    assert mass["unit"] == "kg"
+    assert mass["low"] < mass["value"] < mass["high"]
+    assert mass["value"] == pytest.approx(0.6, rel=0.1)
+    assert {row["verdict"] for row in answer["candidates"]} <= {"missing", "absent", "cannot-tell"}
+    assert best["error_after"] < 0.1 * answer["error"]["relative_rms"]
+    assert "inertia" in answer["classes"][0]
+
+
+def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
+    answer = springpot("diagnose", heavy, "--model", "fractional-maxwell")
+    assert answer.code == 0
+    lines = answer.out.splitlines()
+    assert lines[0] == "fractional-maxwell of heavy: effect-missing"
+    assert "missing is inertia" in lines[1]
+    assert any(" -> " in line and "with inertia" in line and "x floor" in line for line in lines)
+    assert "where it fails:" in lines
+    [row] = [line for line in lines if line.startswith("inertia ")]
+    assert " kg" in row
+
+
+def test_nothing_missing_is_said_plainly(springpot, sound):
+    answer = springpot("diagnose", sound, "--model", "fractional-maxwell")
+    assert "nothing is missing down to the noise floor" in answer.out
+    assert "absent, or it would have been seen" in answer.out
+
+
+def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(springpot, heavy, sound, tmp_path):
+    answer = springpot("diagnose", heavy, tmp_path / "no.csv", sound, "-m", "fractional-maxwell", "--json")
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert "no.csv" in answer.err
+    lines = [json.loads(line) for line in answer.out.splitlines()]
+    assert [line["data"] for line in lines] == ["heavy", "sound"]
+    assert [line["verdict"] for line in lines] == ["effect-missing", "adequate"]
+
+
+def test_the_same_seed_gives_the_same_bits(springpot, heavy):
+    first, again = (springpot("diagnose", heavy, "-m", "fractional-maxwell", "--seed", "3", "--json") for _ in "ab")
+    assert first.out == again.out
+
+
+@pytest.mark.parametrize("way", [("--accept", "inertia"), ("--auto",)])
+def test_the_error_falls_to_the_floor(springpot, heavy, way):
+    answer = springpot("discover", heavy, "--model", "fractional-maxwell", *way, "--json").json
+    assert answer["schema"] == "springpot.discovery/1"
+    first, last = answer["steps"]
+    assert set(first) >= {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"}
+    assert (first["accepted"], first["predicted_error"]) == (None, None)
+    assert (last["accepted"], last["model"]) == ("inertia", "fractional-maxwell + inertia")
+    assert last["relative_rms"] / last["noise_floor"] == pytest.approx(1.0, abs=0.1)
+    assert answer["verdict"] == "adequate"
+    assert answer["diagnosis"]["model"] == last["model"]
+
+
+@pytest.mark.parametrize(
+    "effects", [("--accept", "inertia", "--accept", "time-delay"), ("--accept", "inertia", "time-delay")]
+)
+def test_effects_are_accepted_in_the_given_order(springpot, write, effects):
+    data = write(table(damper(mass=6e-4, delay=4e-4)))
+    answer = springpot("discover", data, "--model", "fractional-maxwell", *effects)
+    assert "fractional-maxwell + inertia + time-delay" in answer.out
+    assert "+ time-delay changed" in answer.out
+    assert "time-delay.tau" in answer.out
+
+
+def test_report_and_figure_are_written(springpot, heavy, tmp_path):
+    pytest.importorskip("matplotlib")
+    report, figure = tmp_path / "a.html", tmp_path / "a.png"
+    answer = springpot(
+        "discover", heavy, "-m", "fractional-maxwell", "--accept", "inertia", "--report", report, "--figure", figure
+    )
+    assert answer.code == 0
+    assert str(report) in answer.out
+    assert report.read_text(encoding="utf-8").endswith("</html>\n")
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), ("--auto", "--accept")),
+        (("--auto", "--accept", "inertia"), ("--auto", "--accept")),
+        (("--accept", "inertai"), ("unknown effect", "inertia")),
+        (("--auto", "--report", "a.txt"), (".html",)),
+        (("--auto", "--report", "no/a.html"), ("no folder",)),
+        (("--auto", "--figure", "a.bmp"), (".png",)),
+        (("--accept", "friction"), ("amplitude",)),
+    ],
+)
+def test_what_discover_cannot_do_is_one_line(springpot, heavy, arguments, words):
+    springpot("discover", heavy, "-m", "fractional-maxwell", *arguments).is_one_line(*words)
+
+
+@pytest.mark.parametrize("command", [("diagnose",), ("discover", "--auto"), ("compare",)])
+def test_too_few_points_is_one_line(springpot, write, command):
+    data = write("frequency [Hz],storage [kN/m],loss [kN/m]\n1,2,3\n")
+    springpot(command[0], data, *command[1:], "-m", "fractional-zener").is_one_line("points", "parameters")
+
+
+def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path):
+    pytest.importorskip("matplotlib")
+    models = ("-m", "fractional-maxwell", "-m", "fractional-maxwell + inertia")
+    answer = springpot("compare", heavy, *models, "--json").json
+    assert [model["fails"] for model in answer["models"]] == [True, False]
+    assert answer["best"] == "fractional-maxwell + inertia"
+    figure = tmp_path / "a.svg"
+    text = springpot("compare", heavy, *models, "--figure", figure)
+    assert "fractional-maxwell + inertia holds" in text.out
+    assert "fractional-maxwell fails" in text.out
+    assert figure.read_bytes().endswith(b"</svg>\n")
+
+
+def test_the_demonstration_tells_its_whole_story(springpot, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    from springpot.cli import demo
+
+    monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
+    answer = springpot("demo", "--out", tmp_path / "story")
+    assert answer.code == 0, answer.err
+    assert {path.name for path in (tmp_path / "story").iterdir()} >= {"ladder.png", "report.html", "story.txt"}
+    assert "fractional-maxwell + inertia + time-delay" in answer.out
+    assert "race of 5" in (tmp_path / "story" / "story.txt").read_text(encoding="utf-8")
+
+
+def test_the_race_of_the_demonstration_runs(tmp_path):
+    from springpot.cli.demo import _run
+    from springpot.hooks import Race
+
+    text = _run(
+        Race("small", ("artificial-fractional-kelvin",), ("native", "random-search"), "paper", 2, 60), tmp_path
+    )
+    assert "random-search" in text
+    assert (tmp_path / "small" / "small.sqlite").exists()
+
+
+def test_in_python_names_are_enough(heavy):
+    import springpot
+
+    data = springpot.read(heavy)
+    diagnosis = springpot.diagnose(data, "fractional-maxwell")
+    assert diagnosis.best.effect == "inertia"
+    ladder = springpot.discover(data, diagnosis.model, accept=[diagnosis.best.effect])
+    assert ladder.model.name == (diagnosis.model + "inertia").name
+    assert "<td>inertia</td>" in diagnosis._repr_html_().replace(' data-label="effect"', "")
+    assert "adequate" in ladder._repr_html_()
+
+
+def test_an_effect_of_the_users_own_takes_part(heavy):
+    import springpot
+    from springpot.rheology import Effect, Layer, mass, parallel
+
+    mine = Effect("my-flywheel", parallel, mass("m"), "a flywheel turns with the piston", Layer.MOUNTING, "none")
+    diagnosis = springpot.diagnose(springpot.read(heavy), "fractional-maxwell", effects=[mine])
+    [row] = [row for row in diagnosis.candidates if row.effect == "my-flywheel"]
+    assert "inertia" in row.alike
+    assert row.error_after == pytest.approx(diagnosis.candidates[0].error_after, rel=1e-3)
+
+
+def test_a_ladder_is_a_picture(heavy, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    import springpot
+
+    ladder = springpot.discover(springpot.read(heavy), "fractional-maxwell", accept=["inertia"])
+    assert ladder.plot(tmp_path / "a.svg").read_bytes().endswith(b"</svg>\n")
+    [axes] = ladder.plot().axes
+    assert axes.get_yscale() == "log"
+    [line] = [line for line in axes.lines if line.get_label() == "error"]
+    np.testing.assert_allclose(line.get_ydata(), [100 * step.relative_rms for step in ladder.steps])
+    monkeypatch.setattr(display, "_drawings", {})
+    with pytest.raises(springpot.errors.OutputError, match=r"import springpot\.api"):
+        ladder.plot()

@@ -1,0 +1,125 @@
+"""Data at the edge of what can be judged, and input that cannot be: no crash, one line, nothing invented."""
+
+import json
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, SWEEP, design, exact, measured
+
+import springpot
+from springpot.errors import DataError, ModelError, SpringpotError
+from springpot.report.jsontext import jsonable
+
+
+def quiet(diagnosis):
+    """Nothing is claimed, and the answer is valid JSON."""
+    assert diagnosis.verdict in ("adequate", "inconclusive")
+    assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
+    json.dumps(jsonable(diagnosis.to_dict()), allow_nan=False)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
+@pytest.mark.parametrize("points", [3, 4])
+def test_three_points_prove_nothing(points, known):
+    at = design(points)
+    data = measured(at, exact(KELVIN, at), known=known)
+    quiet(springpot.diagnose(data, KELVIN.name))
+    assert len(springpot.discover(data, KELVIN.name).steps) == 1
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_fewer_points_are_an_answer_or_one_line(points):
+    at = design(points)
+    try:
+        diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at)), KELVIN.name)
+    except SpringpotError as error:
+        message = str(error)
+    else:
+        message = ""
+        quiet(diagnosis)
+    assert "\n" not in message
+
+
+@pytest.mark.xfail(raises=ValueError, strict=False, reason="maximum of nothing, in the statistic of one frequency")
+@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
+def test_all_points_at_one_frequency(known):
+    at = design(1, low=2.0, high=2.0)
+    at = type(at)(np.repeat(at.omega, 20))
+    data = measured(at, exact(KELVIN, at), known=known)
+    quiet(springpot.diagnose(data, KELVIN.name))
+    assert len(springpot.discover(data, KELVIN.name).steps) == 1
+
+
+def test_friction_shows_at_one_frequency_over_amplitudes():
+    at = design(1, low=2.0, high=2.0, amplitudes=tuple(np.geomspace(0.1, 3.0, 20)))
+    diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at, "friction", 5.0)), KELVIN.name)
+    assert diagnosis.verdict == "effect-missing"
+    assert "friction" in diagnosis.best.alike
+
+
+def test_negative_loss_is_data_like_any_other():
+    """Late force makes the loss of a stiff specimen negative: a delay of the wrong sign."""
+    at = SWEEP
+    stiffness = (200.0 + 0.2j * at.omega) * np.exp(1j * at.omega * -1.5e-3)
+    assert (stiffness.imag < 0).any()
+    diagnosis = springpot.diagnose(measured(at, stiffness), "kelvin")
+    assert diagnosis.verdict == "effect-missing"
+    assert "time-delay" in diagnosis.best.alike
+    json.dumps(jsonable(diagnosis.to_dict()), allow_nan=False)
+
+
+def test_noise_that_makes_some_losses_negative_is_still_noise():
+    at = SWEEP
+    data = measured(at, 200.0 + 0.002j * at.omega, level=0.02)
+    assert (data.loss < 0).any()
+    quiet(springpot.diagnose(data, "kelvin"))
+
+
+def test_exact_data_need_nothing():
+    stiffness = exact(KELVIN, SWEEP)
+    quiet(springpot.diagnose(springpot.Measurement(SWEEP.omega, stiffness), KELVIN.name))
+
+
+def test_exact_data_with_something_hidden_name_it():
+    stiffness = exact(KELVIN, SWEEP, "inertia", 2e-4)
+    diagnosis = springpot.diagnose(springpot.Measurement(SWEEP.omega, stiffness), KELVIN.name)
+    assert diagnosis.best.effect == "inertia"
+
+
+@pytest.mark.parametrize(
+    ("model", "kind"),
+    [
+        ("fractional-kelvin + friction", DataError),
+        ("fractional-kelvin + arrhenius-shift", DataError),
+        ("fractional-kelvin + gravity", ModelError),
+        ("fractional-kelwin", ModelError),
+        ("", ModelError),
+        ("fractional-kelvin +", ModelError),
+    ],
+)
+def test_models_that_do_not_fit_the_data_are_told_in_one_line(model, kind):
+    data = measured(SWEEP, exact(KELVIN, SWEEP))
+    with pytest.raises(SpringpotError) as raised:
+        springpot.diagnose(data, model)
+    assert isinstance(raised.value, DataError | ModelError), kind
+    message = str(raised.value)
+    assert message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("effect", "says"), [("friction", "amplitude"), ("wlf-shift", "temperature"), ("gravity", "gravity")]
+)
+def test_effects_that_cannot_be_accepted_are_told_in_one_line(effect, says):
+    data = measured(SWEEP, exact(KELVIN, SWEEP))
+    with pytest.raises(SpringpotError) as raised:
+        springpot.discover(data, KELVIN.name, accept=[effect])
+    assert says in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_effects_whose_columns_are_missing_are_not_proposed():
+    diagnosis = springpot.diagnose(measured(SWEEP, exact(KELVIN, SWEEP, "hysteretic-loss", 15.0)), KELVIN.name)
+    needing = {"friction", "power-law-damper", "payne", "self-heating", "arrhenius-shift", "wlf-shift", "rig-drag"}
+    assert not needing & {c.effect for c in diagnosis.candidates}
+    assert not needing & {name for group in diagnosis.classes for name in group}

@@ -1,0 +1,125 @@
+"""Every effect, hidden in data at three sizes: barely visible, plain, and large.
+
+A size is the chi-square that the best base model leaves on noise-free data: the three mean the same for all effects.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hidden_data import AMPLITUDES, KELVIN, MAXWELL, SLOW, SWEEP, TEMPERATURES, WARM, WARM_FLUID, hidden
+
+import springpot
+
+PLACES = {
+    (KELVIN, SWEEP): "parallel-dashpot parallel-springpot relaxation-mode diffusion hysteretic-loss inertia basset "
+    "series-spring series-dashpot series-springpot retardation-mode time-delay phase-error filter-mismatch "
+    "fixture-resonance specimen-inertia specimen-inertia-fixed",
+    (MAXWELL, SWEEP): "parallel-spring",
+    (KELVIN, AMPLITUDES): "friction elasto-sliding power-law-damper dead-zone cubic-stiffness payne "
+    "intrinsic-nonlinearity self-heating backlash crosstalk",
+    (KELVIN, SLOW): "cubic-damping",
+    (KELVIN, TEMPERATURES): "arrhenius-shift wlf-shift vertical-shift",
+    (WARM_FLUID, TEMPERATURES): "entropic-spring",
+    (WARM, TEMPERATURES): "arrhenius-dashpot rig-drag",
+}
+"""A base and a design on which each effect can be seen; gain and clock errors are absorbed by every base."""
+WHERE = {effect: place for place, names in PLACES.items() for effect in names.split()}
+
+
+@cache
+def diagnosed(effect, chi2, seed=5):
+    base, at = WHERE[effect]
+    return springpot.diagnose(hidden(base, at, effect, chi2, seed, just=True), base.name)
+
+
+@pytest.mark.parametrize("effect", WHERE)
+def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
+    diagnosis = diagnosed(effect, 30.0)
+    assert diagnosis.verdict in ("effect-missing", "unexplained")
+    assert effect not in [c.effect for c in diagnosis.candidates if c.verdict == "absent"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", WHERE)
+def test_a_plain_effect_is_in_the_first_class(effect):
+    diagnosis = diagnosed(effect, 120.0)
+    assert diagnosis.verdict == "effect-missing"
+    assert effect in diagnosis.best.alike
+    assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
+
+
+REPLACED = pytest.mark.xfail(
+    strict=False, reason="six points a sweep: given and truthful, yet an estimate takes their place without a word"
+)
+FEW = ("self-heating", "cubic-damping", "entropic-spring", "arrhenius-dashpot", "rig-drag")
+
+
+@pytest.mark.parametrize("effect", WHERE)
+def test_a_large_effect_is_in_the_first_class(effect):
+    diagnosis = diagnosed(effect, 1000.0)
+    assert diagnosis.verdict == "effect-missing"
+    assert effect in diagnosis.best.alike
+    assert diagnosis.best.effect == effect or diagnosis.best.probability < 0.95
+
+
+@pytest.mark.parametrize("effect", WHERE)
+def test_a_large_effect_brings_the_error_to_the_floor(effect):
+    diagnosis = diagnosed(effect, 1000.0)
+    own = next(c for c in diagnosis.candidates if c.effect == effect)
+    degrees = 2 * len(WHERE[effect][1].omega)
+    fitted = np.sqrt(1.0 - (len(WHERE[effect][0].truth) + len(own.parameters)) / degrees)
+    assert 0.9 < own.error_after / (diagnosis.error.noise_floor * fitted) < 1.1
+    assert 0.9 * fitted < diagnosis.best.error_after / diagnosis.error.noise_floor < 1.1
+
+
+MISSED_SIZE = {
+    "elasto-sliding": "the linearised error is twice the realised one: its curve depends strongly on F / k",
+    "payne": "the linearised error is half as much again as the realised one",
+}
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        pytest.param(e, marks=pytest.mark.xfail(strict=False, reason=MISSED_SIZE[e])) if e in MISSED_SIZE else e
+        for e in (
+            "inertia",
+            "series-spring",
+            "time-delay",
+            "friction",
+            "self-heating",
+            "arrhenius-shift",
+            *MISSED_SIZE,
+        )
+    ],
+)
+def test_predicted_and_realised_error_agree(effect):
+    candidate = diagnosed(effect, 1000.0, seed=5).best
+    assert candidate.predicted_error == pytest.approx(candidate.error_after, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    "effect", ["inertia", "friction", "series-spring", *(pytest.param(e, marks=REPLACED) for e in FEW)]
+)
+def test_truthful_standard_deviations_are_believed(effect):
+    """However much is missing: the noise is as said, and nothing is doubtful."""
+    for chi2 in (30.0, 1000.0):
+        error = diagnosed(effect, chi2).error
+        assert error.noise_source == "given"
+        assert not error.doubt
+
+
+@pytest.mark.parametrize(("effect", "parameter", "truth"), [("inertia", "m", 2.2e-4)])
+def test_intervals_cover_the_truth(effect, parameter, truth):
+    """Ninety-five per cent intervals: of 20, fewer than 16 happens once in four hundred."""
+    base, at = WHERE[effect]
+    covered = 0
+    for seed in range(20):
+        diagnosis = springpot.diagnose(hidden(base, at, effect, 1000.0, seed=100 + seed), base.name)
+        own = next(c for c in diagnosis.candidates if c.effect == effect)
+        value = own.parameters[parameter]
+        # kN/m over (rad/s)^2 is Mg; kN/m times mm is N.
+        factor = {"kg": 1000.0, "N": 1.0}[value.unit]
+        covered += value.low <= factor * truth <= value.high
+    assert covered >= 16

@@ -1,0 +1,193 @@
+"""Nothing is invented: noise alone, noise misjudged, outliers, and structure that no effect of the library has."""
+
+import numpy as np
+import pytest
+from hidden_data import AMPLITUDES, KELVIN, LEVEL, SWEEP, ZENER, design, exact, hidden, measured
+
+import springpot
+
+FINE = design(60)
+WORDS = ("missing", "absent", "cannot-tell")
+
+
+def text(diagnosis):
+    """Everything that is said about the data."""
+    return " ".join([diagnosis.error.doubt, *diagnosis.notes, *(w.says for w in diagnosis.where)]).lower()
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
+def test_noise_alone_is_seldom_flagged_and_never_accepted(known):
+    """Two per cent may be flagged: of 24, more than two happens less than once in eighty."""
+    ladders = [
+        springpot.discover(measured(SWEEP, exact(KELVIN, SWEEP), seed=s, known=known), KELVIN.name) for s in range(24)
+    ]
+    assert [len(ladder.steps) for ladder in ladders] == [1] * 24
+    flagged = [ladder.diagnosis.verdict in ("effect-missing", "unexplained") for ladder in ladders]
+    assert sum(flagged) <= 2
+
+
+@pytest.mark.xfail(
+    strict=False,
+    reason="noise estimated from 24 points: of 200 draws 12 are flagged, and in these a mode is accepted",
+)
+@pytest.mark.parametrize("seed", [54, 164, 179])
+def test_an_unlucky_draw_of_unknown_noise_is_not_accepted_as_an_effect(seed):
+    data = measured(SWEEP, exact(KELVIN, SWEEP), seed=seed, known=False)
+    assert len(springpot.discover(data, KELVIN.name).steps) == 1
+
+
+@pytest.mark.parametrize("base", [KELVIN, ZENER], ids=lambda b: b.name)
+def test_noise_alone_over_amplitudes_is_left_alone(base):
+    for seed in range(4):
+        ladder = springpot.discover(measured(AMPLITUDES, exact(base, AMPLITUDES), seed=seed), base.name)
+        assert len(ladder.steps) == 1
+        assert ladder.verdict in ("adequate", "inconclusive")
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_misstated_sigma_is_doubted_and_invents_nothing(factor, seed):
+    data = measured(FINE, exact(KELVIN, FINE), seed=seed, said=LEVEL * factor)
+    diagnosis = springpot.diagnose(data, KELVIN.name)
+    assert diagnosis.verdict in ("adequate", "inconclusive")
+    assert "small" in diagnosis.error.doubt if factor < 1.0 else "large" in diagnosis.error.doubt
+    assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
+    assert len(springpot.discover(data, KELVIN.name).steps) == 1
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_misstated_sigma_hides_no_real_effect(factor):
+    data = hidden(KELVIN, FINE, "inertia", 2000.0, seed=2)
+    data = springpot.Measurement(data.omega, data.stiffness, sd=data.sd * factor, units=data.units)
+    diagnosis = springpot.diagnose(data, KELVIN.name)
+    assert diagnosis.verdict == "effect-missing"
+    assert "inertia" in diagnosis.best.alike
+
+
+OUTLIERS = [(10, 40), (3, 57), (29, 30)]
+
+
+def spoilt(known, rows):
+    """Two points off by 15 per cent, one in loss and one in storage."""
+    data = measured(FINE, exact(KELVIN, FINE), seed=4, known=known)
+    stiffness = data.stiffness.copy()
+    stiffness[list(rows)] *= np.array([1.0 + 0.15j, 0.85])
+    return springpot.Measurement(data.omega, stiffness, sd=data.sd, units=data.units)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
+@pytest.mark.parametrize("rows", OUTLIERS)
+def test_two_outliers_are_no_missing_effect(known, rows):
+    diagnosis = springpot.diagnose(spoilt(known, rows), KELVIN.name)
+    assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
+    assert diagnosis.verdict != "effect-missing"
+
+
+@pytest.mark.xfail(strict=False, reason="the two places are told, but not that each is one point")
+@pytest.mark.parametrize("rows", OUTLIERS)
+def test_two_outliers_are_named_as_such(rows):
+    diagnosis = springpot.diagnose(spoilt(True, rows), KELVIN.name)
+    assert "outl" in text(diagnosis) or "single point" in text(diagnosis)
+
+
+@pytest.mark.parametrize("rows", OUTLIERS)
+@pytest.mark.parametrize(
+    "known",
+    [
+        pytest.param(
+            True, marks=pytest.mark.xfail(strict=False, reason="a retardation mode or a series springpot is accepted")
+        ),
+        False,
+    ],
+    ids=["sigma-known", "sigma-unknown"],
+)
+def test_discovery_accepts_nothing_because_of_two_outliers(known, rows):
+    assert len(springpot.discover(spoilt(known, rows), KELVIN.name).steps) == 1
+
+
+F = FINE.omega / (2.0 * np.pi)
+STRANGE = {
+    "gain step": np.where(F > 3.0, 1.12, 1.0),
+    "notch": 1.0 - 0.15 * np.exp(-0.5 * (np.log(F / 6.0) / 0.12) ** 2),
+    "ripple": 1.0 + 0.06 * np.sin(2.0 * np.pi * 1.7 * np.log10(F)),
+    "phase ripple": np.exp(0.06j * np.sin(2.0 * np.pi * 1.7 * np.log10(F))),
+    "fast ripple": 1.0 + 0.05 * np.sin(2.0 * np.pi * 4.0 * np.log10(F)),
+}
+TAKEN_FOR_NOISE = pytest.mark.xfail(
+    strict=False, reason="five points a period: taken for noise even where the given sigma is a third of it"
+)
+NOWHERE = pytest.mark.xfail(strict=False, reason="unexplained at 0.95 x the floor, and no place is told")
+FOLDED = pytest.mark.xfail(strict=False, reason="three effects are accepted before it is called unexplained")
+
+
+def marked(**marks):
+    return [pytest.param(kind, marks=marks.get(kind.replace(" ", "_"), ())) for kind in STRANGE]
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
+@pytest.mark.parametrize("kind", marked(fast_ripple=TAKEN_FOR_NOISE))
+def test_structure_outside_the_library_is_unexplained(kind, known):
+    data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6, known=known)
+    diagnosis = springpot.diagnose(data, KELVIN.name)
+    assert diagnosis.verdict == "unexplained"
+    assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
+
+
+@pytest.mark.parametrize("kind", marked(fast_ripple=TAKEN_FOR_NOISE, ripple=NOWHERE, phase_ripple=NOWHERE))
+def test_structure_outside_the_library_is_shown_where_it_is(kind):
+    data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6)
+    assert springpot.diagnose(data, KELVIN.name).where
+
+
+@pytest.mark.parametrize("kind", marked(fast_ripple=TAKEN_FOR_NOISE, gain_step=FOLDED))
+def test_structure_outside_the_library_is_not_folded_into_the_model(kind):
+    data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6)
+    ladder = springpot.discover(data, KELVIN.name)
+    assert ladder.verdict == "unexplained"
+    assert len(ladder.steps) == 1
+
+
+@pytest.mark.parametrize(("effect", "at"), [("inertia", SWEEP), ("friction", AMPLITUDES), (None, SWEEP)])
+def test_every_candidate_has_a_verdict_and_what_is_absent_a_bound(effect, at):
+    data = measured(at, exact(KELVIN, at)) if effect is None else hidden(KELVIN, at, effect, 200.0)
+    diagnosis = springpot.diagnose(data, KELVIN.name)
+    assert diagnosis.candidates
+    for candidate in diagnosis.candidates:
+        assert candidate.verdict in WORDS
+        assert 0.0 <= candidate.probability <= 1.0
+        assert candidate.effect in candidate.alike
+        assert candidate.says
+        if candidate.verdict == "absent":
+            assert np.isfinite(candidate.bound)
+            assert candidate.bound > 0.0
+    missing = [c.effect for c in diagnosis.candidates if c.verdict == "missing"]
+    assert missing in ([], [diagnosis.best.effect] if diagnosis.best else [])
+
+
+def test_what_is_absent_would_have_been_seen_at_three_times_its_bound():
+    """The bound is a share of |K|: the same data with the effect three times as large as its bound show it."""
+    clean = springpot.diagnose(measured(SWEEP, exact(KELVIN, SWEEP), seed=8), KELVIN.name)
+    found = {c.effect: c for c in clean.candidates if c.verdict == "absent"}
+    assert "inertia" in found
+    reach = np.sqrt(np.mean(np.abs(SWEEP.omega**2 / exact(KELVIN, SWEEP)) ** 2))
+    heavy = exact(KELVIN, SWEEP, "inertia", 3.0 * found["inertia"].bound / reach)
+    seen = springpot.diagnose(measured(SWEEP, heavy, seed=8), KELVIN.name)
+    assert seen.verdict == "effect-missing"
+    assert "inertia" in seen.best.alike
+
+
+@pytest.mark.parametrize("effect", ["inertia", "basset", "parallel-springpot", "series-springpot"])
+def test_free_orders_stay_between_spring_and_dashpot(effect):
+    diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, effect, 1000.0), KELVIN.name)
+    orders = [v for c in diagnosis.candidates for n, v in c.parameters.items() if n.rpartition(".")[2] == "alpha"]
+    assert orders
+    for order in orders:
+        assert 0.0 <= order.low <= order.value <= order.high <= 1.0
+
+
+def test_what_is_said_has_numbers_and_hertz():
+    diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, "inertia", 1000.0), KELVIN.name)
+    assert diagnosis.where
+    assert any("Hz" in where.says and "storage" in where.says for where in diagnosis.where)
+    assert diagnosis.next_experiment is not None
+    assert set(diagnosis.next_experiment.separates) <= set(diagnosis.best.alike)

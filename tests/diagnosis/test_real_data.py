@@ -1,0 +1,149 @@
+"""Measured data whose missing physics is known from their publications or from how the device works."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import SpringpotError
+from springpot.registry import plugins
+
+SHARED = Path(
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+)
+SHIFTS = {"arrhenius-shift", "wlf-shift"}
+RUBBING = {"friction", "elasto-sliding"}
+
+
+@pytest.fixture
+def shared(monkeypatch):
+    """Opens a shared data set, or skips."""
+
+    def read(spec):
+        if spec != "nist-srm2491" and not (SHARED / spec.partition("@")[0]).is_dir():
+            pytest.skip(f"no {spec} among the shared data (SPRINGPOT_DATA)")
+        return springpot.read(spec)
+
+    # Folders of data sets are read when the plugins are loaded, which happens once.
+    monkeypatch.setenv("SPRINGPOT_DATA", str(SHARED))
+    plugins.cache_clear()
+    yield read
+    plugins.cache_clear()
+
+
+BANDED = "friction-damper-brfd-lehigh@band_tension=36"
+KNOWN = {}
+
+
+def judged(shared, spec, model):
+    """The diagnosis of a data set, made once."""
+    if (spec, model) not in KNOWN:
+        KNOWN[spec, model] = springpot.diagnose(shared(spec), model)
+    return KNOWN[spec, model]
+
+
+def missing(diagnosis):
+    return {c.effect for c in diagnosis.candidates if c.verdict == "missing"}
+
+
+def test_a_polymer_melt_at_six_temperatures_lacks_a_shift(shared):
+    diagnosis = springpot.diagnose(shared("nist-srm2491"), "maxwell-4")
+    assert diagnosis.verdict == "effect-missing"
+    assert set(diagnosis.best.alike) & SHIFTS
+    assert "too large" in diagnosis.error.doubt
+    before, after = diagnosis.error.relative_rms, diagnosis.best.error_after
+    assert after < before / 10.0
+
+
+def test_discovery_finds_both_shifts_of_the_melt(shared):
+    """NIST reduced these data by a horizontal and a vertical (density) shift."""
+    ladder = springpot.discover(shared("nist-srm2491"), "maxwell-5")
+    assert ladder.steps[1].accepted in SHIFTS
+    assert [step.accepted for step in ladder.steps[2:]] == ["vertical-shift"]
+    assert ladder.verdict == "adequate"
+
+
+def test_the_shift_of_the_melt_is_that_of_its_certificate(shared):
+    """ln a_T = -C1 (T - 25) / (C2 + T - 25) with C1 = 6.64 and C2 = 299.4 K, beside a vertical shift (SP 260-147)."""
+    data = shared("nist-srm2491")
+    ladder = springpot.discover(data, "maxwell-5", accept=["wlf-shift", "vertical-shift"])
+    values = ladder.to_dict()["steps"][-1]["parameters"]
+    c1, c2 = (values[f"wlf-shift.{name}"]["value"] for name in ("C1", "C2"))
+    celsius = np.array([0.0, 10.0, 20.0, 25.0, 30.0, 40.0, 50.0])
+    away = celsius + 273.15 - data.reference_temperature
+    found = -np.log(10.0) * c1 * away / (c2 + away)
+    found -= found[3]
+    published = -6.64 * (celsius - 25.0) / (299.4 + celsius - 25.0)
+    np.testing.assert_allclose(found, published, atol=0.03)
+    assert ladder.steps[-1].relative_rms < 0.05 * ladder.steps[0].relative_rms
+
+
+def test_a_banded_friction_damper_rubs(shared):
+    for model in ("kelvin", "fractional-kelvin"):
+        diagnosis = judged(shared, BANDED, model)
+        assert diagnosis.verdict == "effect-missing"
+        assert diagnosis.best.effect in RUBBING
+
+
+@pytest.mark.xfail(strict=False, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it")
+@pytest.mark.parametrize("model", ["kelvin", "fractional-kelvin"])
+def test_a_banded_friction_damper_has_nothing_else_that_ten_points_prove(shared, model):
+    assert missing(judged(shared, BANDED, model)) <= RUBBING | {"backlash", "payne"}
+
+
+def test_the_friction_force_of_the_banded_damper(shared):
+    """|F1| = 4 F / pi is 18.4 to 20.7 kN in nine of ten runs: F near 15 kN."""
+    data = shared(BANDED)
+    ladder = springpot.discover(data, "kelvin", accept=["elasto-sliding"])
+    values = ladder.to_dict()["steps"][-1]["parameters"]
+    assert values["elasto-sliding.F"]["unit"] == "N"
+    assert values["elasto-sliding.F"]["value"] == pytest.approx(15e3, rel=0.15)
+
+
+@pytest.mark.parametrize("current", [0.5, 1.0])
+def test_a_magnetorheological_damper_yields_like_friction(shared, current):
+    diagnosis = springpot.diagnose(shared(f"mr-damper-utfsm-sinusoid@current={current:g}"), "kelvin")
+    assert diagnosis.verdict == "effect-missing"
+    assert RUBBING & set(diagnosis.best.alike)
+    force = diagnosis.best.parameters["F"].value
+    assert force == pytest.approx({0.5: 900.0, 1.0: 1600.0}[current] * np.pi / 4.0, rel=0.35)
+
+
+def test_a_filled_elastomer_softens_with_amplitude(shared):
+    data = shared("elastomer-epdm-70-dma-payne")
+    sweeps = data.subset(np.char.startswith(data.labels["run"].astype(str), "sd_"))
+    diagnosis = springpot.diagnose(sweeps, "springpot")
+    assert diagnosis.verdict == "effect-missing"
+    assert diagnosis.best.effect == "payne"
+    assert diagnosis.best.error_after < 0.5 * diagnosis.error.relative_rms
+
+
+@pytest.mark.xfail(strict=False, reason="a power-law damper is called missing beside it, at a worse BIC than without")
+def test_a_filled_elastomer_needs_nothing_but_its_softening(shared):
+    data = shared("elastomer-epdm-70-dma-payne")
+    sweeps = data.subset(np.char.startswith(data.labels["run"].astype(str), "sd_"))
+    assert missing(springpot.diagnose(sweeps, "springpot")) == {"payne"}
+
+
+@pytest.mark.xfail(raises=ValueError, strict=False, reason="maximum of nothing, in the statistic of one frequency")
+def test_a_filled_elastomer_at_one_frequency(shared):
+    diagnosis = springpot.diagnose(shared("elastomer-epdm-70-dma-payne@run=sd_10hz"), "springpot")
+    assert diagnosis.verdict == "effect-missing"
+    assert {"payne", "elasto-sliding", "cubic-stiffness"} & set(diagnosis.best.alike)
+
+
+def test_the_bad_highest_frequency_of_a_soft_solid_is_found(shared):
+    """Loss is negative at 100 Hz alone: no effect is proven by it, but the place is told."""
+    data = shared("hermes-multi-technique@step=frequency")
+    assert data.loss[np.argmax(data.omega)] < 0 < np.sort(data.loss)[1]
+    diagnosis = springpot.diagnose(data, "fractional-kelvin")
+    assert diagnosis.verdict in ("effect-missing", "unexplained")
+    assert any("loss modulus" in w.says and "too high" in w.says and w.high > 99.0 for w in diagnosis.where)
+    assert not missing(diagnosis) - {"inertia", "specimen-inertia", "time-delay", "filter-mismatch"}
+
+
+def test_a_set_without_temperatures_refuses_a_shift_in_one_line(shared):
+    with pytest.raises(SpringpotError, match="temperature"):
+        springpot.discover(shared("mr-damper-utfsm-sinusoid@current=1"), "kelvin", accept=["wlf-shift"])

@@ -1,0 +1,8 @@
+import springpot_example
+
+from springpot.testing import PluginContract
+
+
+class TestExample(PluginContract):
+    plugin = springpot_example
+    passive = True

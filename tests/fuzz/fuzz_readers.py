@@ -1,0 +1,116 @@
+"""Coverage-guided fuzzing of one reader: ``python tests/fuzz/fuzz_readers.py READER [SECONDS] [libFuzzer options]``.
+
+Needs the extra ``fuzz`` (atheris). A reader may answer with a measurement or a one-line DataError, nothing else, and
+within ten seconds and two gigabytes. Seeds are the small files of every layout that the tests are made of.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+import warnings
+import zipfile
+from pathlib import Path
+
+import atheris
+
+TESTS = Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "plugins")]
+
+with atheris.instrument_imports(include=["springpot_plugins.readers", "springpot.measurement"]):
+    from springpot.errors import DataError
+    from springpot.measurement import Choice
+    from springpot_plugins.readers import springpot_readers
+
+from readers import samples  # noqa: E402
+
+READERS = {reader.name: reader for reader in springpot_readers()}
+CHOICES = (
+    Choice(),
+    Choice("1"),
+    Choice("", {"1": "omega[rad/s]", "2": "storage[Pa]", "3": "loss[Pa]"}),
+    Choice("2-3", {"frequency": "Hz", "storage": "MPa"}),
+    Choice("", {"frequency": "1 [Hz]"}),
+    Choice("", {"1": "time[s]", "2": "displacement[mm]", "3": "force[N]"}),
+)
+SHEET = "xl/worksheets/sheet1.xml"
+_BOOK = samples.xlsx()
+
+
+def seeds() -> dict[str, list[bytes]]:
+    """Files of each format."""
+    hertz = samples.table("f, E_stor, E_loss\nHz, MPa, MPa").encode()
+    plain = samples.table("frequency [Hz],storage [kN/m],loss [kN/m]").encode()
+    wide = samples.table("Kreisfrequenz in rad/s;Speichermodul in Pa;Verlustmodul in Pa", ";", ",").encode("utf-16")
+    with zipfile.ZipFile(io.BytesIO(_BOOK)) as archive:
+        sheet = archive.read(SHEET)
+    few = slice(0, 40)
+    arrays = {"t_s": samples.TIME[few], "disp_mm": samples.MOVED[few], "force_kN": samples.PULLED[few]}
+    signals = samples.rows(list(arrays.values())).encode()
+    return {
+        "springpot-csv": [plain],
+        "signals-csv": [b"time [s],displacement [mm],force [N]\n" + signals, b"t_s,disp_mm,force_N\n" + signals],
+        "rheocompass": [samples.rheocompass_short(), samples.rheocompass_full(), samples.rheoplus()],
+        "trios": [samples.trios(), samples.trios("\t")],
+        "trios-lims": [samples.trios_lims()],
+        "trios-json": [samples.trios_json(), samples.trios_json(official=False)],
+        "malvern": [samples.malvern()],
+        "reptate": [samples.reptate(), samples.reptate(True)],
+        "reptate-laos": [b"omega=2.0;gamma=1.0;\n" + signals.replace(b",", b"\t")],
+        "excel": [_BOOK, b"\x01" + sheet],
+        "signals-mat": [samples.mat(**arrays), samples.mat(False, **arrays), samples.mat(False, run=arrays)],
+        "signals-tdms": [samples.tdms()],
+        "table": [hertz, plain, wide, samples.moduli(" ").encode()],
+    }
+
+
+def workbook(sheet: bytes) -> bytes:
+    """The workbook with other contents of its sheet, so that the fuzzer need not find out how zip archives sum up."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(_BOOK)) as old, zipfile.ZipFile(stream, "w") as new:
+        for entry in old.infolist():
+            new.writestr(entry.filename, sheet if entry.filename == SHEET else old.read(entry))
+    return stream.getvalue()
+
+
+def main() -> None:
+    """Fuzz until the time is over."""
+    name = sys.argv[1]
+    reader, folder = READERS[name], Path(tempfile.mkdtemp())
+    path = folder / "input"
+    warnings.simplefilter("error", RuntimeWarning)
+
+    def one(data: bytes) -> None:
+        content = workbook(data[1:]) if name == "excel" and data[:1] == b"\x01" else data
+        assert 0.0 <= reader.recognises(content[: 1 << 16]) <= 1.0
+        path.write_bytes(content)
+        read = reader.read if reader.signals is None else reader.signals
+        choice = CHOICES[len(data) % len(CHOICES)]
+        for action in (lambda: read(path, choice), lambda: reader.parts and reader.parts(path)):
+            try:
+                action()
+            except DataError as error:
+                if "\n" in str(error):
+                    raise ValueError(f"not one line: {error}") from error
+
+    corpus = folder / "corpus"
+    corpus.mkdir()
+    for i, content in enumerate(seeds()[name]):
+        # One of each length, so that each seed meets each choice.
+        for more in range(len(CHOICES)):
+            (corpus / f"{i}-{more}").write_bytes(content + b"\n" * more)
+    seconds = sys.argv[2] if len(sys.argv) > 2 else "60"
+    options = [
+        "-max_len=20000",
+        "-timeout=10",
+        "-rss_limit_mb=2048",
+        f"-max_total_time={seconds}",
+        f"-artifact_prefix={folder}/",
+    ]
+    atheris.Setup([sys.argv[0], *options, *sys.argv[3:], str(corpus)], one)
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""Intervals: they cover the truth as often as they say, and say so where the data give none."""
+
+import numpy as np
+import pytest
+from native_problems import OMEGA, noisy, setup
+from scipy.optimize import least_squares
+
+from springpot.identification import Uncertainty, bootstrap, fit, profile
+from springpot.identification.uncertainty import student
+from springpot.measurement import Measurement
+from springpot.registry import parse_model
+
+TRIALS = 300
+
+
+@pytest.mark.parametrize("given", [False, True], ids=["scatter", "given-sd"])
+@pytest.mark.parametrize("name", ["fractional-kelvin", "fractional-zener"])
+def test_coverage_is_that_of_the_level(name, given, rng):
+    model, theta, data = setup(name)
+    sd = 0.004 * data.magnitude
+    inside = np.zeros(len(theta))
+    for _ in range(TRIALS):
+        measured = noisy(data.stiffness, 0.004, rng)
+        found = fit(model, Measurement(OMEGA, measured, sd=sd * (1 + 1j) if given else None))
+        low, high = Uncertainty.of(found).interval()
+        inside += (low <= theta) & (theta <= high)
+    # Three standard errors of a binomial proportion around 0.95.
+    assert inside / TRIALS == pytest.approx(0.95, abs=3.0 * np.sqrt(0.95 * 0.05 / TRIALS))
+
+
+@pytest.fixture
+def found(rng):
+    model, _, data = setup("fractional-kelvin")
+    return fit(model, Measurement(OMEGA, noisy(data.stiffness, 0.01, rng)))
+
+
+def test_profile_agrees_with_the_jacobian_where_the_model_is_nearly_linear(found):
+    low, high = Uncertainty.of(found).interval()
+    for i, name in enumerate(found.model.names):
+        ends = profile(found, name)
+        assert ends == pytest.approx((low[i], high[i]), rel=0.01)
+        assert ends[0] < found.theta[i] < ends[1]
+
+
+def test_profile_ends_where_the_objective_has_risen_enough(found):
+    low, _ = profile(found, "alpha")
+    held = parse_model("fractional-kelvin")
+    allowed = found.cost * (1.0 + student(0.95, found.dof) ** 2 / found.dof)
+    base = found.measurement
+    weights = found.objective.weights(base)
+    design = np.stack([np.ones(len(OMEGA), dtype=complex), (1j * OMEGA) ** low])
+    rows = np.concatenate([design.real * weights.real, design.imag * weights.imag], axis=1)
+    target = np.concatenate([base.stiffness.real * weights.real, base.stiffness.imag * weights.imag])
+    best = np.linalg.lstsq(rows.T, target, rcond=None)[1][0]
+    assert held.names[2] == "alpha"
+    assert best == pytest.approx(allowed, rel=1e-3)
+
+
+def test_the_profile_of_a_springpot_s_constant_holds_the_constant_itself(rng):
+    # The solver's coordinate, c omega^alpha, would let c move with alpha; far from linear the two differ much.
+    model, _, data = setup("fractional-maxwell")
+    found = fit(model, Measurement(OMEGA, noisy(data.stiffness, 0.05, rng)))
+    allowed = found.cost * (1.0 + student(0.95, found.dof) ** 2 / found.dof)
+    for end in profile(found, "c"):
+
+        def rest(x, end=end):
+            difference = model.stiffness(np.array([x[0], end, x[1]]), OMEGA) / found.measurement.stiffness - 1.0
+            return np.concatenate([difference.real, difference.imag])
+
+        best = least_squares(rest, found.theta[[0, 2]], x_scale=[100.0, 0.1], xtol=1e-12, ftol=1e-12)
+        assert 2.0 * best.cost == pytest.approx(allowed, rel=2e-3)
+
+
+@pytest.mark.parametrize("parametric", [True, False])
+def test_bootstrap_spread_agrees_with_the_jacobian(found, rng, parametric):
+    drawn = bootstrap(found, 500, rng, parametric=parametric)
+    low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
+    ends = Uncertainty.of(found).interval()
+    assert drawn.shape == (500, 3)
+    assert high - low == pytest.approx(ends[1] - ends[0], rel=0.3)
+
+
+def test_bootstrap_is_the_same_for_the_same_seed(found):
+    one, other = (bootstrap(found, 20, np.random.default_rng(1)) for _ in range(2))
+    assert one.tobytes() == other.tobytes()
+
+
+def test_what_the_data_do_not_determine_has_no_end():
+    # In series with another spring only the sum of the two compliances can be seen.
+    model = parse_model("fractional-maxwell + series-spring")
+    theta = model.vector(dict(zip(model.names, [400.0, 150.0, 0.6, 800.0], strict=True)))
+    known = Uncertainty.of(fit(model, Measurement(OMEGA, model.stiffness(theta, OMEGA))))
+    low, high = known.interval()
+    lost = [i for i, p in enumerate(model.parameters) if p.unit.stiffness and not isinstance(p.unit.time, str)]
+    assert np.all(np.isinf(high[lost]))
+    assert np.all(low[lost] == 0.0)
+    assert np.all(np.isfinite(high[[1, 2]]))
+
+
+@pytest.mark.parametrize("seed", [2, 3, 9])
+def test_a_parameter_that_is_zero_has_a_one_sided_interval(seed):
+    # The data are those of a Maxwell element: the parallel spring of the Zener model is not there.
+    _, _, data = setup("fractional-maxwell")
+    zener = parse_model("fractional-zener")
+    found = fit(zener, Measurement(OMEGA, noisy(data.stiffness, 0.01, np.random.default_rng(seed))))
+    assert found.theta[0] < 1e-6
+    low, high = Uncertainty.of(found).interval()
+    assert low[0] == 0.0
+    assert profile(found, "k1")[0] == 0.0
+    assert profile(found, "k1")[1] == pytest.approx(high[0], rel=0.4)
+
+
+def test_intervals_of_positive_parameters_stay_positive_and_orders_in_bounds(rng):
+    model, theta, _ = setup("fractional-zener")
+    omega = OMEGA[::4]
+    for seed in range(20):
+        measured = noisy(model.stiffness(theta, omega), 0.05, np.random.default_rng(seed))
+        low, high = Uncertainty.of(fit(model, Measurement(omega, measured))).interval()
+        assert np.all(low >= 0.0)
+        assert high[3] <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("dof", "expected"), [(1, 12.7062), (2, 4.30265), (3, 3.18245), (10, 2.22814), (100, 1.98397), (np.inf, 1.95996)]
+)
+def test_student_quantiles(dof, expected):
+    # Tabulated values; the expansion is worst at three degrees of freedom.
+    assert student(0.95, dof) == pytest.approx(expected, rel=2e-3)
+
+
+def test_no_degrees_of_freedom_no_interval():
+    model, _, data = setup("fractional-zener")
+    known = Uncertainty.of(fit(model, data.subset(np.array([0, 13]))))
+    low, high = known.interval()
+    assert np.all(low[:3] == 0.0)
+    assert np.all(np.isinf(high[:3]))

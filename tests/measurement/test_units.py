@@ -1,0 +1,47 @@
+import pytest
+
+from springpot.errors import DataError
+from springpot.measurement import FREQUENCY_UNITS, MODULUS_UNITS, known_unit, temperature_in_celsius
+
+
+@pytest.mark.parametrize(
+    ("written", "unit", "si"),
+    [
+        ("kN/m", "kN/m", 1e3),
+        ("N/μm", "N/um", 1e6),
+        ("kgf/mm", "kgf/mm", 9806.65),
+        ("lbf/in", "lbf/in", 175.12683524647636),
+        ("N·m/rad", "N m/rad", 1.0),
+        ("Nm/rad", "N m/rad", 1.0),
+        ("N m^-1", "N/m", 1.0),
+        ("N/mm²", "N/mm^2", 1e6),
+        ("Mpa", None, None),
+        ("MPa", "MPa", 1e6),
+        ("mPa", "mPa", 1e-3),
+        ("kpa", "kPa", 1e3),
+    ],
+)
+def test_spellings_and_factors(written, unit, si):
+    if unit is None:
+        with pytest.raises(DataError, match=r"\[MPa\] or \[mPa\]"):
+            known_unit(written, MODULUS_UNITS, "storage")
+        return
+    assert known_unit(written, MODULUS_UNITS, "storage") == unit
+    assert MODULUS_UNITS[unit] == pytest.approx(si, rel=1e-12)
+
+
+def test_an_unknown_unit_names_the_nearest():
+    with pytest.raises(DataError, match=r"did you mean \[Hz\]"):
+        known_unit("Hzz", FREQUENCY_UNITS, "frequency")
+
+
+def test_cycles_per_second_and_radians_per_second_are_never_mixed():
+    with pytest.raises(DataError):
+        known_unit("1/s", FREQUENCY_UNITS, "frequency")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "celsius"), [(293.15, "K", 20.0), (68.0, "degF", 20.0), (20.0, "degC", 20.0)]
+)
+def test_temperatures(value, unit, celsius):
+    assert temperature_in_celsius(value, unit) == pytest.approx(celsius)

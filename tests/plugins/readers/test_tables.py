@@ -1,0 +1,284 @@
+"""Generic tables: names, symbols, units and signs of any kind; what is left open is asked for, never guessed."""
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+
+from .samples import OMEGA, STIFFNESS, moduli, rows, table
+
+HERTZ = OMEGA / (2 * np.pi)
+
+
+def same(found, stiffness=STIFFNESS, unit="Pa"):
+    np.testing.assert_allclose(found.omega, OMEGA, rtol=1e-10)
+    np.testing.assert_allclose(found.stiffness, stiffness, rtol=1e-10)
+    assert found.units.stiffness == unit
+
+
+HEADERS = [
+    "Angular frequency / rad/s,Storage modulus / Pa,Loss modulus / Pa",
+    "Angular Frequency (rad/s),Storage Modulus (Pa),Loss Modulus (Pa)",
+    "Angular frequency_rad/s,Storage modulus_Pa,Loss modulus_Pa",
+    "omega_rad/s,Gp_Pa,Gpp_Pa",
+    "omega_rad_s,storage_Pa,loss_Pa",
+    "angular_frequency_rad_per_s,storage_modulus_pa,loss_modulus_pa",
+    "ω [rad/s],G' [Pa],G'' [Pa]",
+    "ω [rad/s],G′ [Pa],G″ [Pa]",
+    "ω [rad/s],G' [Pa],G\" [Pa]",
+    "w (rad/s),G_prime (Pa),G_double_prime (Pa)",
+    "w [1/s],E_stor [Pa],E_loss [Pa]".replace("1/s", "rad s^-1"),
+    "ω / rad·s⁻¹,G' / Pa,G'' / Pa",
+    "omega [rad s-1],G' [Pa],G'' [Pa]",
+    "Storage modulus G' is next,omega [rad/s],G' [Pa],G'' [Pa]".partition(",")[2],
+    "Pulsation [rad/s],Module de conservation G' [Pa],Module de perte G'' [Pa]",
+    "Fréquence angulaire (rad/s),Module de Stockage (Pa),Module de Perte (Pa)",
+    "Kreisfrequenz in rad/s,Speichermodul in Pa,Verlustmodul in Pa",
+    "Frecuencia angular [rad/s],Módulo de almacenamiento [Pa],Módulo de pérdida [Pa]",
+    "角周波数 [rad/s],貯蔵弾性率 [Pa],損失弾性率 [Pa]",
+    "Kreisfrequenz [1/s],Speichermodul [Pa],Verlustmodul [Pa]",
+    "Frequenza angolare [rad/s],Modulo di conservazione [Pa],Modulo dissipativo [Pa]",
+]
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_names_and_units_in_many_spellings(folder, header):
+    same(folder.open(table(header)))
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Frequency(Hz),Storage Modulus(Pa),Loss Modulus(Pa)",
+        "Fréquence [Hz],Module de Stockage [Pa],Module de Perte [Pa]",
+        "Frequenz / Hz,Speichermodul / Pa,Verlustmodul / Pa",
+        "Frecuencia (Hz),Módulo elástico (Pa),Módulo viscoso (Pa)",
+        "Frequenza (Hz),Modulo conservativo (Pa),Modulo viscoso (Pa)",
+        "f Hz,G' Pa,G'' Pa",
+        "Frequency (f) [Hz],Storage modulus (G') [Pa],Loss modulus (G'') [Pa]",
+    ],
+)
+def test_hertz_becomes_radians(folder, header):
+    same(folder.open(table(header, omega=HERTZ)))
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", ","), (",", "."), (" ", "."), ("|", ",")])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+def test_separators_decimals_and_encodings(folder, separator, decimal, encoding):
+    header = separator.join(("Fréquence_angulaire[rad/s]", "Module_de_Stockage[Pa]", "Module_de_Perte[Pa]"))
+    same(folder.open(table(header, separator, decimal).encode(encoding)))
+
+
+@pytest.mark.parametrize("second", ["Hz, MPa, MPa", "[Hz],[MPa],[MPa]", "(Hz),(MPa),(MPa)"])
+def test_units_on_a_second_row(folder, second):
+    text = f"f, E_stor, E_loss\n{second}\n{moduli(omega=HERTZ, scale=1e-6)}\n"
+    same(folder.open(text), STIFFNESS * 1e-6, "MPa")
+
+
+@pytest.mark.parametrize(
+    ("unit", "scale"), [("mPa", 1e3), ("MPa", 1e-6), ("kPa", 1e-3), ("psi", 1 / 6894.757293168361)]
+)
+def test_milli_and_mega_stay_apart(folder, unit, scale):
+    found = folder.open(table(f"omega [rad/s],G' [{unit}],G'' [{unit}]", scale=scale))
+    same(found, STIFFNESS * scale, unit)
+
+
+@pytest.mark.parametrize("unit", ["mpa", "MHz-typo"])
+def test_a_unit_of_unclear_case_is_asked_for(folder, unit):
+    with pytest.raises(DataError, match=r"unknown unit .*storage=UNIT"):
+        folder.open(table(f"omega [rad/s],Storage modulus ({unit}),Loss modulus ({unit})"))
+
+
+def test_mega_hertz_is_no_millihertz(folder):
+    with pytest.raises(DataError, match="unknown unit"):
+        folder.open(table("Frequency (MHz),Storage modulus (Pa),Loss modulus (Pa)"))
+
+
+def test_magnitude_and_phase_loss_factor_and_viscosity(folder):
+    size, angle = np.abs(STIFFNESS), np.degrees(np.angle(STIFFNESS))
+    same(folder.open("ω (rad/s);|G*| (Pa);δ (°)\n" + rows((OMEGA, size, angle), ";")))
+    same(
+        folder.open(
+            "ω (rad/s);Complex modulus (Pa);Tan(delta)\n" + rows((OMEGA, size, np.tan(np.angle(STIFFNESS))), ";")
+        )
+    )
+    same(folder.open("ω (rad/s);|η*| (mPa·s);Phase angle (°)\n" + rows((OMEGA, 1e3 * size / OMEGA, angle), ";")))
+
+
+def test_storage_and_loss_go_before_what_follows_from_them(folder):
+    size, angle = np.abs(STIFFNESS) * 7, np.degrees(np.angle(STIFFNESS)) / 3
+    text = "f (Hz);ω (rad/s);|G*| (Pa);δ (°);G' (Pa);G'' (Pa)\n"
+    found = folder.open(text + rows((HERTZ, OMEGA, size, angle, STIFFNESS.real, STIFFNESS.imag), ";"))
+    same(found)
+    assert not found.conditions
+
+
+def test_temperature_strain_and_other_columns(folder):
+    text = "omega_rad_s,storage_Pa,loss_Pa,temperature_C,shear_strain_amp,rep,current_A,run\n"
+    text += "1,2,3,20,0.01,1,0.5,a\n1,2,3,20,0.01,2,0.6,b\n"
+    found = folder.open(text)
+    assert found.conditions["temperature"].tolist() == [20, 20]
+    assert found.conditions["amplitude"].tolist() == [0.01, 0.01]
+    assert found.units.amplitude == "-"
+    assert found.repeat.tolist() == [1, 2]
+    assert found.labels["run"].tolist() == ["a", "b"]
+    assert found.conditions["current_a"].tolist() == [0.5, 0.6]
+
+
+def test_a_sweep_with_time_angle_and_torque_is_no_time_signal(folder):
+    head = "Time (s),Displacement (rad),Torque (N m),omega (rad/s),G' (Pa),G'' (Pa)\n1,1,1,"
+    assert folder.open(head + "2,3,4\n").stiffness.tolist() == [3 + 4j]
+    text = "omega [rad/s],storage [Pa],loss [Pa],time [s],displacement [rad],torque [N m]\n1,2,3,4,5,6\n"
+    assert folder.reader(text) == "springpot-csv"
+
+
+def test_standard_uncertainties(folder):
+    text = "omega_rad_s,storage_Pa,loss_Pa,storage_std_unc_Pa,loss_standard_uncertainty_pa\n1,2,3,0.1,0.2\n"
+    assert folder.open(text).sd[0] == 0.1 + 0.2j
+
+
+def test_rows_without_a_value_are_left_out_and_counted(folder):
+    found = folder.open("omega [rad/s];G' [Pa];G'' [Pa]\n1;2;3\n2;;3\n3;---;1\n4;5;6\n")
+    assert found.omega.tolist() == [1, 4]
+    assert found.provenance["note rows"].startswith("2 of 4 rows")
+
+
+def test_the_header_of_a_numpy_text_file(folder):
+    same(folder.open("# omega[rad/s] G'[Pa] G''[Pa]\n" + moduli(" ")))
+
+
+def test_lines_above_the_table_are_kept_where_they_are_known(folder):
+    found = folder.open("Sample name: a gel\nGap: 1 mm\n\n" + table("omega [rad/s];G' [Pa];G'' [Pa]", ";"))
+    assert found.provenance["sample"] == "a gel"
+    assert found.provenance["geometry.gap"] == "1 mm"
+
+
+QUESTIONS = {
+    "frequency": (
+        "Frequency,Storage modulus [Pa],Loss modulus [Pa]",
+        "frequency=Hz",
+        r"or omega \[rad/s\], or say it with",
+    ),
+    "moduli": ("omega,G',G''", "storage=Pa,loss=Pa", "have no unit"),
+    "everything": ("f,E_stor,E_loss", "frequency=Hz,storage=Pa,loss=Pa", "'f', 'E_stor', 'E_loss' have no unit"),
+}
+
+
+@pytest.mark.parametrize("case", QUESTIONS)
+def test_a_missing_unit_is_asked_for_with_the_option_that_mends_it(folder, case):
+    header, said, words = QUESTIONS[case]
+    with pytest.raises(DataError, match=words) as caught:
+        folder.open(table(header))
+    assert f"?{said}" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    found = folder.open(table(header), "?" + said)
+    hertz = "frequency=Hz" in said
+    np.testing.assert_allclose(found.omega, OMEGA * (2 * np.pi if hertz else 1), rtol=1e-10)
+
+
+def test_the_same_file_in_another_unit(folder):
+    found = folder.open(table("Frequency,G',G''"), "?frequency=rad/s,G'=MPa,3=MPa")
+    same(found, STIFFNESS, "MPa")
+
+
+BARE = "?1=omega[rad/s],2=storage[Pa],3=loss[Pa]"
+
+
+@pytest.mark.parametrize("separator", [" ", "\t", ",", ";"])
+def test_columns_without_names_are_asked_for(folder, separator):
+    with pytest.raises(DataError, match=r"3 columns of numbers without names.*1=omega\[rad/s\]"):
+        folder.open(moduli(separator))
+    same(folder.open(moduli(separator), BARE))
+
+
+def test_weights_may_be_left_out_or_named(folder):
+    text = rows((OMEGA, STIFFNESS.real, STIFFNESS.imag, 0 * OMEGA + 2, 0 * OMEGA + 3), " ")
+    with pytest.raises(DataError, match="weights"):
+        folder.open(text)
+    same(folder.open(text, BARE))
+    assert folder.open(text, BARE + ",4=storage_sd[Pa],5=loss_sd[Pa]").sd[0] == 2 + 3j
+
+
+def test_a_constant_frequency_can_be_said(folder):
+    found = folder.open("G' [Pa];G'' [Pa];Strain [%]\n2;3;1\n4;5;2\n", "?frequency=2[Hz]")
+    np.testing.assert_allclose(found.omega, 4 * np.pi)
+    assert found.units.amplitude == "%"
+
+
+def test_several_tables_in_one_file(folder):
+    one = table("omega [rad/s];G' [Pa];G'' [Pa]", ";")
+    text = "first\n" + one + "\nsecond\n" + one
+    assert [part.name for part in folder.parts(text)] == ["first", "second"]
+    both = folder.open(text)
+    assert len(both) == 10
+    assert set(both.labels["step"]) == {"first", "second"}
+    assert len(folder.open(text, "@step=second")) == 5
+    same(folder.open(text, "#2"))
+    same(folder.open(text, "#second"))
+    assert len(folder.open(text, "#1-2")) == 10
+
+
+REFUSED = {
+    "shift factors": ("T,log_aT\nC,-\n100,-11.7\n92,-10.9\n", "shift factors, no measurement"),
+    "relaxation": ("t,E_relax,T,Set\n10,8097,-49,0\n4,8576,-49,0\n", "a relaxation test in time"),
+    "flow": (
+        "Shear rate [1/s],Viscosity [Pa.s],Temperature [°C]\n1,2,3\n",
+        r"missing frequency \[Hz\] or omega \[rad/s\], and storage",
+    ),
+    "no loss": (
+        "omega [rad/s];Speichermodul [Pa];Temperatur [°C]\n1;2;3\n",
+        r"missing loss \[unit\], phase \[deg\] or loss_factor",
+    ),
+    "unknown names": ("a,b,c\n1,2,3\n4,5,6\n", r"columns a, b, c; say which, .*1=omega\[rad/s\]"),
+    "ragged": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n1;2;3;4\n", "line 3: 4 cells where the header has 3"),
+    "two signs": (
+        "omega (rad/s);G' (Pa);G'' (Pa)\n1;2,5;3\n2;2.5;3\n",
+        "have comma and point; write one decimal sign",
+    ),
+    "words": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n2;about 4;3\n", "'about 4' is no number"),
+    "footer": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\nmean 7\n8\n", "below the table is no row of it"),
+    "contradiction": ("omega (Hz);G' (Pa);G'' (Pa)\n1;2;3\n", "omega is in rad/s"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_read_gets_one_line(folder, case):
+    text, message = REFUSED[case]
+    with pytest.raises(DataError, match=message) as caught:
+        folder.open(text)
+    assert "\n" not in str(caught.value)
+    assert "data.txt" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ("?", "says nothing of a column"),
+        ("?frequency", "says nothing of a column"),
+        ("?frequency=", "says nothing of a column"),
+        ("?frequency=Hz,frequency=Hz", "given twice"),
+        ("?omega=bananas", "neither a unit nor one of"),
+        ("?nothing=Pa", "no column 'nothing'"),
+        ("?9=Pa", "no column '9'"),
+        ("#", "number or name of a part"),
+        ("#2", "no part 2; it has 1"),
+        ("#x", "no part is called 'x'"),
+    ],
+)
+def test_slips_in_what_is_said(folder, said, message):
+    with pytest.raises(DataError, match=message) as caught:
+        folder.open(table("omega [rad/s];G' [Pa];G'' [Pa]", ";"), said)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_whose_name_has_the_signs_of_a_choice(folder):
+    for name in ("run#2.csv", "is it?x=1.csv", "a#b?c=d@e.csv"):
+        same(folder.open(table("omega [rad/s],storage [Pa],loss [Pa]"), name=name))
+
+
+def test_a_hundred_thousand_rows_in_any_separator(folder):
+    n = 100_000
+    columns = (np.arange(1, n + 1), np.ones(n), np.full(n, 2.5))
+    found = folder.open("ω (rad/s);G' (Pa);G'' (Pa)\n" + rows(columns, ";", ","))
+    assert len(found) == n
+    assert found.stiffness[-1] == 1 + 2.5j

@@ -1,0 +1,68 @@
+"""The built-in plugins keep the contracts that authors of plugins are given."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import ClassVar
+
+from springpot.errors import DataError
+from springpot.measurement import pick_reader
+from springpot.registry import plugins
+from springpot.testing import PluginContract
+
+SHARED = Path(
+    os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or Path(__file__).parents[3] / "shared" / "data"
+)
+SIGNALS = b"time [s],displacement [mm],force [N]\n" + b"".join(
+    b"%.2f,%.6f,%.6f\n" % (0.01 * i, (7 * i % 20) / 10 - 1, (7 * i % 20) / 5 + (3 * i % 20) / 10) for i in range(200)
+)
+
+
+def samples() -> dict[str, list[Path | bytes]]:
+    """Files by the name of the reader that knows them: those of the instruments are in the shared data."""
+    found: dict[str, list[Path | bytes]] = {"signals-csv": [SIGNALS]}
+    readers = list(plugins().items("reader"))
+    for path in sorted((SHARED / "instrument-files").glob("*.[ct][sx][vt]")):
+        try:
+            found.setdefault(pick_reader(path, readers).name, []).append(path)
+        except DataError:
+            continue
+    return found
+
+
+SAMPLES = samples()
+
+
+class TestModels(PluginContract):
+    plugin = "springpot_plugins.models"
+    passive = True
+
+
+class TestEffects(PluginContract):
+    plugin = "springpot_plugins.effects"
+    # Its parameter is the force at one amplitude unit per second, which is another speed in other units.
+    skip: ClassVar = {"power-law-damper": ["units"]}
+
+
+class TestOptimisers(PluginContract):
+    plugin = "springpot_plugins.optimisers"
+
+
+class TestObjectives(PluginContract):
+    plugin = "springpot_plugins.objectives"
+
+
+class TestDataSets(PluginContract):
+    plugin = "springpot_plugins.datasets"
+
+
+class TestReaders(PluginContract):
+    plugin = "springpot_plugins.readers"
+    samples = SAMPLES
+    # Where the shared data are absent, some readers have no sample; their own tests build small files.
+    skip: ClassVar = {
+        reader.name: ["samples"]
+        for reader in plugins().items("reader")
+        if not reader.text and reader.name not in SAMPLES
+    }

@@ -1,0 +1,145 @@
+"""Figures: what is drawn is what was measured and fitted, and nothing covers anything else."""
+
+import numpy as np
+import pytest
+
+from springpot.errors import OutputError
+from springpot.measurement import Measurement, Units
+from springpot.registry import parse_model
+from springpot.report import canvas, curves, figures, views
+from springpot.report.curves import Fit, axis_of, sweeps_of
+from springpot.report.views import Scene
+
+pytest.importorskip("matplotlib")
+
+OMEGA = 2 * np.pi * np.geomspace(0.1, 100.0, 12)
+MAXWELL = Fit(parse_model("fractional-maxwell"), np.array([900.0, 60.0, 0.5]))
+KELVIN = Fit(parse_model("fractional-kelvin"), np.array([90.0, 30.0, 0.6]), "the other one")
+
+
+def _sweep(fit=MAXWELL, **given):
+    return Measurement(OMEGA, fit.model.stiffness(fit.theta, OMEGA), units=Units("kN/m", "mm"), **given)
+
+
+def _temperatures(count=3):
+    data = _sweep()
+    levels = np.repeat(np.linspace(0.0, 40.0, count), len(OMEGA))
+    return Measurement(np.tile(OMEGA, count), np.tile(data.stiffness, count), conditions={"temperature": levels})
+
+
+@pytest.mark.parametrize("suffix", canvas.SUFFIXES)
+def test_both_figures_are_written_and_repeatable(tmp_path, suffix):
+    data = _sweep(sd=np.full(12, 1.0 + 1.0j))
+    for draw in (figures.figure_identification, figures.figure_comparison):
+        path = draw(data, [MAXWELL, KELVIN], tmp_path / f"a{suffix}")
+        first = path.read_bytes()
+        assert len(first) > 5000
+        assert draw(data, [MAXWELL, KELVIN], path).read_bytes() == first
+
+
+def test_curves_pass_through_the_points_of_a_perfect_fit():
+    scene = Scene(_sweep(), [MAXWELL])
+    [[(x, stiffness)]] = scene.curves
+    at_points = np.interp(np.log(scene.axis.values), np.log(x), np.log(np.abs(stiffness)))
+    np.testing.assert_allclose(at_points, np.log(np.abs(scene.measurement.stiffness)), atol=1e-4)
+
+
+def test_the_residual_is_measured_minus_fitted_in_per_cent():
+    data = _sweep()
+    shifted = Measurement(data.omega, data.stiffness * 1.02, units=data.units)
+    with canvas.blank() as figure:
+        axes = figure.subplots()
+        views.residual(axes, Scene(shifted, [MAXWELL]))
+        drawn = np.hypot(axes.lines[0].get_ydata(), axes.lines[1].get_ydata())
+    np.testing.assert_allclose(drawn, 100 * 0.02 / 1.02, rtol=1e-9)
+
+
+def test_negative_storage_is_drawn_with_crosses_not_dropped():
+    heavy = Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 0.05]))
+    data = _sweep(heavy)
+    assert (data.storage < 0).any()
+    with canvas.blank() as figure:
+        axes = figure.subplots()
+        views.storage_and_loss(axes, Scene(data, [heavy]))
+        crosses = [line for line in axes.lines if line.get_marker() == "x"]
+        shown = sum(int(np.isfinite(line.get_ydata()).sum()) for line in crosses)
+    assert shown == (data.storage < 0).sum()
+
+
+@pytest.mark.parametrize(
+    ("given", "column", "count"),
+    [
+        ({}, "frequency", 1),
+        ({"temperature": np.linspace(20.0, 20.3, 12)}, "frequency", 1),
+        ({"temperature": np.repeat([0.0, 20.0, 40.0], 4)}, "frequency", 3),
+        ({"amplitude": np.geomspace(0.1, 1.0, 12)}, "frequency", 1),
+    ],
+)
+def test_sweeps(given, column, count):
+    data = _sweep(conditions=given)
+    axis = axis_of(data)
+    found = sweeps_of(data, axis)
+    assert (axis.column, len(found)) == (column, count)
+    assert sorted(np.concatenate([sweep.rows for sweep in found])) == list(range(12))
+
+
+@pytest.mark.parametrize("name", ["amplitude", "temperature"])
+def test_at_one_frequency_the_condition_is_the_axis(name):
+    data = Measurement(np.full(8, 6.28), np.full(8, 1 + 1j), conditions={name: np.linspace(1.0, 60.0, 8)})
+    assert axis_of(data).column == name
+    assert len(sweeps_of(data, axis_of(data))) == 1
+
+
+def test_a_single_point_can_be_drawn(tmp_path):
+    data = _sweep().subset(np.array([3]))
+    assert figures.figure_comparison(data, [MAXWELL], tmp_path / "a.png").stat().st_size > 1000
+
+
+def _boxes(figure):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure).draw()
+    return [part.get_tightbbox() for part in (*figure.axes, *figure.legends)], figure.bbox
+
+
+@pytest.mark.parametrize("data", [_sweep(), _temperatures(3), _temperatures(12)], ids=["one", "three", "twelve"])
+@pytest.mark.parametrize("fits", [[], [MAXWELL], [MAXWELL, KELVIN]], ids=["none", "one", "two"])
+@pytest.mark.parametrize("draw", [figures.figure_identification, figures.figure_comparison])
+def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, data, fits, draw):
+    kept = []
+    monkeypatch.setattr(figures, "save", lambda figure, path: kept.append(_boxes(figure)))
+    draw(data, fits, "unused.png")
+    [(boxes, page)] = kept
+    for i, box in enumerate(boxes):
+        assert box.x0 >= page.x0 - 1, i
+        assert box.x1 <= page.x1 + 1, i
+        assert box.y0 >= page.y0 - 1, i
+        assert box.y1 <= page.y1 + 1, i
+        for other in boxes[:i]:
+            across = min(box.x1, other.x1) - max(box.x0, other.x0)
+            up = min(box.y1, other.y1) - max(box.y0, other.y0)
+            assert across <= 1 or up <= 1
+
+
+def test_dollars_in_a_name_are_no_formula(tmp_path):
+    data = _sweep(name="$\\frac$ 5$ <b>")
+    assert figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg").exists()
+
+
+def test_what_cannot_be_written_is_told_before_work(tmp_path, monkeypatch):
+    with pytest.raises(OutputError, match=r"must end in \.png"):
+        canvas.check_figure_path(tmp_path / "a.bmp")
+    with pytest.raises(OutputError, match="no folder"):
+        canvas.check_figure_path(tmp_path / "no" / "a.png")
+    monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
+    with pytest.raises(OutputError, match=r"pip install 'springpot\[figures\]'"):
+        canvas.check_figure_path(tmp_path / "a.png")
+
+
+def test_many_points_stay_small(tmp_path):
+    omega = np.geomspace(0.1, 1e4, 50_000)
+    data = Measurement(omega, MAXWELL.model.stiffness(MAXWELL.theta, omega))
+    path = figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg")
+    assert path.stat().st_size < 1_000_000
+    assert len(data) > views.MANY_POINTS
+    assert curves.SMOOTH < views.MANY_POINTS

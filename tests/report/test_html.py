@@ -1,0 +1,196 @@
+"""The report of a discovery: whole, quiet and safe whatever the data are called."""
+
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.benchmark.plan import digest_of_data
+from springpot.errors import OutputError
+from springpot.markup import Html, html, joined, table, tag
+from springpot.measurement import Measurement, Units
+from springpot.report.html import report_html, write_report
+from springpot.report.ladder import figure_ladder
+from springpot.report.numbers import percent
+
+pytest.importorskip("matplotlib")
+
+EVIL = "<script>alert(1)</script>\"'&amp;$\\frac$"
+OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
+COMMAND = ["springpot", "discover", f"{EVIL}.csv", "--model", "fractional-maxwell", "--accept", "inertia"]
+LONG = ("specimen-inertia-fixed", "-inertia", "self-heating")
+KNOWN = {
+    "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "h3", "p", "b", "i", "ul", "li", "div",
+    "span", "figure", "img", "figcaption", "table", "thead", "tbody", "tr", "th", "td", "details", "summary", "pre",
+    "svg", "g", "text", "polyline", "polygon",
+}  # fmt: skip
+
+
+class Page(HTMLParser):
+    """What a browser would make of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.words, self.open = [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, name, attributes):
+        self.tags.append(name)
+        self.attributes += [(name, key, value or "") for key, value in attributes]
+        if name not in {"meta", "img", "br"}:
+            self.open.append(name)
+
+    def handle_startendtag(self, name, attributes):
+        self.tags.append(name)
+        self.attributes += [(name, key, value or "") for key, value in attributes]
+
+    def handle_endtag(self, name):
+        assert self.open.pop() == name
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def measured(temperatures=(20.0,), name=EVIL):
+    """A damper with a moving mass under a name that no page should believe."""
+    s = 1j * OMEGA
+    exact = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5)) + 6e-4 * s**2
+    rng = np.random.default_rng(7)
+    count = len(temperatures)
+    scatter = rng.normal(size=(2, count * len(s)))
+    conditions = {"temperature": np.repeat(temperatures, len(s))} if count > 1 else {}
+    return Measurement(
+        np.tile(OMEGA, count),
+        np.tile(exact, count) * (1 + 0.01 * (scatter[0] + 1j * scatter[1])),
+        conditions=conditions,
+        units=Units("kN/m", "mm"),
+        name=name,
+        provenance={f"note {EVIL}": f"measured by {EVIL}"},
+        labels={EVIL: np.full(count * len(s), EVIL)},
+    )
+
+
+@pytest.fixture(scope="module")
+def ladder():
+    return springpot.discover(measured(), "fractional-maxwell", accept=["inertia"])
+
+
+@pytest.fixture(scope="module")
+def page(ladder):
+    return report_html(ladder, measured(), COMMAND)
+
+
+def test_names_from_data_stay_text(page):
+    found = Page(page)
+    assert set(found.tags) <= KNOWN
+    assert not found.open
+    assert EVIL in "".join(found.words)
+    assert not [key for _, key, _ in found.attributes if key.startswith("on")]
+
+
+def test_nothing_is_fetched_from_elsewhere(page):
+    found = Page(page)
+    sources = [value for _, key, value in found.attributes if key in {"src", "href", "data", "action"}]
+    assert sources
+    assert all(value.startswith("data:image/svg+xml;base64,") for value in sources)
+    assert "url(" not in page
+    assert "@import" not in page
+    [policy] = [value for _, key, value in found.attributes if key == "content" and "default-src" in value]
+    assert policy.startswith("default-src 'none'")
+
+
+def test_pictures_hold_no_script_either(page):
+    from base64 import b64decode
+
+    pictures = [b64decode(text).decode() for text in re.findall(r"base64,([A-Za-z0-9+/=]+)", page)]
+    assert len(pictures) == 1 + 2 * (2 + 4 + 4)
+    assert not [picture for picture in pictures if "<script" in picture]
+    assert all(picture.rstrip().endswith("</svg>") for picture in pictures)
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "The error, step by step", "Data and model", "Where the model fails", "Residual planes", "Other views",
+        "Which effects could it be?", "What these data cannot tell apart", "What to measure next", "The model",
+        "To repeat this",
+    ],
+)  # fmt: skip
+def test_every_section_is_there(page, heading):
+    assert tag("h2", heading) in page
+
+
+def test_it_says_how_to_repeat_it(page, ladder):
+    words = "".join(Page(page).words)
+    assert digest_of_data(measured()) in words
+    assert springpot.__version__ in words
+    assert "numpy" in words
+    assert "springpot discover" in words
+    assert "fractional-maxwell + inertia" in words
+    for step in ladder.steps:
+        assert percent(step.relative_rms) in words
+
+
+def test_the_same_result_gives_the_same_page(page, ladder):
+    assert report_html(ladder, measured(), COMMAND) == page
+
+
+def test_sweeps_have_their_colours_named():
+    data = measured((0.0, 20.0, 40.0), "three sweeps")
+    page = report_html(springpot.discover(data, "fractional-maxwell", accept=["inertia"]), data, ["x"])
+    words = Page(page).words
+    assert {"0 °C", "20 °C", "40 °C"} <= set(words)
+
+
+def test_with_nothing_accepted_there_is_one_column():
+    data = measured(name="plain")
+    page = report_html(springpot.discover(data, "fractional-maxwell", accept=[]), data, ["x"])
+    assert "no effect was accepted" in page
+    assert page.count("base64,") == 1 + 2 + 4 + 4
+
+
+def test_a_report_is_written_whole_or_refused(ladder, tmp_path):
+    path = write_report(ladder, measured(), tmp_path / "a.html", COMMAND)
+    assert path.read_text(encoding="utf-8").startswith("<!doctype html>")
+    with pytest.raises(OutputError, match=r"must end in \.html"):
+        write_report(ladder, measured(), tmp_path / "a.pdf", COMMAND)
+    with pytest.raises(OutputError, match="no folder"):
+        write_report(ladder, measured(), tmp_path / "no" / "a.html", COMMAND)
+
+
+def test_a_picture_of_many_steps_has_room_for_every_name(ladder):
+    from dataclasses import replace
+
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    long = [
+        replace(ladder.steps[1], accepted=name) for name in ("specimen-inertia-fixed", "-inertia", "self-heating")
+    ]
+    figure = figure_ladder(replace(ladder, steps=(*ladder.steps, *long, *long)))
+    FigureCanvasAgg(figure).draw()
+    [axes] = figure.axes
+    boxes = [label.get_window_extent() for label in axes.get_xticklabels()]
+    assert len(boxes) == 8
+    for one, other in pairwise(boxes):
+        # Slanted labels overlap as boxes; their anchors must not.
+        assert other.x1 - one.x1 > 20
+    assert min(box.y0 for box in boxes) >= 0
+
+
+@pytest.mark.parametrize("text", ["<b>", "&", '"', "'", "</td>"])
+def test_markup_escapes_text_once_and_html_never(text):
+    assert html(html(text)) == html(text)
+    element = Page(tag("p", text, title=text))
+    assert (element.tags, element.words, element.attributes) == (["p"], [text], [("p", "title", text)])
+    assert tag("p", Html("<b>x</b>")) == "<p><b>x</b></p>"
+    assert joined([text, Html("<br>")]).endswith("<br>")
+
+
+def test_table_cells_carry_their_headers():
+    cells = table(("a", "<b>"), [("1", "2")], numbers=("<b>",))
+    assert '<td class="number" data-label="&lt;b&gt;">2</td>' in cells
+    assert '<td data-label="a">1</td>' in cells

@@ -1,0 +1,67 @@
+"""Numbers are printed with the digits that are known."""
+
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from springpot.report.numbers import number, percent, seconds, with_interval
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (1.0, "1.000"),
+        (123456.0, "123500"),
+        (1e6, "1.000e+06"),
+        (0.001234, "0.001234"),
+        (0.0001234, "1.234e-04"),
+        (9.99996, "10.00"),
+        (-9.99996, "-10.00"),
+        (None, "-"),
+        (nan, "-"),
+        (inf, "inf"),
+        (-inf, "-inf"),
+    ],
+)
+def test_number(value, text):
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "texts"),
+    [
+        (400.13, 399.2, 401.03, ("400.1", "[399.2, 401.0]")),
+        (1.0, 0.98, 1.02, ("1.000", "[0.980, 1.020]")),
+        (0.5, 0.0, 1.0, ("0.5", "[0.0, 1.0]")),
+        (2.1e-7, 2e-7, 2.2e-7, ("2.10e-07", "[2.00e-07, 2.20e-07]")),
+        (5.0, -1000.0, 1000.0, ("5.0", "[-1000, 1000]")),
+        (3.0, 3.0, 3.0, ("3.000", "[3.000, 3.000]")),
+        (3.0, None, None, ("3.000", "")),
+        (3.0, nan, nan, ("3.000", "")),
+        (0.01, 0.0, inf, ("0.01000", "[0, inf]")),
+        (400.0, 400.0 - 1e-12, 400.0 + 1e-12, ("400.00000", "[400.00000, 400.00000]")),
+    ],
+)
+def test_with_interval(value, low, high, texts):
+    assert with_interval(value, low, high) == texts
+
+
+@given(st.floats(-1e12, 1e12), st.floats(1e-12, 1e12), st.floats(1e-12, 1e12))
+def test_what_is_printed_is_near_what_was_meant(value, below, above):
+    text, interval = with_interval(value, value - below, value + above)
+    width = 0.5 * (below + above)
+    # One digit of the width is kept in the worst case, two of a value that its interval swamps.
+    slack = 0.15 * width + 0.06 * abs(value)
+    assert abs(float(text) - value) <= slack
+    low, high = map(float, interval[1:-1].split(","))
+    assert abs(low - (value - below)) <= slack + 0.06 * below
+    assert abs(high - (value + above)) <= slack + 0.06 * above
+
+
+def test_percent_and_seconds():
+    assert percent(0.0031) == "0.310 %"
+    assert percent(nan) == "-"
+    assert [seconds(s) for s in (3e-4, 0.012, 3.0, 1000.0)] == ["300 us", "12.0 ms", "3.00 s", "16.7 min"]

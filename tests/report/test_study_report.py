@@ -1,0 +1,159 @@
+"""The report of a study: self-contained, escaped, and saying who wins."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
+
+from benchmark_fakes import Moody, Walk, artificial, small_study
+
+from springpot.benchmark import Findings, Store, run_study
+from springpot.identification import Optimiser
+from springpot.report.plot import Line, Pen, Ranked, Scale, critical_differences, plot
+from springpot.report.study import write_study_report
+
+NASTY = '<script>alert("&")</script>'
+
+
+@dataclass(frozen=True)
+class Lazy(Walk):
+    """Gives up at once."""
+
+    name: ClassVar[str] = "lazy"
+
+    def minimise(self, problem, budget, rng):
+        """One point."""
+        problem(problem.lower)
+
+
+class Reader(HTMLParser):
+    """Tags, attributes and text of a page, and whether its tags match."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.attributes, self.words, self.open = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        if tag not in {"meta", "br", "img"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def read(page: str) -> Reader:
+    reader = Reader()
+    reader.feed(page)
+    assert reader.open == []
+    return reader
+
+
+def report_of(tmp_path: Path, optimisers: list[Optimiser | tuple[str, Optimiser]], **changes: object) -> str:
+    outcome = run_study(small_study(optimisers=optimisers, **changes), engine="serial", out=tmp_path, quiet=True)
+    path = write_study_report(str(outcome.store))
+    assert path == outcome.store.parent / "report.html"
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    entrants = [(NASTY, Walk()), Lazy(), Moody(mood="throw")]
+    return report_of(tmp_path_factory.mktemp("report"), entrants, repetitions=8)
+
+
+def test_nothing_is_loaded_and_nothing_runs(page):
+    reader = read(page)
+    assert not {"script", "iframe", "link", "object", "img"} & set(reader.tags)
+    loading = [
+        value for name, value in reader.attributes if name in {"src", "href", "action"} or name.startswith("on")
+    ]
+    assert loading == []
+    assert "url(" not in page
+    assert any(value and value.startswith("default-src 'none'") for _, value in reader.attributes)
+    assert 'name="viewport"' in page
+
+
+def test_data_cannot_break_the_page(page):
+    assert NASTY not in page
+    assert NASTY in read(page).words or any(NASTY in word for word in read(page).words)
+
+
+def test_the_first_table_names_the_winner(page):
+    first = re.search(r"<tbody>(.*?)</tbody>", page, re.S).group(1)
+    assert first.count("<tr>") == 5
+    winners = re.findall(r"<b>(.*?)</b>", first)
+    assert set(winners) == {"&lt;script&gt;alert(&quot;&amp;&quot;)&lt;/script&gt;"}
+    assert page.index("Which optimiser should I use?") < page.index("Who ranks where")
+
+
+def test_failures_and_what_repeats_it_are_told(page):
+    words = " ".join(read(page).words)
+    assert "ValueError: out of" in words
+    for told in ("seed", "python", "numpy", "machine", "started", "To repeat this"):
+        assert told in words
+
+
+def test_a_study_in_which_everything_failed_still_has_a_report(tmp_path):
+    words = " ".join(read(report_of(tmp_path, [Moody(mood="throw"), Moody(mood="exit")])).words)
+    assert "none: all failed" in words
+    assert "ValueError: out of" in words
+
+
+def test_one_optimiser_and_one_problem(tmp_path):
+    page = report_of(tmp_path, [Walk()], datasets=[artificial()], models=["own"], repetitions=1)
+    assert "walk" in page
+    assert "too few trials to tell" in page or "alone" in page
+
+
+def test_the_same_store_gives_the_same_report(tmp_path):
+    first = report_of(tmp_path, [Walk(), Lazy()])
+    with Store(tmp_path / "small" / "small.sqlite") as store:
+        assert Findings.of(store).races
+    path = write_study_report(str(tmp_path / "small" / "small.sqlite"))
+    assert path.read_text(encoding="utf-8") == first
+
+
+def numbers(path: str) -> list[float]:
+    return [float(value) for value in re.findall(r"-?\d+\.?\d*", path)]
+
+
+def test_steps_stay_in_the_frame_and_skip_what_is_infinite():
+    x = np.geomspace(1, 1000, 30)
+    y = np.where(x < 10, np.inf, 1.0 / x)
+    line = Line("a < b", x, y, Pen(0), np.stack([0.5 * y, np.full_like(y, np.inf)]))
+    picture = plot([line], Scale("n", 1, 1000, True), Scale("f", 1e-3, 1, True), "t")
+    [path] = re.findall(r'd="(M[^Z"]*)"', picture)
+    assert "a &lt; b" in picture
+    assert max(numbers(path)) <= 420
+    assert min(numbers(path)) >= 0
+    assert numbers(path)[0] > 150
+    assert "nan" not in picture
+    assert "inf" not in picture
+
+
+def test_a_flat_line_has_one_step():
+    picture = plot([Line("a", np.arange(1.0, 50), np.ones(49), Pen(9))], Scale("n", 1, 49), Scale("f", 0, 2), "t")
+    [path] = re.findall(r'd="(M[^"]*)"', picture)
+    assert path.count("V") == 0
+    assert 'stroke-dasharray="6 3"' in picture
+
+
+def test_critical_differences_show_every_name_and_bar():
+    rows = [Ranked(f"o{i}", 1.0 + i, 0.8 + i, 1.2 + i) for i in range(4)]
+    picture = critical_differences(rows, [(0, 1), (1, 3)], "ranks")
+    assert all(f">o{i}<" in picture for i in range(4))
+    assert picture.count('stroke-width="3"') == 2

@@ -1,0 +1,99 @@
+"""Describing functions and third harmonics against forces computed in time, cycle by cycle.
+
+The forces here are written from their definitions, sampled over a cycle and Fourier transformed; nothing of the
+elements' own formulas enters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.registry import plugins
+from springpot.rheology import Points
+
+SAMPLES = 2**15
+ANGLE = 2.0 * np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
+
+
+def harmonics(force: np.ndarray) -> tuple[complex, complex]:
+    """F_1 and F_3 of a force sampled over one cycle, x = X cos(angle)."""
+    return tuple(2.0 * np.mean(force * np.exp(-1j * n * ANGLE)) for n in (1, 3))
+
+
+def stop(x: np.ndarray, reach: float) -> np.ndarray:
+    """Strain of a spring behind a slider that lets go at `reach`; the second cycle is the steady one."""
+    strain, last, out = 0.0, x[-1], np.empty_like(x)
+    for _ in range(2):
+        for i, now in enumerate(x):
+            strain = min(max(strain + now - last, -reach), reach)
+            last = now
+            out[i] = strain
+    return out
+
+
+def powered(v: np.ndarray, exponent: float) -> np.ndarray:
+    return np.sign(v) * np.abs(v) ** exponent
+
+
+def touching(x: np.ndarray, b: float) -> np.ndarray:
+    return np.sign(x) * np.maximum(np.abs(x) - b, 0.0)
+
+
+FORCES = {
+    "friction": [((0.7,), lambda x, v, F: F * np.sign(v))],
+    "elasto-sliding": [
+        ((2.0, F), lambda x, v, k, F: k * stop(x, F / k)) for F in (0.1, 0.26, 0.65, 1.3, 1.95, 2.6, 5.0)
+    ],
+    "power-law-damper": [((0.6, a), lambda x, v, F, a: F * powered(v, a)) for a in (0.05, 0.4, 1.0, 1.5, 2.0)],
+    "cubic-damping": [((0.3,), lambda x, v, c3: c3 * v**3)],
+    "cubic-stiffness": [((k3,), lambda x, v, k3: k3 * x**3) for k3 in (0.4, -0.2)],
+    "dead-zone": [((2.0, b), lambda x, v, k, b: k * touching(x, b)) for b in (0.01, 0.3, 0.9, 1.29, 1.5)],
+    "crosstalk": [((0.3, 0.8), lambda x, v, F, phi: F * np.cos(ANGLE + phi))],
+}
+CASES = [(name, theta, force) for name, cases in FORCES.items() for theta, force in cases]
+
+
+@pytest.mark.parametrize(("name", "theta", "force"), CASES, ids=[f"{n}-{t}" for n, t, _ in CASES])
+@pytest.mark.parametrize(("amplitude", "omega"), [(1.3, 0.8), (0.4, 5.0)])
+def test_first_and_third_harmonic_are_those_of_the_force_in_time(name, theta, force, amplitude, omega):
+    x, v = amplitude * np.cos(ANGLE), -omega * amplitude * np.sin(ANGLE)
+    first, third = harmonics(force(x, v, *theta))
+    effect = plugins().effect(name)
+    at = Points(np.log([omega]), amplitude=np.array([amplitude]))
+    scale = max(abs(first), np.max(np.abs(force(x, v, *theta)))) / amplitude
+    predicted = effect.element.respond(np.array(theta), at).value[0]
+    np.testing.assert_allclose(predicted, first / amplitude, atol=2e-7 * scale)
+    np.testing.assert_allclose(effect.third_harmonic(np.array(theta), at)[0], third / amplitude, atol=2e-7 * scale)
+
+
+@pytest.mark.parametrize("b", [0.05, 0.4, 0.9, 1.25, 1.31])
+def test_play_moves_a_linear_specimen_by_the_first_harmonic_of_its_output(b):
+    """Output of play = input - stop; the specimen, being linear, answers each harmonic by itself."""
+    x = 1.3 * np.cos(ANGLE)
+    moved, _ = harmonics(x - stop(x, b))
+    model = plugins().model("fractional-maxwell") + plugins().effect("backlash")
+    own = {"k": 2.0, "c": 1.3, "alpha": 0.7}
+    at = Points(np.log([0.5, 7.0]), amplitude=np.full(2, 1.3))
+    bare = plugins().model("fractional-maxwell")
+    specimen = bare.stiffness(bare.vector(own), at)
+    measured = model.stiffness(model.vector(own | {"backlash.b": b}), at)
+    np.testing.assert_allclose(measured, specimen * moved / 1.3, atol=1e-7 * np.max(np.abs(specimen)))
+
+
+@pytest.mark.parametrize(("rho", "ratio"), [(0.1, 0.30), (0.25, 0.26), (0.5, 0.18), (0.75, 0.095)])
+def test_harmonic_ratios_of_a_jenkins_element_known_from_elsewhere(rho, ratio):
+    effect = plugins().effect("elasto-sliding")
+    theta, at = np.array([1.0, rho]), Points(np.zeros(1), amplitude=np.ones(1))
+    found = np.abs(effect.third_harmonic(theta, at) / effect.element.respond(theta, at).value)[0]
+    assert found == pytest.approx(ratio, abs=0.006)
+
+
+def test_the_energy_of_self_heating_is_that_of_the_loop():
+    """Mean power of force times speed in time equals what the heating element counts, K'' of the specimen given."""
+    k, omega, amplitude = 3.0 + 1.7j, 2.5, 0.6
+    force = np.real(k * amplitude * np.exp(1j * ANGLE))
+    power = np.mean(force * -omega * amplitude * np.sin(ANGLE))
+    at = Points(np.log([omega]), amplitude=np.array([amplitude]))
+    shift = plugins().effect("self-heating").element.respond(np.array([1.0]), at).value[0] * k.imag
+    assert shift == pytest.approx(power, rel=1e-12)

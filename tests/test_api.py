@@ -1,0 +1,39 @@
+"""Python users may give names where objects are meant, and one thing where a list is meant."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import SpringpotError
+
+DATA, MODEL = "artificial-hidden", "fractional-maxwell"
+
+
+def test_data_by_name_and_as_an_object_are_the_same():
+    measured = springpot.read(DATA)
+    assert springpot.diagnose(DATA, MODEL).to_dict() == springpot.diagnose(measured, MODEL).to_dict()
+    assert np.array_equal(springpot.identify(DATA, MODEL).theta, springpot.identify(measured, MODEL).theta)
+
+
+def test_one_model_and_one_effect_need_no_list():
+    [judged] = springpot.compare(DATA, MODEL).judgements
+    assert judged.model.name == MODEL
+    ladder = springpot.discover(DATA, springpot.parse_model(MODEL), accept="inertia")
+    assert [step.accepted for step in ladder.steps] == [None, "inertia"]
+
+
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda: springpot.identify("no-such-data", MODEL), "no-such-data"),
+        (lambda: springpot.diagnose(DATA, "fractional-maxwel"), "did you mean"),
+        (lambda: springpot.identify(DATA, MODEL, optimiser="cmaes"), "cma-es"),
+        (lambda: springpot.identify(DATA, MODEL, intervals="bootstrp"), "bootstrap"),
+        (lambda: springpot.parse_model("inertia"), "is an effect"),
+    ],
+)
+def test_a_misspelt_name_is_an_error_that_helps(call, word):
+    with pytest.raises(SpringpotError, match=word):
+        call()

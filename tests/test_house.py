@@ -1,0 +1,135 @@
+"""The house keeps its order: who imports whom, and no trace of the machine it was built on."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FRAMEWORK = ROOT / "framework" / "springpot"
+PLUGINS = ROOT / "plugins" / "springpot_plugins"
+
+FLOORS = {
+    "errors": 0,
+    "rheology": 1,
+    "measurement": 2,
+    "identification": 3,
+    "hooks": 4,
+    "shelf": 5,
+    "registry": 6,
+    "benchmark": 7,
+    "diagnosis": 7,
+    "report": 8,
+    "testing": 8,
+    "cli": 9,
+}
+"""A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
+
+FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification"}
+
+
+def imported(path: Path, package: str) -> set[str]:
+    """Absolute names of all modules that a file imports, inside functions too."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = package.split(".")
+            base = base[: len(base) - node.level + 1] if node.level else []
+            start = ".".join([*base, *([node.module] if node.module else [])])
+            names |= {start} | {f"{start}.{alias.name}" for alias in node.names}
+    return names
+
+
+def modules(root: Path) -> Iterator[tuple[Path, str]]:
+    """Python files below `root` with the package that their relative imports start from."""
+    for path in sorted(root.rglob("*.py")):
+        yield path, ".".join(path.parent.relative_to(root.parent).parts)
+
+
+def rooms(names: set[str]) -> set[str]:
+    """The rooms of the framework among imported names."""
+    return {parts[1] for name in names if (parts := name.split("."))[0] == "springpot" and len(parts) > 1}
+
+
+FILES = [(path, package) for path, package in modules(FRAMEWORK)]
+OWN = [(path, package) for path, package in modules(PLUGINS)]
+
+
+def name_of(item: object) -> str:
+    return str(item.relative_to(ROOT)) if isinstance(item, Path) else ""
+
+
+@pytest.mark.parametrize(("path", "package"), FILES, ids=name_of)
+def test_imports_go_one_way(path: Path, package: str):
+    parts = path.relative_to(FRAMEWORK).with_suffix("").parts
+    floor = FLOORS.get(parts[0])
+    if floor is None:
+        return
+    for room in rooms(imported(path, package)) - {parts[0]}:
+        assert FLOORS.get(room, 0) < floor, f"{parts[0]} must not import {room}"
+
+
+@pytest.mark.parametrize(("path", "package"), FILES, ids=name_of)
+def test_the_framework_knows_no_plugin(path: Path, package: str):
+    assert not [name for name in imported(path, package) if name.startswith("springpot_plugins")]
+
+
+@pytest.mark.parametrize(("path", "package"), OWN, ids=name_of)
+def test_plugins_use_only_public_rooms(path: Path, package: str):
+    assert rooms(imported(path, package)) <= FOR_PLUGINS
+
+
+def test_the_check_itself_sees_relative_and_hidden_imports(tmp_path: Path):
+    path = tmp_path / "sly.py"
+    path.write_text("def f():\n    from ..cli import main\n    import springpot.report.text\n", encoding="utf-8")
+    assert rooms(imported(path, "springpot.rheology")) == {"cli", "report"}
+
+
+@cache
+def repository() -> tuple[Path, ...]:
+    """Files under version control or about to be; an unpacked copy gives all of its own."""
+    command = ["git", "ls-files", "-co", "--exclude-standard"]
+    try:
+        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    except (OSError, subprocess.CalledProcessError):
+        folders = ("framework", "plugins", "studies", "tests", "results", "docs", ".ci")
+        inside = [
+            path for folder in folders for path in (ROOT / folder).rglob("*") if "__pycache__" not in path.parts
+        ]
+        return tuple(path for path in [*ROOT.glob("*.*"), *inside] if path.is_file())
+    return tuple(path for name in listed if (path := ROOT / name).is_file())
+
+
+MACHINE = re.compile(
+    r"(?<![\w.~-])/(?:work|tmp|home|root|Users|mnt)/\w"  # absolute paths of one machine
+    r"|\bfarm-\w|[.]library\b"  # tools of one workplace
+    r"|\b(?:artifactory|nexus|devpi)\b|\bindex-url\b",  # hosts that packages come from
+)
+
+
+def test_no_file_names_a_machine():
+    guilty = []
+    for path in repository():
+        if path == Path(__file__).resolve() or path.suffix in {".png", ".pdf", ".sqlite"}:
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        guilty += [f"{path.relative_to(ROOT)}: {found[0]}" for found in MACHINE.finditer(text)]
+    assert guilty == []
+
+
+@pytest.mark.parametrize("text", ["see /work/" + "main", "'/tmp/" + "x'", "farm-" + "run", "/home/" + "me"])
+def test_the_pattern_finds_machines(text: str):
+    assert MACHINE.search(text)
+
+
+@pytest.mark.parametrize("text", ["kN/m", "framework/springpot", "https://example.org/home/page", "tests/tmp/x"])
+def test_the_pattern_lets_ordinary_text_pass(text: str):
+    assert not MACHINE.search(text)
