@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import traceback
 from collections.abc import Sequence
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from runpy import run_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -87,23 +87,16 @@ def load_study(path: str | Path) -> Study:
 
 
 def main(study: Study, arguments: Sequence[str] | None = None) -> None:
-    """Run a study as a program: by its script's path, so that workers find what the script defines."""
-    from .runner import run_study
+    """Run a study as a program: what ``springpot run`` does with the path of the script that declares it.
 
-    parser = argparse.ArgumentParser(description=f"Run the study {study.name}; finished trials are kept.")
-    parser.add_argument("--workers", type=int, help="processes, by default one for each core")
-    parser.add_argument("--engine", help="local (default), serial or dask:ADDRESS")
-    parser.add_argument("--budget", type=int, help="evaluations of each trial")
-    parser.add_argument("--repeats", type=int, help="trials of each cell")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (%(default)s)")
-    parser.add_argument("--retry-failed", action="store_true", help="run trials that failed before once more")
-    options = vars(parser.parse_args(arguments))
+    Raises
+    ------
+    StudyError
+        If the running program is not that script, so that workers could not find what it defines.
+    """
     script = getattr(sys.modules["__main__"], "__file__", None)
-    declared = getattr(sys.modules["__main__"], "study", None)
-    try:
-        run_study(script if script and declared is study else study, **options)
-    except SpringpotError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
+        raise StudyError("call study.main() in the script that declares it as study = Study(...)")
+    sys.argv = ["springpot", "run", script, *(sys.argv[1:] if arguments is None else arguments)]
+    # The command stands above this room and is started like any other program, not imported.
+    run_module("springpot", run_name="__main__")
