@@ -82,9 +82,9 @@ def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table
     rows.sort(key=lambda row: np.mean([float(str(cell).split(".")[0]) for cell in row[1:]]))
     columns = ("optimiser", *(f"{name}, {mark}" for name in CLASSES for mark in marks))
     note = (
-        f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that reached the target "
-        f"(excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test, adjusted by Holm. "
-        "Exact: 5 models; noisy: the same with 1 % and with 2 % noise of eq. (53)."
+        f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that reached the "
+        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test, adjusted by "
+        "Holm. Exact: 5 models; noisy: the same with 1 % and with 2 % noise of eq. (53)."
     )
     return Table("The paper's swarm among others", columns, rows, note)
 
@@ -115,8 +115,8 @@ def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
         "data", "budget", "optimiser", "success", "mean rank", "swarm ends below", "p (Wilcoxon, Holm)", "blocks",
     )  # fmt: skip
     note = (
-        "Success with Wilson's and mean rank with a bootstrap 95 % interval. Swarm ends below: chance that a trial of "
-        "the swarm is better than one of this optimiser on the same problem at that budget, ties by half (A12)."
+        "Success with Wilson's and mean rank with a bootstrap 95 % interval. Swarm ends below: chance that a trial "
+        "of the swarm is better than one of this optimiser on the same problem at that budget, ties by half (A12)."
     )
     return Table("The paper's swarm: ranks", columns, rows, note)
 

@@ -1,6 +1,7 @@
 """The store: keeps everything once, survives, and says in one line why it cannot be used."""
 
 import sqlite3
+from multiprocessing import get_context
 
 import pytest
 from benchmark_fakes import small_study
@@ -150,3 +151,46 @@ def test_a_read_only_database_is_one_line(path, monkeypatch):
     Store(path, write=True).close()
     with Store(path) as store, pytest.raises(StudyError, match="no permission"):
         store.register(small_study().plan(), {})
+
+
+def opens(path, barrier, told):
+    """What a program of several does that start at the same moment."""
+    barrier.wait()
+    try:
+        with Store(path, write=True) as store:
+            cells = store.register(small_study().plan(), {})
+            store.add([result()], cells)
+        told.put("")
+    except StudyError as error:
+        told.put(str(error))
+
+
+def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path):
+    context, several = get_context("fork"), 4
+    barrier, told = context.Barrier(several), context.Queue()
+    for attempt in range(25):
+        path = tmp_path / str(attempt) / "small.sqlite"
+        programs = [context.Process(target=opens, args=(path, barrier, told)) for _ in range(several)]
+        for program in programs:
+            program.start()
+        assert [told.get(timeout=60) for _ in programs] == [""] * several
+        for program in programs:
+            program.join()
+
+
+def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
+    """It sees the store as it was, although the writer folds its log into the file again and again."""
+    with Store(path, write=True) as store:
+        cells = store.register(small_study().plan(), {})
+        store.add([result(r, cell=c) for c in cells for r in range(200)], cells)
+        store.register(small_study(repetitions=2000).plan(), {})
+    with Store(path) as reader:
+        trials = reader.trials()
+        first = next(trials)
+        with Store(path, write=True) as writer:
+            for start in range(200, 2000, 200):
+                writer.add([result(r, cell=c) for c in cells for r in range(start, start + 200)], cells)
+                writer._db.execute("PRAGMA wal_checkpoint")
+        assert [len(rows) for _, rows in [first, *trials]] == [200] * len(cells)
+    with Store(path) as reader:
+        assert [len(rows) for _, rows in reader.trials()] == [2000] * len(cells)

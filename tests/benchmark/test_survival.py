@@ -188,7 +188,7 @@ def test_a_program_says_what_is_wrong_in_one_line(tmp_path):
     path.write_text(script(tmp_path).read_text().replace("budget=60", "datasets=['nothing']"))
     done = subprocess.run([sys.executable, str(path)], text=True, capture_output=True, cwd=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.startswith("error: ")
+    assert done.stderr.startswith("springpot: ")
     assert done.stderr.count("\n") == 1
 
 

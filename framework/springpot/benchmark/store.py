@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from math import inf
@@ -18,6 +16,7 @@ from numpy.typing import NDArray
 from springpot.errors import StudyError
 from springpot.rheology import Real
 
+from .database import connect, one_line, transaction
 from .plan import Case, Cell, Plan
 from .trace import unpack, unpack_values
 from .trial import Status, TrialResult
@@ -146,32 +145,22 @@ class Store:
 
     def __init__(self, path: Path, write: bool = False) -> None:
         self.path = path
-        with self._one_line():
+        with one_line(path):
             if write:
                 path.parent.mkdir(parents=True, exist_ok=True)
             elif not path.is_file():
                 raise StudyError(f"there are no results at {path}: run the study first")
-            self._db = sqlite3.connect(self._address(write), uri=True, timeout=60.0, isolation_level=None)
+            self._db = connect(path, write)
         try:
-            with self._one_line():
+            with one_line(path):
                 self._require_version(write)
         except BaseException:
             self._db.close()
             raise
 
-    def _address(self, write: bool) -> str:
-        address = self.path.resolve().as_uri()
-        if write:
-            return address + "?mode=rwc"
-        # Beside a file in a read-only folder SQLite cannot put its log; a closed store needs none.
-        closed = not self.path.with_name(self.path.name + "-wal").exists()
-        return address + ("?immutable=1" if closed else "?mode=ro")
-
     def _require_version(self, write: bool) -> None:
         if write:
-            self._db.execute("PRAGMA journal_mode = WAL")
-            self._db.execute("PRAGMA synchronous = NORMAL")
-            with self._transaction():
+            with transaction(self._db):
                 if self._version() == 0 and not self._db.execute("SELECT 1 FROM sqlite_master").fetchone():
                     for statement in _TABLES.split(";"):
                         self._db.execute(statement)
@@ -206,27 +195,6 @@ class Store:
         """Close the file; the last one to do so folds the log into it."""
         self._db.close()
 
-    @contextmanager
-    def _one_line(self) -> Iterator[None]:
-        """Turn what SQLite and the system say into one line that helps."""
-        try:
-            yield
-        except sqlite3.DatabaseError as error:
-            raise StudyError(_explained(self.path, error)) from error
-        except OSError as error:
-            raise StudyError(f"cannot write {self.path}: {error.strerror or error}") from error
-
-    @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._db.execute("BEGIN IMMEDIATE")
-        try:
-            yield
-        except BaseException:
-            if self._db.in_transaction:
-                self._db.execute("ROLLBACK")
-            raise
-        self._db.execute("COMMIT")
-
     def register(self, plan: Plan, facts: Mapping[str, str]) -> dict[int, int]:
         """Enter a plan's problems and cells and make it the one that tables show.
 
@@ -245,7 +213,7 @@ class Store:
         shown = json.dumps([(cell.digest, plan.entrants[cell.entrant].label) for cell in plan.cells])
         told = {"name": plan.name, "cells": shown, "repetitions": str(plan.repetitions), "seed": str(plan.seed)}
         told |= {"budget": str(plan.budget), "target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
-        with self._one_line(), self._transaction():
+        with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", _problem_columns(case)) for case in plan.cases]
             cells = {cell.index: self._enter("cell", _cell_columns(plan, cell, problems)) for cell in plan.cells}
             self._db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", told.items())
@@ -259,7 +227,7 @@ class Store:
 
     def finished(self, cell: int) -> set[int]:
         """Repetitions of a cell that are done."""
-        with self._one_line():
+        with one_line(self.path):
             return {row[0] for row in self._db.execute("SELECT repetition FROM trial WHERE cell = ?", (cell,))}
 
     def add(self, results: Iterable[TrialResult], cells: Mapping[int, int]) -> None:
@@ -274,7 +242,7 @@ class Store:
             )  # fmt: skip
             if r.trace:
                 traces.append((cell, r.repetition, r.trace, r.recommended, r.seen))
-        with self._one_line(), self._transaction():
+        with one_line(self.path), transaction(self._db):
             self._db.executemany(f"INSERT OR IGNORE INTO trial VALUES ({', '.join('?' * 12)})", trials)
             self._db.executemany("INSERT OR IGNORE INTO trace VALUES (?, ?, ?, ?, ?)", traces)
 
@@ -283,18 +251,18 @@ class Store:
         failed = [str(status) for status in Status if status.failed]
         marks = ", ".join("?" * len(failed))
         drop = f"DELETE FROM trial WHERE cell = ? AND status IN ({marks})"
-        with self._one_line(), self._transaction():
+        with one_line(self.path), transaction(self._db):
             return sum(self._db.execute(drop, (cell, *failed)).rowcount for cell in cells)
 
     def facts(self) -> dict[str, str]:
         """What is known of the study and of its last run."""
-        with self._one_line():
+        with one_line(self.path):
             return dict(self._db.execute("SELECT name, value FROM fact ORDER BY name"))
 
     def cells(self) -> list[CellRow]:
         """The cells of the study as it was last run, in its order."""
         facts = self.facts()
-        with self._one_line():
+        with one_line(self.path):
             problems = {row[0]: _problem(row) for row in self._db.execute(_PROBLEMS)}
             found = {row[0]: row[1:] for row in self._db.execute(_CELLS)}
         shown: list[tuple[str, str]] = json.loads(facts.get("cells", "[]"))
@@ -303,7 +271,7 @@ class Store:
 
     def bests(self) -> dict[int, float]:
         """Smallest objective known of each problem, by its number: of all trials kept, and at the truth."""
-        with self._one_line():
+        with one_line(self.path):
             found = {number: best for number, best in self._db.execute(_BESTS) if best is not None}
             known = dict(self._db.execute("SELECT id, known FROM problem WHERE known IS NOT NULL"))
         return {number: min(found.get(number, inf), known.get(number, inf)) for number in found | known}
@@ -311,7 +279,7 @@ class Store:
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions; one cell at a time in memory."""
         limit = int(self.facts().get("repetitions", "0"))
-        with self._one_line():
+        with one_line(self.path):
             rows = self._db.execute(_TRIALS, (limit,))
             for cell, group in groupby(rows, key=lambda row: row[0]):
                 yield cell, [_trial(row) for row in group]
@@ -361,16 +329,3 @@ def _problem(row: Sequence[Any]) -> ProblemRow:
 
 def _trial(row: Sequence[Any]) -> TrialRow:
     return TrialRow(*[row[1], Status(row[2]), *row[3:12], row[12] or b"", *row[13:]])
-
-
-def _explained(path: Path, error: sqlite3.DatabaseError) -> str:
-    told = str(error)
-    if "full" in told:
-        return f"cannot write {path}: the disk is full; free some space and run again, finished trials are kept"
-    if "readonly" in told or "unable to open" in told:
-        return f"cannot write {path}: no permission; choose another folder with --out"
-    if "locked" in told:
-        return f"{path} is locked by another program: close it and run again"
-    if isinstance(error, sqlite3.OperationalError) and "disk I/O" in told:
-        return f"cannot use {path}: {told}"
-    return f"{path} is damaged or no study store ({told}): move it away and run again"

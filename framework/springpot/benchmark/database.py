@@ -1,0 +1,105 @@
+"""SQLite as a store needs it: several programs at once do no harm, and whatever goes wrong is one line."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+
+from springpot.errors import StudyError
+
+PATIENCE = 60.0
+"""Seconds to wait for another program that holds the file."""
+
+
+def connect(path: Path, write: bool) -> sqlite3.Connection:
+    """A connection in autocommit mode; its caller closes it.
+
+    Parameters
+    ----------
+    path : Path
+        The SQLite file.
+    write : bool
+        Create it where there is none, and allow writing.
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If it cannot be opened.
+    """
+    db = sqlite3.connect(_address(path, write), uri=True, timeout=PATIENCE, isolation_level=None)
+    try:
+        if write:
+            _log_ahead(db)
+            db.execute("PRAGMA synchronous = NORMAL")
+        else:
+            db.execute("PRAGMA query_only = ON")
+    except BaseException:
+        db.close()
+        raise
+    return db
+
+
+def _address(path: Path, write: bool) -> str:
+    address = path.resolve().as_uri()
+    if write:
+        return address + "?mode=rwc"
+    # A reader takes part in the log like a writer, so that a study may run meanwhile. In a folder where it cannot,
+    # nobody else writes either.
+    return address + ("?mode=rw" if os.access(path.parent, os.W_OK) else "?immutable=1")
+
+
+def _log_ahead(db: sqlite3.Connection) -> None:
+    """Turn the write-ahead log on.
+
+    SQLite waits for others everywhere but here: of two programs that turn it on at once, one gets an error.
+    """
+    end = monotonic() + PATIENCE
+    while True:
+        try:
+            db.execute("PRAGMA journal_mode = WAL")
+            return
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or monotonic() > end:
+                raise
+            sleep(0.01)
+
+
+@contextmanager
+def transaction(db: sqlite3.Connection) -> Iterator[None]:
+    """All or nothing; it asks for the right to write at once, for which SQLite can wait without a deadlock."""
+    db.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+    except BaseException:
+        if db.in_transaction:
+            db.execute("ROLLBACK")
+        raise
+    db.execute("COMMIT")
+
+
+@contextmanager
+def one_line(path: Path) -> Iterator[None]:
+    """Turn what SQLite and the system say of the file at `path` into one line that helps."""
+    try:
+        yield
+    except sqlite3.DatabaseError as error:
+        raise StudyError(_explained(path, error)) from error
+    except OSError as error:
+        raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _explained(path: Path, error: sqlite3.DatabaseError) -> str:
+    told = str(error)
+    if "full" in told:
+        return f"cannot write {path}: the disk is full; free some space and run again, finished trials are kept"
+    if "readonly" in told or "unable to open" in told:
+        return f"cannot write {path}: no permission; choose another folder with --out"
+    if "locked" in told or "locking" in told:
+        return f"{path} is locked by another program: close it and run again"
+    if isinstance(error, sqlite3.OperationalError) and "disk I/O" in told:
+        return f"cannot use {path}: {told}"
+    return f"{path} is damaged or no study store ({told}): move it away and run again"
