@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 _WHERE = {
     "Measurement": "springpot.measurement",
     "Units": "springpot.measurement",
+    "geometry": "springpot.measurement",
     "Model": "springpot.rheology",
     "Effect": "springpot.rheology",
     "open_measurement": "springpot.registry",

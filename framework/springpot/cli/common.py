@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from springpot.measurement import Measurement
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -34,6 +37,23 @@ def seed_option(command: F) -> F:
     """Add ``--seed N``."""
     text = "Seed of all random numbers; the same seed gives the same bits."
     return click.option("--seed", type=click.IntRange(min=0), metavar="N", help=text)(command)
+
+
+def geometry_option(command: F) -> F:
+    """Add ``--geometry TEXT``."""
+    text = "Of damper or specimen, such as 'shear-pads area=200cm^2 gap=10mm': stiffness becomes modulus, or back."
+    return click.option("--geometry", metavar="TEXT", help=text)(command)
+
+
+def opened(data: str, geometry: str | None = None) -> Measurement:
+    """The measurement that DATA names, seen through a geometry if one is given."""
+    from springpot.measurement import parse_geometry, through
+    from springpot.registry import open_measurement
+
+    if geometry is None:
+        return open_measurement(data)
+    interface = parse_geometry(geometry)
+    return through(open_measurement(data), interface)
 
 
 def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:

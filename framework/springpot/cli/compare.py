@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .common import FILE, data_argument, emit, json_option
+from .common import FILE, data_argument, emit, geometry_option, json_option, opened
 
 
 @click.command(
@@ -18,17 +18,18 @@ from .common import FILE, data_argument, emit, json_option
     "--model", "-m", "models", metavar="EXPR", required=True, multiple=True, help="A model expression; give several."
 )
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw all views and residual planes (.png, .svg or .pdf).")
+@geometry_option
 @json_option
-def command(data: str, models: tuple[str, ...], figure: Path | None, as_json: bool) -> None:
+def command(data: str, models: tuple[str, ...], figure: Path | None, geometry: str | None, as_json: bool) -> None:
     """Judge models of DATA against one noise floor: how far each is off, where, and how sure that is."""
     from springpot.api import compare
-    from springpot.registry import open_measurement, parse_model
+    from springpot.registry import parse_model
     from springpot.report.answers import comparison_text
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
         check_figure_path(figure)
-    comparison = compare(open_measurement(data), [parse_model(model) for model in dict.fromkeys(models)])
+    comparison = compare(opened(data, geometry), [parse_model(model) for model in dict.fromkeys(models)])
     if figure is not None:
         from springpot.report.residuals import figure_compared
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import json_option, model_option, seed_option
+from .common import geometry_option, json_option, model_option, opened, seed_option
 from .faults import BAD_INPUT, FAULT, exit_code
 
 if TYPE_CHECKING:
+    from springpot.measurement import Measurement
     from springpot.rheology import Model
 
 
@@ -17,8 +20,9 @@ if TYPE_CHECKING:
 @click.argument("data", nargs=-1, required=True, metavar="DATA...")
 @model_option
 @seed_option
+@geometry_option
 @json_option
-def command(data: tuple[str, ...], model: str, seed: int | None, as_json: bool) -> int:
+def command(data: tuple[str, ...], model: str, seed: int | None, geometry: str | None, as_json: bool) -> int:
     """Where a model fails on DATA, which physical effect is missing, how sure that is, and what to measure next.
 
     Each DATA is a file or a registered data set and gets its own answer; with several, --json prints one line of
@@ -32,19 +36,19 @@ def command(data: tuple[str, ...], model: str, seed: int | None, as_json: bool) 
     for i, name in enumerate(data):
         if i and not as_json:
             print()
-        code = exit_code(lambda name=name: _answer(name, expression, seed or 0, as_json, lines))  # type: ignore[misc]
+        opener = partial(opened, name, geometry)
+        code = exit_code(partial(_answer, opener, expression, seed or 0, as_json, lines))
         if code not in (0, BAD_INPUT, FAULT):  # interrupted, or nobody reads on
             return code
         worst = max(worst, code)
     return worst
 
 
-def _answer(name: str, model: Model, seed: int, as_json: bool, line: bool) -> int:
+def _answer(opener: Callable[[], Measurement], model: Model, seed: int, as_json: bool, line: bool) -> int:
     from springpot.api import diagnose
-    from springpot.registry import open_measurement
     from springpot.report.answers import diagnosis_text
     from springpot.report.jsontext import to_json
 
-    diagnosis: Any = diagnose(open_measurement(name), model, seed=seed)
+    diagnosis: Any = diagnose(opener(), model, seed=seed)
     print(to_json(diagnosis, None if line else 2) if as_json else diagnosis_text(diagnosis), flush=True)
     return 0

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import FILE, POSITIVE, data_argument, emit, json_option, model_option, seed_option
+from .common import (
+    FILE,
+    POSITIVE,
+    data_argument,
+    emit,
+    geometry_option,
+    json_option,
+    model_option,
+    opened,
+    seed_option,
+)
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
@@ -27,22 +37,23 @@ INTERVALS = ("jacobian", "profile", "bootstrap")
 )
 @click.option("--restarts", type=POSITIVE, metavar="N", help="Independent restarts, of which the best counts.")
 @seed_option
+@geometry_option
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf).")
 @json_option
-def command(data: str, model: str, figure: Path | None, as_json: bool, **options: Any) -> None:
+def command(data: str, model: str, geometry: str | None, figure: Path | None, as_json: bool, **options: Any) -> None:
     """Parameters of a model that fit DATA, a file or a registered data set, best.
 
     Conditions choose part of the data: nist-srm2491@temperature=20.
     """
     from springpot.api import identify
-    from springpot.registry import open_measurement, parse_model
+    from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
         check_figure_path(figure)
     expression = parse_model(model)
-    found = identify(open_measurement(data), expression, **options)
+    found = identify(opened(data, geometry), expression, **options)
     if figure is not None:
         draw(found, figure)
     emit(found, as_json, lambda: show(found, figure))

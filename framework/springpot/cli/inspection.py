@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import data_argument, emit, json_option
+from .common import data_argument, emit, geometry_option, json_option, opened
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement, Part
@@ -19,19 +19,20 @@ SHOWN = 12
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
 @data_argument
+@geometry_option
 @json_option
-def command(data: str, as_json: bool) -> None:
+def command(data: str, geometry: str | None, as_json: bool) -> None:
     """Show what DATA, a file or a registered data set, holds.
 
     Of a file with several steps, sweeps or sheets all that are dynamic tests open together; FILE#2 opens one of them.
     What a file leaves open is said by FILE?frequency=Hz, in quotes for some shells.
     """
     from springpot.errors import DataError
-    from springpot.registry import open_measurement, parts_of
+    from springpot.registry import parts_of
 
     parts = parts_of(data)
     try:
-        result = described(open_measurement(data), parts)
+        result = described(opened(data, geometry), parts)
     except DataError as error:
         if not parts or as_json:
             raise

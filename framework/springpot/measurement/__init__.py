@@ -1,6 +1,10 @@
-"""Measurement: dynamic test data and their units, time signals, noise."""
+"""Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
+from . import geometry
 from .catalogue import DataSet
+from .geometry import Geometry
+from .geometry_text import parse_geometry
+from .interface import as_modulus, as_stiffness, through
 from .measurement import CONDITIONS, KELVIN, Measurement
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader, select
@@ -33,6 +37,7 @@ __all__ = [
     "DataSet",
     "FORCE_UNITS",
     "FREQUENCY_UNITS",
+    "Geometry",
     "Harmonics",
     "KELVIN",
     "LENGTH_UNITS",
@@ -48,14 +53,19 @@ __all__ = [
     "TIME_UNITS",
     "TORQUE_UNITS",
     "Units",
+    "as_modulus",
+    "as_stiffness",
+    "geometry",
     "harmonics_of",
     "known_unit",
     "measurement_from_signals",
     "normal_unit",
     "open_measurement",
+    "parse_geometry",
     "parts_of",
     "pick_reader",
     "select",
     "temperature_in_celsius",
+    "through",
     "with_noise",
 ]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from springpot.errors import DataError
 from springpot.rheology import Complex, Points, Real
 
 from .units import Units
+
+if TYPE_CHECKING:
+    from .geometry import Geometry
 
 KELVIN = 273.15
 CONDITIONS = ("temperature", "amplitude")
@@ -158,6 +162,18 @@ class Measurement:
             harmonics=None if self.harmonics is None else self.harmonics[rows],
             name=self.name if name is None else name,
         )
+
+    def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
+        """The material that a specimen or damper of this geometry is made of; see `interface.as_modulus`."""
+        from .interface import as_modulus
+
+        return as_modulus(self, geometry, unit)
+
+    def as_stiffness(self, geometry: Geometry, unit: str | None = None, amplitude: str | None = None) -> Measurement:
+        """A damper of this geometry, made of the measured material; see `interface.as_stiffness`."""
+        from .interface import as_stiffness
+
+        return as_stiffness(self, geometry, unit, amplitude)
 
     def sweeps(self, tolerance: float = 2e-3) -> Iterator[tuple[str, NDArray[np.int64]]]:
         """Labels and row numbers of the frequency sweeps, one for each set of conditions and repeat.

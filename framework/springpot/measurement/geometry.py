@@ -1,0 +1,288 @@
+"""Interface objects: how a specimen or damper of given geometry turns force and displacement into stress and strain.
+
+With stress = a force and strain = b displacement the stiffness is K = (b / a) G: a damper and the fluid in it are
+one model, K = G A / h for shear pads. Where the stress varies within the specimen, stress and strain are those at the
+place that the geometry names; G does not depend on that choice. Lengths in metres, angles in radians.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from math import cosh, inf, isfinite, log, pi, tanh
+from typing import ClassVar
+
+from springpot.errors import OptionError
+from springpot.rheology import Real
+
+_TERMS = 200
+"""Terms of the series for torsion; they fall at least with the inverse square, and exponentially where it counts."""
+
+
+@dataclass(frozen=True)
+class Geometry(ABC):
+    """A geometry; all sizes are positive and in SI units.
+
+    Attributes
+    ----------
+    name : str
+        What users type.
+    turns : bool
+        Whether it takes torque and angle rather than force and displacement.
+    source : str
+        Where the formulas are from.
+    """
+
+    name: ClassVar[str]
+    turns: ClassVar[bool] = False
+    source: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (isinstance(value, bool) or (isfinite(value) and value > 0)):
+                raise OptionError(f"{self.name}: {field.name} must be positive, got {value:g}")
+
+    @property
+    @abstractmethod
+    def stress_factor(self) -> float:
+        """Stress for a force of 1 N (1/m^2), or for a torque of 1 N m (1/m^3)."""
+
+    @property
+    @abstractmethod
+    def strain_factor(self) -> float:
+        """Strain for a displacement of 1 m (1/m), or for an angle of 1 rad (1)."""
+
+    @property
+    def shape(self) -> float:
+        """K / G in m, or in m^3 per radian where it turns."""
+        return self.strain_factor / self.stress_factor
+
+    def stress_and_strain(self, force: Real, displacement: Real) -> tuple[Real, Real]:
+        """Stress in Pa and strain from force in N and displacement in m, or torque in N m and angle in rad."""
+        return force * self.stress_factor, displacement * self.strain_factor
+
+    def force_and_displacement(self, stress: Real, strain: Real) -> tuple[Real, Real]:
+        """The way back from `stress_and_strain`."""
+        return stress / self.stress_factor, strain / self.strain_factor
+
+
+@dataclass(frozen=True)
+class ShearPads(Geometry):
+    """Plane pads in simple shear, as in a sandwich damper: K = n A G / h.
+
+    Parameters
+    ----------
+    area : float
+        Sheared area of one pad, m^2.
+    gap : float
+        Thickness h of one pad, m.
+    pads : float
+        Number n of pads that share the force.
+    """
+
+    name = "shear-pads"
+    source = "Soong, Dargush: Passive Energy Dissipation Systems in Structural Engineering (1997), ch. 3"
+    area: float
+    gap: float
+    pads: float = 1
+
+    @property
+    def stress_factor(self) -> float:
+        """1 / (n A)."""
+        return 1.0 / (self.pads * self.area)
+
+    @property
+    def strain_factor(self) -> float:
+        """1 / h."""
+        return 1.0 / self.gap
+
+
+@dataclass(frozen=True)
+class AnnularDashpot(Geometry):
+    """A piston moving along the axis of a tube, the material in the annulus; stress and strain at the piston.
+
+    With a = ln(R_o / R_i), an open tube is pure shear, K = 2 pi L G / a. In a closed one the piston pushes what it
+    displaces back through the annulus, K = 2 pi L G / (a - tanh a), which exceeds the former by 3 / a^2 for a narrow
+    gap. Inertia of the material and the ends of the piston are left out.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius : float
+        Of the piston and of the tube, m.
+    length : float
+        Of the piston, m.
+    closed : bool
+        Whether the displaced material flows back through the annulus.
+    """
+
+    name = "annular-dashpot"
+    source = (
+        "Bird, Stewart, Lightfoot: Transport Phenomena (2002), 2.4; Lohrenz, Swift, Kurata: AIChE J. 6 (1960) 547"
+    )
+    inner_radius: float
+    outer_radius: float
+    length: float
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.inner_radius < self.outer_radius:
+            raise OptionError(f"{self.name}: inner_radius must be smaller than outer_radius")
+
+    @property
+    def _resistance(self) -> tuple[float, float]:
+        """The denominator of K, and the share of the force that shears the piston's wall."""
+        a = log(self.outer_radius / self.inner_radius)
+        return (_less_tanh(a), tanh(a)) if self.closed else (a, 1.0)
+
+    @property
+    def stress_factor(self) -> float:
+        """1 / (2 pi R_i L), times tanh a where closed: the rest of the force is pressure on the piston's ends."""
+        return self._resistance[1] / (2.0 * pi * self.inner_radius * self.length)
+
+    @property
+    def strain_factor(self) -> float:
+        """1 / (R_i a), or tanh a / (R_i (a - tanh a)) where closed."""
+        below, share = self._resistance
+        return share / (self.inner_radius * below)
+
+
+def _less_tanh(a: float) -> float:
+    """The difference a - tanh a without cancellation."""
+    return a**3 / 3.0 * (1.0 - 0.4 * a**2 + 17.0 / 105.0 * a**4) if a < 0.02 else a - tanh(a)
+
+
+@dataclass(frozen=True)
+class ParallelPlates(Geometry):
+    """Two discs, one of which turns: K = pi R^4 G / (2 h) per radian; stress and strain at the rim.
+
+    Parameters
+    ----------
+    radius, gap : float
+        In m.
+    """
+
+    name = "parallel-plates"
+    turns = True
+    source = "Macosko: Rheology (1994), ch. 5.5"
+    radius: float
+    gap: float
+
+    @property
+    def stress_factor(self) -> float:
+        """2 / (pi R^3), for a stress that grows with the radius as in linear oscillation."""
+        return 2.0 / (pi * self.radius**3)
+
+    @property
+    def strain_factor(self) -> float:
+        """R / h."""
+        return self.radius / self.gap
+
+
+@dataclass(frozen=True)
+class ConePlate(Geometry):
+    """A flat cone on a plate: K = 2 pi R^3 G / (3 beta) per radian; the strain is the same everywhere.
+
+    Parameters
+    ----------
+    radius : float
+        In m.
+    angle : float
+        Between cone and plate, rad; the formula is for a few degrees.
+    """
+
+    name = "cone-plate"
+    turns = True
+    source = "Macosko: Rheology (1994), ch. 5.4"
+    radius: float
+    angle: float
+
+    @property
+    def stress_factor(self) -> float:
+        """3 / (2 pi R^3)."""
+        return 3.0 / (2.0 * pi * self.radius**3)
+
+    @property
+    def strain_factor(self) -> float:
+        """1 / beta."""
+        return 1.0 / self.angle
+
+
+@dataclass(frozen=True)
+class TorsionBar(Geometry):
+    """A rectangular bar, twisted (Saint-Venant, free to warp); stress and strain at the middle of its broad side.
+
+    Parameters
+    ----------
+    length : float
+        Between the clamps, m.
+    width, thickness : float
+        Of its cross-section, m, in any order.
+    """
+
+    name = "torsion-bar"
+    turns = True
+    source = "Timoshenko, Goodier: Theory of Elasticity (1970), art. 109"
+    length: float
+    width: float
+    thickness: float
+
+    @property
+    def _section(self) -> tuple[float, float]:
+        """Torsion constant in m^4, and the largest shear for unit twist per length in m."""
+        b, ratio = min(self.width, self.thickness), max(self.width, self.thickness)
+        ratio /= b
+        odd = range(1, _TERMS, 2)
+        constant = ratio / 3.0 - 64.0 / pi**5 * sum(tanh(n * pi * ratio / 2.0) / n**5 for n in odd)
+        steep = 1.0 - 8.0 / pi**2 * sum(1.0 / (n**2 * _cosh(n * pi * ratio / 2.0)) for n in odd)
+        return constant * b**4, steep * b
+
+    @property
+    def stress_factor(self) -> float:
+        """Largest shear over the torsion constant."""
+        constant, steep = self._section
+        return steep / constant
+
+    @property
+    def strain_factor(self) -> float:
+        """Largest shear for unit twist per length, over the length."""
+        return self._section[1] / self.length
+
+
+def _cosh(x: float) -> float:
+    return cosh(x) if x < 700.0 else inf
+
+
+@dataclass(frozen=True)
+class Constants(Geometry):
+    """A geometry of a rotational rheometer, by the two constants that its maker gives.
+
+    Parameters
+    ----------
+    stress : float
+        Stress for a torque of 1 N m, 1/m^3 (Pa/(N m)).
+    strain : float
+        Strain for an angle of 1 rad.
+    """
+
+    name = "constants"
+    turns = True
+    source = "the header of an instrument's file"
+    stress: float
+    strain: float
+
+    @property
+    def stress_factor(self) -> float:
+        """As given."""
+        return self.stress
+
+    @property
+    def strain_factor(self) -> float:
+        """As given."""
+        return self.strain
+
+
+GEOMETRIES: dict[str, type[Geometry]] = {
+    kind.name: kind for kind in (ShearPads, AnnularDashpot, ParallelPlates, ConePlate, TorsionBar, Constants)
+}

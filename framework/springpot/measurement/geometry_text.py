@@ -1,0 +1,102 @@
+"""Geometries as text: ``shear-pads area=200cm^2 gap=10mm``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from difflib import get_close_matches
+
+from springpot.errors import DataError, OptionError
+
+from .geometry import GEOMETRIES, Geometry
+from .units import ANGLE_UNITS, LENGTH_UNITS, known_unit, normal_unit
+
+AREA_UNITS = {f"{unit}^2": size**2 for unit, size in LENGTH_UNITS.items()}
+_ITEM = re.compile(r"([\w-]+)\s*=\s*([^=]*?)(?=[\s,;]+[\w-]+\s*=|[\s,;]*$)")
+_VALUE = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\[?\s*(.*?)\s*\]?$")
+_TABLES: dict[str, Mapping[str, float]] = {
+    "area": AREA_UNITS,
+    "angle": ANGLE_UNITS,
+    "pads": {"-": 1.0},
+    "stress": {"Pa/N m": 1.0, "Pa/(N m)": 1.0, "1/m^3": 1.0},
+    "strain": {"1/rad": 1.0, "-": 1.0},
+}
+"""Units of sizes that are no lengths."""
+_WORDS = {"yes": True, "true": True, "no": False, "false": False}
+EXAMPLE = "shear-pads area=200cm^2 gap=10mm"
+
+
+def said(geometry: Geometry) -> str:
+    """A geometry as a user writes it, in SI units."""
+    sizes = [f"{f.name}={_size(f.name, getattr(geometry, f.name))}" for f in fields(geometry)]
+    return " ".join([geometry.name, *sizes])
+
+
+def _size(name: str, value: float) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    unit = {"area": "m^2", "angle": "rad", "pads": "", "stress": "1/m^3", "strain": "1/rad"}.get(name, "m")
+    return f"{value!r} {unit}" if unit else f"{value:g}"
+
+
+def parse_geometry(text: str) -> Geometry:
+    """The geometry that a text such as ``shear-pads area=200cm^2 gap=10mm`` names.
+
+    Lengths may be given as diameters where a radius is meant: ``parallel-plates diameter=40mm gap=1mm``.
+
+    Raises
+    ------
+    OptionError
+        If the geometry, a size or a unit is unknown, or one is missing.
+    """
+    name, _, rest = text.strip().replace(":", " ", 1).partition(" ")
+    if name not in GEOMETRIES:
+        near = get_close_matches(name, GEOMETRIES, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(GEOMETRIES)}"
+        raise OptionError(f"geometry '{name:.40}': {hint}; write for instance '{EXAMPLE}'")
+    kind = GEOMETRIES[name]
+    wanted = {field.name: field for field in fields(kind)}
+    given: dict[str, float] = {}
+    for key, value in _ITEM.findall(rest):
+        key = key.replace("-", "_")
+        size = key.replace("diameter", "radius")
+        if size not in wanted:
+            raise OptionError(f"geometry {name}: there is no '{key:.40}'; it has {', '.join(wanted)}")
+        if size in given:
+            raise OptionError(f"geometry {name}: '{key}' is given twice")
+        given[size] = _read(name, size, value) if size == key else 0.5 * _read(name, size, value)
+    missing = [key for key, field in wanted.items() if key not in given and field.default is MISSING]
+    if missing or _ITEM.sub("", rest).strip(" ,;"):
+        what = f"{' and '.join(missing)} missing" if missing else f"cannot read '{_ITEM.sub('', rest).strip():.40}'"
+        raise OptionError(f"geometry {name}: {what}; write for instance '{_example(kind)}'")
+    return kind(**given)
+
+
+def _read(name: str, size: str, value: str) -> float:
+    if size == "closed":
+        if value.lower() not in _WORDS:
+            raise OptionError(f"geometry {name}: closed is yes or no, not '{value:.20}'")
+        return _WORDS[value.lower()]
+    match = _VALUE.match(value.strip())
+    table = dict(_TABLES.get(size, LENGTH_UNITS))
+    if match is None:
+        raise OptionError(f"geometry {name}: {size} is no number with a unit: '{value:.30}'")
+    if not match[2] and "-" not in table:
+        raise OptionError(f"geometry {name}: {size}={match[1]} has no unit; write {size}={match[1]}{list(table)[1]}")
+    try:
+        return float(match[1]) * table[known_unit(normal_unit(match[2]), table, size)]
+    except DataError as error:
+        raise OptionError(f"geometry {name}: {error}") from None
+
+
+def _example(kind: type[Geometry]) -> str:
+    units = {
+        "area": "200cm^2",
+        "angle": "2deg",
+        "pads": "2",
+        "closed": "no",
+        "stress": "79577Pa/(N m)",
+        "strain": "20",
+    }
+    return " ".join([kind.name, *(f"{field.name}={units.get(field.name, '10mm')}" for field in fields(kind))])
