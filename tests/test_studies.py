@@ -49,9 +49,9 @@ def small(path: Path):
 
 
 def tables(folder: Path) -> dict[str, bytes]:
-    """Everything that must not depend on how a study ran: all but the times."""
-    kinds = {".md", ".csv", ".tex", ".html"}
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.suffix in kinds and not p.name.startswith("timing")}
+    """Everything that must not depend on how a study ran: all but the times and the report, which names them."""
+    kinds, own = {".md", ".csv", ".tex", ".html"}, {"timing", "report"}
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.suffix in kinds and p.stem not in own}
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
@@ -103,6 +103,7 @@ def test_a_script_and_the_command_do_the_same(tmp_path):
     subprocess.run([sys.executable, "-m", "springpot.cli", "run", script, *options, tmp_path / "command"], **quiet)
     one, other = tables(tmp_path / "script" / "table1"), tables(tmp_path / "command" / "table1")
     assert one == other
+    assert all((tmp_path / way / "table1" / "report.html").is_file() for way in ("script", "command"))
     assert {"table1.md", "summary.csv", "failures.tex"} <= one.keys()
 
 
