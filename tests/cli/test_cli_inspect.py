@@ -13,7 +13,7 @@ def test_a_file(springpot, damper):
     assert (answer["data"], answer["points"]) == ("damper", 15)
     assert abs(answer["frequency"]["from"] - 0.5) < 1e-12
     assert answer["storage"]["unit"] == "kN/m"
-    assert answer["sweeps"] == [{"conditions": "all", "points": 15}]
+    assert [(sweep["conditions"], sweep["points"]) for sweep in answer["sweeps"]] == [("all", 15)]
     shown = springpot("inspect", damper).out
     assert "15 points, 1 sweep\n" in shown
     assert "kN/m" in shown
@@ -26,4 +26,31 @@ def test_conditions_become_sweeps(springpot, write):
     assert answer["conditions"] == {"temperature": {"from": 10.0, "to": 30.0, "unit": "degC"}}
     assert [sweep["points"] for sweep in answer["sweeps"]] == [3, 3]
     assert springpot("inspect", f"{path}@temperature=30", "--json").json["points"] == 3
-    assert "temperature 30" in springpot("inspect", path).out
+    assert [sweep["conditions"] for sweep in answer["sweeps"]] == ["temperature 10", "temperature 30"]
+    assert "temperature [degC]" in springpot("inspect", path).out
+
+
+def test_an_amplitude_sweep_is_one_line(springpot, write):
+    """Amplitudes that differ from point to point and temperatures that wander a little are one run."""
+    rows = "\n".join(f"1,{10 - i},2,{20 + i % 2 / 10},{0.01 * 2**i}" for i in range(9))
+    path = write(f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC],amplitude [%]\n{rows}\n")
+    [sweep] = springpot("inspect", path, "--json").json["sweeps"]
+    assert sweep["points"] == 9
+    assert (sweep["amplitude"]["from"], sweep["amplitude"]["to"]) == (0.01, 2.56)
+
+
+def test_units_that_differ_in_case_only_are_doubted(springpot, write):
+    path = write("frequency [Hz],storage [MPa],loss [mPa]\n1,2,3\n2,3,4\n4,4,5\n8,5,6\n")
+    assert "storage in MPa but loss in mPa" in springpot("inspect", path).out
+    answer = springpot("identify", path, "--model", "springpot", "--json")
+    assert answer.json["model"] == "springpot"
+    assert answer.err.startswith("note: data: storage in MPa but loss in mPa")
+    assert "slip" not in springpot("inspect", write(path.read_text().replace("mPa", "kPa"))).out
+
+
+def test_a_file_beside_the_name_is_suggested(springpot, damper):
+    assert springpot("inspect", damper.with_suffix("")).is_one_line("did you mean", "damper.csv")
+    assert springpot("signals", damper.with_name("dampr.csv")).is_one_line("no such file", "damper.csv")
+    answer = springpot("signals", damper.with_name("other.txt"))
+    assert answer.is_one_line("other.txt: there is no such file")
+    assert "did you mean" not in answer.err

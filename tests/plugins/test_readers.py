@@ -92,10 +92,10 @@ ERRORS = {
         r"found .*; missing loss \[unit\], phase \[deg\] or loss_factor",
     ),
     "missing frequency": ("storage [Pa],loss [Pa]\n1,2\n", r"missing frequency \[Hz\] or omega \[rad/s\]"),
-    "no unit": ("frequency,storage [Pa],loss [Pa]\n1,2,3\n", r"no unit; write frequency \[Hz\] or omega \[rad/s\]"),
+    "no unit": ("frequency,storage [Pa],loss [Pa]\n1,2,3\n", r"no unit; .*write frequency \[Hz\] or omega \[rad/s\]"),
     "no modulus unit": (
         "frequency [Hz],storage,loss\n1,2,3\n",
-        r"'storage', 'loss' have no unit; say it with '.*storage=Pa,loss=Pa'",
+        r"'storage', 'loss' have no unit; if they are Pa, open '.*storage=Pa,loss=Pa'",
     ),
     "unknown unit": ("frequency [Hz],storage [kN/mn],loss [Pa]\n1,2,3\n", r"did you mean \[kN/m\]"),
     "omega in hertz": ("omega [Hz],storage [Pa],loss [Pa]\n1,2,3\n", "omega is in rad/s"),

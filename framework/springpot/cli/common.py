@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -45,15 +46,21 @@ def geometry_option(command: F) -> F:
     return click.option("--geometry", metavar="TEXT", help=text)(command)
 
 
-def opened(data: str, geometry: str | None = None) -> Measurement:
-    """The measurement that DATA names, seen through a geometry if one is given."""
+def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measurement:
+    """The measurement that DATA names, seen through a geometry if one is given.
+
+    What the reader doubts or left out goes to stderr, unless `quiet`.
+    """
     from springpot.measurement import parse_geometry, through
     from springpot.registry import open_measurement
 
-    if geometry is None:
-        return open_measurement(data)
-    interface = parse_geometry(geometry)
-    return through(open_measurement(data), interface)
+    interface = None if geometry is None else parse_geometry(geometry)
+    measured = open_measurement(data)
+    if not quiet:
+        for key, value in measured.provenance.items():
+            if key.startswith("note "):
+                print(f"note: {measured.name}: {value}", file=sys.stderr)
+    return measured if interface is None else through(measured, interface)
 
 
 def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .common import FILE, data_argument, emit, json_option, model_option, seed_option
+from .common import FILE, data_argument, emit, geometry_option, json_option, model_option, opened, seed_option
 
 
 @click.command(
@@ -20,6 +20,7 @@ from .common import FILE, data_argument, emit, json_option, model_option, seed_o
 @click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf).")
 @seed_option
+@geometry_option
 @json_option
 def command(
     data: str,
@@ -30,6 +31,7 @@ def command(
     report: Path | None,
     figure: Path | None,
     seed: int | None,
+    geometry: str | None,
     as_json: bool,
 ) -> None:
     """Add effects that are missing from a model of DATA and show how far each lowers the error.
@@ -37,7 +39,7 @@ def command(
     Every step shows the error that was predicted and the one that was reached, both beside the noise floor.
     """
     from springpot.api import discover
-    from springpot.registry import open_measurement, parse_model, plugins
+    from springpot.registry import parse_model, plugins
     from springpot.report.answers import ladder_text
     from springpot.report.canvas import check_figure_path
     from springpot.report.html import check_report_path, write_report
@@ -52,13 +54,14 @@ def command(
     if figure is not None:
         check_figure_path(figure)
     expression, effects = parse_model(model), [plugins().effect(name) for name in accept]
-    measurement = open_measurement(data)
+    measurement = opened(data, geometry)
     ladder = discover(measurement, expression, accept=None if auto else effects, seed=seed or 0)
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:
         choice = ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
         again = ["springpot", "discover", data, "--model", model, *choice, "--seed", str(seed or 0)]
+        again += [] if geometry is None else ["--geometry", geometry]
         write_report(ladder, measurement, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder)))
     for path in (figure, report):

@@ -11,10 +11,13 @@ from .common import data_argument, emit, geometry_option, json_option, opened
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement, Part
+    from springpot.measurement.runs import Run
     from springpot.rheology import Real
 
-SHOWN = 12
-"""Values of a label that are printed; JSON has all."""
+WIDE = 100
+"""Signs of a list of words that are printed; JSON has all."""
+LONG = 24
+"""Runs that are printed."""
 
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
@@ -32,7 +35,7 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
 
     parts = parts_of(data)
     try:
-        result = described(opened(data, geometry), parts)
+        result = described(opened(data, geometry, quiet=True), parts)
     except DataError as error:
         if not parts or as_json:
             raise
@@ -43,23 +46,35 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
     """What a measurement holds, schema ``springpot.inspection/1``."""
-    units = measurement.units
-    condition_units = {"temperature": "degC", "amplitude": units.amplitude}
+    from springpot.measurement.runs import runs_of
+
+    units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
+    said = {key: value for key, value in measurement.provenance.items() if not key.startswith("unit ")}
+    units |= {key[5:]: value for key, value in measurement.provenance.items() if key.startswith("unit ")}
     return {
         "schema": "springpot.inspection/1",
         "data": measurement.name,
         "points": len(measurement),
         "frequency": _range(measurement.frequency, "Hz"),
-        "storage": _range(measurement.storage, units.stiffness),
-        "loss": _range(measurement.loss, units.stiffness),
+        "storage": _range(measurement.storage, measurement.units.stiffness),
+        "loss": _range(measurement.loss, measurement.units.stiffness),
         "standard_deviations": measurement.sd is not None,
-        "conditions": {
-            name: _range(column, condition_units.get(name, "")) for name, column in measurement.conditions.items()
-        },
-        "labels": {name: sorted({str(word) for word in column}) for name, column in measurement.labels.items()},
-        "sweeps": [{"conditions": label, "points": len(rows)} for label, rows in measurement.sweeps()],
+        "conditions": {name: _range(column, units.get(name, "")) for name, column in measurement.conditions.items()},
+        "labels": {name: list(dict.fromkeys(map(str, column))) for name, column in measurement.labels.items()},
+        "sweeps": [_sweep(measurement, run) for run in runs_of(measurement)],
         "parts": _listed(parts),
-        "provenance": dict(measurement.provenance),
+        "provenance": said,
+    }
+
+
+def _sweep(measurement: Measurement, run: Run) -> dict[str, Any]:
+    amplitude = measurement.conditions.get("amplitude")
+    return {
+        "conditions": run.name,
+        "points": len(run.rows),
+        **run.conditions,
+        "frequency": _range(measurement.frequency[run.rows], "Hz"),
+        "amplitude": None if amplitude is None else _range(amplitude[run.rows], measurement.units.amplitude),
     }
 
 
@@ -86,20 +101,51 @@ def _show(result: dict[str, Any]) -> None:
     print(f"{result['data']}: {result['points']} points, {count} {'sweep' if count == 1 else 'sweeps'}\n")
     ranges = {key: result[key] for key in ("frequency", "storage", "loss")} | result["conditions"]
     rows = [[name, number(r["from"]), number(r["to"]), r["unit"]] for name, r in ranges.items()]
-    numbers = frozenset({"from", "to", "points"})
-    Table(("column", "from", "to", "unit"), rows, numbers).show()
+    Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).show()
     for name, words in result["labels"].items():
-        print(f"\n{name}: {', '.join(words[:SHOWN])}{', ...' if len(words) > SHOWN else ''}")
+        if name != "step":
+            print(f"\n{name}: {_few(words)}")
     print(f"\nstandard deviations: {'given' if result['standard_deviations'] else 'not given'}")
     if count > 1:
+        _show_sweeps(result["sweeps"], result["parts"])
+    together = {sweep.get("step") for sweep in result["sweeps"]}
+    if others := [part for part in result["parts"] if part["name"] not in together]:
         print()
-        rows = [[sweep["conditions"], str(sweep["points"])] for sweep in result["sweeps"]]
-        Table(("sweep", "points"), rows, numbers).show()
-    if result["parts"]:
-        print()
-        _show_parts(result["parts"])
+        _show_parts(others)
     for key, value in result["provenance"].items():
         print(f"{key}: {value}")
+
+
+def _few(words: Sequence[str]) -> str:
+    """As many words as fit a line, and how many there are."""
+    line = ", ".join(words)
+    return line if len(line) <= WIDE else f"{line[:WIDE].rpartition(', ')[0] or line[:WIDE]}, ... ({len(words)})"
+
+
+def _show_sweeps(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]]) -> None:
+    """A line for each run; the first column is what to write behind ``#`` for one of them."""
+    from springpot.report.text import Table
+
+    units = {"temperature": "degC", "frequency": "Hz", "amplitude": (sweeps[0]["amplitude"] or {}).get("unit")}
+    known = ("step", "temperature", "repeat", "points", "frequency", "amplitude")
+    keys = [key for key in known if sweeps[0].get(key) is not None]
+    numbers = {part["name"]: f"#{part['number']}" for part in parts}
+    rows = [[numbers.get(sweep.get("step"), ""), *(_cell(sweep[key]) for key in keys)] for sweep in sweeps[:LONG]]
+    headers = ["part", *(f"{key} [{units[key]}]" if key in units else key for key in keys)]
+    if not numbers:
+        headers, rows = headers[1:], [row[1:] for row in rows]
+    print()
+    Table(headers, rows, frozenset(headers) - {"part", "step"}).show()
+    if len(sweeps) > LONG:
+        print(f"... and {len(sweeps) - LONG} more; --json has all")
+
+
+def _cell(value: Any) -> str:
+    from springpot.report.numbers import number
+
+    if isinstance(value, dict):
+        return " to ".join(dict.fromkeys([number(value["from"]), number(value["to"])]))
+    return value if isinstance(value, str) else f"{value:.4g}"
 
 
 def _show_parts(parts: list[dict[str, Any]]) -> None:

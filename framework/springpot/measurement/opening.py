@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
@@ -73,11 +74,25 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
             f"'{short(text)}': '#' and '?' are for files; choose from a data set by {name}@temperature=20"
         )
     text = name
+    if text and (beside := _files_like(text)):
+        raise DataError(f"'{short(text)}': there is no such file or data set: did you mean {' or '.join(beside)}?")
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
     near = get_close_matches(text, known, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else "see 'springpot list datasets'"
     raise DataError(f"'{short(text)}' is neither a file nor a registered data set: {hint}")
+
+
+def _files_like(text: str) -> list[str]:
+    """Files beside the one named, with its name but another ending, or nearly its name."""
+    path = Path(text)
+    try:
+        names = [entry.name for entry in islice(path.parent.iterdir(), 2000) if entry.is_file()]
+    except (OSError, ValueError):
+        return []
+    same = sorted(name for name in names if Path(name).stem == path.name and not name.startswith("."))
+    near = get_close_matches(path.name, names, n=2, cutoff=0.8)
+    return [str(path.parent / name) for name in (same or near)[:2]]
 
 
 def read_head(path: Path) -> bytes:
@@ -93,6 +108,10 @@ def read_head(path: Path) -> bytes:
     try:
         with path.open("rb") as stream:
             head = stream.read(HEAD)
+    except FileNotFoundError:
+        beside = _files_like(str(path))
+        hint = f": did you mean {' or '.join(beside)}?" if beside else ""
+        raise DataError(f"{short(str(path))}: there is no such file{hint}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise DataError(f"{short(str(path))}: cannot be read: {reason}") from None

@@ -67,6 +67,8 @@ class Block:
             return "shift factors, no measurement"
         if "relaxation" in roles:
             return "a relaxation test in time, no dynamic test"
+        if "flow" in roles and not roles & FREQUENCIES:
+            return "steady flow, no dynamic test"
         return lacking(roles)
 
     def holds(self) -> str:

@@ -101,7 +101,7 @@ def measurement_of(
         conditions, amplitude_unit = _conditions(roles)
     harmonics, others = _harmonics(others)
     extra, labels, units = _further(others)
-    provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}}
+    provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **_doubts(roles)}
     repeat = _repeat(roles.get("repeat"))
     return Measurement(
         omega=omega,
@@ -180,6 +180,18 @@ def _stiffness(roles: Mapping[str, Column], path: Path) -> tuple[Complex, str]:
     if wrong.any():
         raise roles["magnitude"].error("the magnitude must be positive", int(np.argmax(wrong)))
     return _complex(size * np.cos(tangent), size * np.sin(tangent)), unit
+
+
+def _doubts(roles: Mapping[str, Column]) -> dict[str, str]:
+    """MPa beside mPa is allowed, but seldom meant."""
+    storage, loss = (roles[role].unit if role in roles else None for role in ("storage", "loss"))
+    if not storage or not loss or storage == loss or storage.lower() != loss.lower():
+        return {}
+    factor = (
+        MODULUS_UNITS[known_unit(storage, MODULUS_UNITS, "")] / MODULUS_UNITS[known_unit(loss, MODULUS_UNITS, "")]
+    )
+    ratio = f"a factor of {max(factor, 1 / factor):.0e}"
+    return {} if factor == 1 else {"note units": f"storage in {storage} but loss in {loss}, {ratio}: a slip?"}
 
 
 def _complex(real: Real, imaginary: Real) -> Complex:

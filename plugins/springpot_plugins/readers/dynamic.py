@@ -62,6 +62,7 @@ def measurement_from(
     DataError
         One line that says what was recognised and what is missing.
     """
+    blocks = told_apart(blocks)
     chosen = chosen_blocks(blocks, choice, path)
     parts = [_measurement(block, choice, path, provenance, further) for block in chosen]
     name = f"{path.stem}#{choice.part}" if choice.part else path.stem
@@ -78,9 +79,22 @@ def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
     if len(blocks) < 2:
         return ()
     return tuple(
-        Part(block.name or f"table {i}", len(block.rows), block.is_dynamic, "" if block.is_dynamic else block.lacks())
-        for i, block in enumerate(blocks, 1)
+        Part(block.name, len(block.rows), block.is_dynamic, "" if block.is_dynamic else block.lacks())
+        for block in told_apart(blocks)
     )
+
+
+def told_apart(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks, each with a name of its own where there are several."""
+    if len(blocks) < 2:
+        return list(blocks)
+    names = [block.name or f"table {i}" for i, block in enumerate(blocks, 1)]
+    seen: dict[str, int] = {}
+    made = []
+    for block, name in zip(blocks, names, strict=True):
+        seen[name] = seen.get(name, 0) + 1
+        made.append(replace(block, name=f"{name} ({seen[name]})" if names.count(name) > 1 else name))
+    return made
 
 
 def chosen_blocks(blocks: Sequence[Block], choice: Choice, path: Path) -> list[Block]:
@@ -277,12 +291,14 @@ def _rows(column: Column, keep: NDArray[np.bool_]) -> Column:
 
 
 def _named_apart(columns: list[Column]) -> list[Column]:
-    """Further columns, each with a name of its own."""
+    """Further columns, each with a name of its own: of two that mean alike, the second keeps the file's words."""
     made: dict[str, Column] = {}
     for column in columns:
-        name, number = column.name, 2
+        words = re.sub(r"[\W_]+", "_", _bare(column).lower()).strip("_")
+        stem = words if column.name in made and words else column.name
+        name, number = stem, 2
         while name in made:
-            name, number = f"{column.name}_{number}", number + 1
+            name, number = f"{stem}_{number}", number + 1
         made[name] = replace(column, name=name)
     return list(made.values())
 
@@ -318,8 +334,7 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: 
         common = [key for key in common if key != "amplitude"]
     words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
     labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
-    shown = [called or f"part {i}" for i, called in enumerate(names, 1)]
-    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, shown, strict=True)])
+    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])
     dropped = sorted({key for part in parts for key in part.conditions} - set(common))
     notes = {"note parts": note}
     if dropped:

@@ -44,6 +44,7 @@ KEYS: dict[str, tuple[str, ...]] = {
 }
 _KEY_OF = {fold(name): key for key, names in KEYS.items() for name in names}
 _QUANTITY = re.compile(r"^\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*[\[(]?(.*?)[\])]?\s*$")
+_TORQUES = {"N.m": 1.0, "Nm": 1.0, "N*m": 1.0, "mN.m": 1e-3, "mNm": 1e-3, "uN.m": 1e-6, "g.cm": 9.80665e-5}
 _SMALL = {"": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "k": 1e3}
 _INERTIA = r"^([munk]?)N\.?m\.?s(?:2|\^2)$"
 _COMPLIANCE = r"^([munk]?)rad/\(?N\.?m\)?$"
@@ -62,7 +63,13 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     for key, value in pairs:
         known = _KEY_OF.get(fold(key)) if len(key) < 60 else None
         value = " ".join(value.split())[:200]
-        if known is not None and value and value not in ("-", "Anonymous"):
+        said = quantity(value)
+        if (
+            known is not None
+            and value
+            and value not in ("-", "Anonymous")
+            and not (said and said[0] == 0 and said[1])
+        ):
             found.setdefault(known, value)
     return {**found, **as_modulus(found)}
 
@@ -94,10 +101,8 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     With stress = F_s torque and strain = F_g angle, a moment of inertia I takes I omega^2 F_s / F_g from the modulus,
     a friction b adds a viscosity b F_s / F_g, a compliance C is a spring F_s / (F_g C) in series.
     """
-    stress, strain = (
-        _in_si(facts.get("geometry.stress_constant"), r"^Pa/\(?N\.?m\)?$"),
-        _in_si(facts.get("geometry.strain_constant"), r"^1/rad$"),
-    )
+    stress = _per_torque(facts.get("geometry.stress_constant"))
+    strain = _in_si(facts.get("geometry.strain_constant"), r"^(?:1/rad|rad-1|rad\^-1)?$")
     if not stress or not strain:
         return {}
     factor, found = stress / strain, {}
@@ -116,13 +121,26 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     return found
 
 
+def _per_torque(text: str | None) -> float:
+    """A stress constant in Pa/(N m); zero where it is missing or its unit is another."""
+    said = quantity(text or "")
+    unit = "" if said is None else _plain(said[1])
+    match = re.match(r"^([kM]?)Pa/\(?([^()]+)\)?$", unit)
+    if said is None or match is None or match[2] not in _TORQUES:
+        return 0.0
+    return said[0] * {"": 1.0, "k": 1e3, "M": 1e6}[match[1]] / _TORQUES[match[2]]
+
+
+def _plain(unit: str) -> str:
+    return unit.replace("µ", "u").replace("μ", "u").replace("²", "2").replace("·", ".").replace(" ", "")
+
+
 def _in_si(text: str | None, pattern: str) -> float:
     """A quantity in SI; zero where it is missing or its unit is another."""
     said = quantity(text or "")
     if said is None:
         return 0.0
-    unit = said[1].replace("µ", "u").replace("μ", "u").replace("²", "2").replace("·", ".").replace(" ", "")
-    match = re.match(pattern, unit)
+    match = re.match(pattern, _plain(said[1]))
     if match is None:
         return 0.0
     return said[0] * (_SMALL[match[1]] if match.groups() else 1.0)

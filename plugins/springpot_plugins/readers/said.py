@@ -88,9 +88,11 @@ def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
     given = ",".join(f"{heading.role}={USUAL.get(str(heading.role), 'UNIT')}" for heading in missing)
     plural = "have" if len(missing) > 1 else "has"
     clock = any(heading.role == "frequency" for heading in missing)
-    write = "write frequency [Hz] or omega [rad/s], or " if clock else ""
+    write = "frequency [Hz] or omega [rad/s]" if clock else f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
+    usual = " and ".join(dict.fromkeys(USUAL.get(str(heading.role), "UNIT") for heading in missing))
+    it = "they are" if len(missing) > 1 else "it is"
     return DataError(
-        f"{path}: {names} {plural} no unit; {write}say it with '{path}?{given}', or whatever the units are"
+        f"{path}: {names} {plural} no unit; if {it} {usual}, open '{path}?{given}', or write {write} in it"
     )
 
 

@@ -157,7 +157,7 @@ QUESTIONS = {
     "frequency": (
         "Frequency,Storage modulus [Pa],Loss modulus [Pa]",
         "frequency=Hz",
-        r"or omega \[rad/s\], or say it with",
+        r"or omega \[rad/s\] in it",
     ),
     "moduli": ("omega,G',G''", "storage=Pa,loss=Pa", "have no unit"),
     "everything": ("f,E_stor,E_loss", "frequency=Hz,storage=Pa,loss=Pa", "'f', 'E_stor', 'E_loss' have no unit"),
@@ -223,6 +223,10 @@ REFUSED = {
     "relaxation": ("t,E_relax,T,Set\n10,8097,-49,0\n4,8576,-49,0\n", "a relaxation test in time"),
     "flow": (
         "Shear rate [1/s],Viscosity [Pa.s],Temperature [°C]\n1,2,3\n",
+        "steady flow, no dynamic test",
+    ),
+    "neither": (
+        "Zeit [s];Temperatur [°C];Normalkraft [N]\n1;2;3\n",
         r"missing frequency \[Hz\] or omega \[rad/s\], and storage",
     ),
     "no loss": (
