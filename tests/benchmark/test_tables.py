@@ -13,9 +13,20 @@ import pytest
 from benchmark_fakes import OMEGA, TRUTH, artificial, moody_study, small_study
 
 from springpot import parse_model
-from springpot.benchmark import FORMATS, Interval, Store, Table, run_study, store_path, summarise, write_tables
+from springpot.benchmark import (
+    FORMATS,
+    Interval,
+    Status,
+    Store,
+    Table,
+    run_study,
+    store_path,
+    summarise,
+    write_tables,
+)
 from springpot.benchmark.tables import number, text, to_csv, to_html, to_latex, to_markdown
 from springpot.errors import StudyError
+from springpot.identification import Problem, fit
 
 NASTY = Table(
     "A & B <i>",
@@ -166,12 +177,45 @@ def test_noisy_data_stop_at_the_target_of_their_optimum(tmp_path):
         assert row.best >= case.optimum
 
 
-def test_no_trial_stops_where_the_optimum_is_outside_of_the_box():
-    """The stiffness scale is far too small: what is best in the box is not known beforehand."""
-    tight = replace(artificial(), truth={}, stiffness_scale=1.0)
+@pytest.fixture
+def tight():
+    """Data whose stiffness scale is far too small: the optimum lies outside of the box."""
+    return replace(artificial(), truth={}, stiffness_scale=1.0)
+
+
+def test_where_the_optimum_is_outside_of_the_box_trials_race_for_the_best_inside(tight, tmp_path):
+    """The swarm may leave the box and find better; that does not move the target of those that may not."""
+    study = small_study(
+        datasets=[tight], models=["fractional-kelvin"], optimisers=["pso-paper", "cma-es"], stop_at_target=True
+    )
+    case = study.plan().cases[0]
+    assert fit(parse_model("fractional-kelvin"), tight.open(), case.objective).cost < 1e-6 * case.optimum
+    outcome = run_study(study, engine="serial", budget=2000, out=tmp_path, quiet=True)
+    with Store(outcome.store) as store:
+        assert list(store.bests().values()) == [case.optimum]
+        least = min(row.best for _, rows in store.trials() for row in rows)
+        assert all(row.status == Status.TARGET for _, rows in store.trials() for row in rows)
+        assert all(cell.success.value == 1.0 for cell in summarise(store))
+    assert least < case.optimum
+
+
+def test_no_trial_stops_where_descents_do_not_agree_on_the_optimum(tight, monkeypatch):
+    monkeypatch.setattr("springpot.benchmark.study.minima_in_box", lambda problem: np.geomspace(1.0, 1e9, 32))
     plan = small_study(datasets=[tight], stop_at_target=True, models=["fractional-kelvin"]).plan()
     assert plan.cases[0].optimum is None
     assert plan.stop_value(plan.cases[0]) == -math.inf
+
+
+def test_progress_is_measured_from_a_scale_of_the_data_however_large_the_box():
+    """An absurd centre of the box must not make the target lax."""
+    case = small_study(models=["fractional-kelvin + inertia"], datasets=[artificial(0.02)]).plan().cases[0]
+    problem = Problem.of(parse_model(case.model), case.source.measurement, case.objective)
+    centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
+    nothing = float(np.sum(case.source.measurement.magnitude**2))
+    assert centre > 10 * nothing
+    assert case.reference == pytest.approx(nothing)
+    logarithmic = small_study(models=["own"], objectives=["log"]).plan().cases[0]
+    assert np.isfinite(logarithmic.reference)
 
 
 def test_a_study_may_add_files_of_its_own(tmp_path):

@@ -90,8 +90,8 @@ def test_costs_are_those_of_the_trials(baseline, tmp_path):
 )
 def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
     good, bad = ["native", name], ["native", (name, made(name, **worse))]
-    path = update(quick(optimisers=good, repetitions=10), tmp_path / "baseline.json")
-    gate = check(quick(optimisers=bad, repetitions=10), path)
+    path = update(quick(optimisers=good, repetitions=16), tmp_path / "baseline.json")
+    gate = check(quick(optimisers=bad, repetitions=16), path)
     assert gate.regressions
     assert all(line.startswith(f"{name} on artificial-") for line in gate.regressions)
     assert any(
@@ -99,8 +99,8 @@ def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
         for line in gate.regressions
     )
     assert all(" before, " in line and " after (p = " in line for line in gate.regressions)
-    path = update(quick(optimisers=bad, repetitions=10), tmp_path / "bad.json")
-    back = check(quick(optimisers=good, repetitions=10), path)
+    path = update(quick(optimisers=bad, repetitions=16), tmp_path / "bad.json")
+    back = check(quick(optimisers=good, repetitions=16), path)
     assert back.passed
     assert any(f"{name} on {MAXWELL}" in note and "got better" in note for note in back.notes)
 

@@ -1,7 +1,7 @@
 """Export to COCO: one folder for each optimiser with the index and data files that cocopp reads.
 
-COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best) / (f_centre -
-f_best): one at the centre of the box, zero at the best that is known. On noisy data with a known truth f is the
+COCO's targets are absolute, from 100 down to 1e-8, so what is written is the precision (f - f_best) / (g - f_best):
+one at the study's reference g, zero at the best that is known. On noisy data with a known truth f is the
 noise-free objective, best of all that was evaluated so far, as COCO defines its third column.
 """
 

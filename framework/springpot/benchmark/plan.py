@@ -88,7 +88,8 @@ class Case:
     objective : Objective
         How the misfit is measured.
     reference : float
-        Objective at the centre of the search box: what a target is a fraction of.
+        Objective at the centre of the search box, or without any response where that is less: what a target is a
+        fraction of.
     known : float or None
         Objective at the true parameters, if this model made the data.
     optimum : float or None

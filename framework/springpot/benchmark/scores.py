@@ -1,7 +1,8 @@
 """What comparisons are made of: each cell's trials as arrays, read off the store in one pass.
 
 Values are *excesses*, (f - f_best) / (g - f_best) with f_best the best value known of the problem and g that at the
-centre of the box: 1 at the centre, 0 at the best. A trial that failed has an infinite excess, and comes last.
+centre of the box, or of a model without any response where that is smaller: 1 there, 0 at the best. A trial that
+failed has an infinite excess, and comes last.
 """
 
 from __future__ import annotations

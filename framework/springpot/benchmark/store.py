@@ -216,6 +216,9 @@ class Store:
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", _problem_columns(case)) for case in plan.cases]
             cells = {cell.index: self._enter("cell", _cell_columns(plan, cell, problems)) for cell in plan.cells}
+            told["optima"] = json.dumps(
+                {n: case.optimum for n, case in zip(problems, plan.cases, strict=True) if case.optimum is not None}
+            )
             self._db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", told.items())
         return cells
 
@@ -270,11 +273,16 @@ class Store:
         return [CellRow(row[0], problems[row[1]], label, *row[2:]) for label, row in rows]
 
     def bests(self) -> dict[int, float]:
-        """Smallest objective known of each problem, by its number: of all trials kept, and at the truth."""
+        """Best objective of each problem, by its number: the smallest of all trials kept and at the truth.
+
+        Where trials ended at a target it is the optimum from which that was reckoned, so that they are judged by
+        what they raced for.
+        """
+        planned = {int(n): best for n, best in json.loads(self.facts().get("optima", "{}")).items()}
         with one_line(self.path):
             found = {number: best for number, best in self._db.execute(_BESTS) if best is not None}
             known = dict(self._db.execute("SELECT id, known FROM problem WHERE known IS NOT NULL"))
-        return {number: min(found.get(number, inf), known.get(number, inf)) for number in found | known}
+        return {number: min(found.get(number, inf), known.get(number, inf)) for number in found | known} | planned
 
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions; one cell at a time in memory."""

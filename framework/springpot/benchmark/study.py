@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from springpot.errors import StudyError
-from springpot.identification import Objective, Optimiser, Problem
+from springpot.identification import Objective, Optimiser, Problem, minima_in_box
 from springpot.identification.native import fit
 from springpot.measurement import DataSet, Measurement, open_measurement
 from springpot.registry import parse_model, plugins
@@ -20,6 +20,9 @@ from .plan import Case, Cell, Entrant, Plan, Source, cell_digest, digest_of_data
 
 OWN = "own"
 """Stands for a data set's own model where a model is named."""
+
+AGREEING = 5
+"""Descents within the box that must end at the same value before it is taken for the optimum."""
 
 AnyData: TypeAlias = str | Measurement | DataSet
 AnyOptimiser: TypeAlias = str | type[Optimiser] | Optimiser
@@ -51,14 +54,14 @@ class Study:
     seed : int
         Source of all randomness, together with the names of data set, model, objective and the repetition.
     target : float
-        A trial succeeds once its objective is at most f_best + target (f_centre - f_best), where f_best is the
-        best known value of its problem and f_centre the value at the centre of the box (More and Wild 2009,
-        doi:10.1137/080724083).
+        A trial succeeds once its objective is at most f_best + target (g - f_best), where f_best is the best known
+        value of its problem and g the value at the centre of the box, or that of a model without any response where
+        this is smaller (after More and Wild 2009, doi:10.1137/080724083).
     accuracy : float
         Relative error within which every parameter is right, where the truth is known.
     stop_at_target : bool
-        End a trial at the target instead of using up the budget, where the native solver finds the optimum of the
-        problem beforehand and it lies in the search box.
+        End a trial at the target instead of using up the budget, where the optimum in the search box is known
+        beforehand, from the native solver or from descents that agree.
     deadline : float
         Seconds after which a trial is ended and counted as failed.
     memory : int
@@ -204,8 +207,7 @@ def _unique(word: str, names: list[str], study: str) -> None:
 def _case(source: Source, expression: str, objective: Objective, target: float | None) -> Case:
     model = parse_model(expression)
     problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
-    centre = 0.5 * (problem.lower + problem.upper)
-    reference = float(problem.evaluate(centre))
+    reference = _reference(problem)
     known = None
     if truth_fits(source, model.name, model.names):
         stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
@@ -215,15 +217,40 @@ def _case(source: Source, expression: str, objective: Objective, target: float |
     return Case(source, model.name, objective, reference, known, optimum)
 
 
+def _reference(problem: Problem) -> float:
+    """Objective from which progress is measured: at the centre of the box, or of no answer at all if that is less.
+
+    Where the centre is absurd (a box far too large, an inertia at high frequency) its objective says nothing of the
+    data, and a millionth of it would be reached by fits that are of no use.
+    """
+    with np.errstate(all="ignore"):
+        centre = problem.evaluate(0.5 * (problem.lower + problem.upper))
+        nothing = problem.objective.value(
+            np.zeros_like(problem.measurement.stiffness), problem.measurement, problem.weights
+        )
+    # No answer has no logarithm.
+    return float(np.fmin(centre, nothing))
+
+
 def _optimum(problem: Problem, reference: float, known: float | None, target: float) -> float | None:
-    """Smallest objective in the box; None where the native solver, which knows no box, finds a better one outside."""
+    """Smallest objective in the box; None where that is not certain.
+
+    It is where the native solver, which knows no box, finds nothing better outside, or where several descents
+    within the box end at the same value.
+    """
     found = fit(problem.model, problem.measurement, problem.objective)
     with np.errstate(all="ignore"):
         x = np.clip(problem.space.from_theta(found.theta), problem.lower, problem.upper)
         inside = float(problem.evaluate(x)) if np.all(np.isfinite(x)) else np.inf
     least = inside if known is None else min(inside, known)
     # What rounding and the ends of the box cost must not matter beside the target.
-    return least if least - found.cost <= 0.01 * target * (reference - found.cost) else None
+    slack = 0.01 * target * (reference - found.cost)
+    if least - found.cost <= slack:
+        return least
+    minima = minima_in_box(problem)
+    least = float(minima[0])
+    missed = known is not None and known < least - slack
+    return least if minima[AGREEING - 1] - least <= slack and not missed else None
 
 
 def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:

@@ -113,9 +113,10 @@ def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accu
     ]  # fmt: skip
     note = (
         f"Success: objective at most f + {float(target):g} (g - f), where f is the best value known of the problem "
-        "and g that at the centre of the box. Rates with Wilson's and running times with bootstrap 95 % intervals; a "
-        "trial that failed or missed the target counts as infinite. Parameter error: the largest relative one; it, "
-        "the objective and the noise-free objective are medians over the trials that did not fail."
+        "and g that at the centre of the box, or of a model without any response where that is smaller. Rates with "
+        "Wilson's and running times with bootstrap 95 % intervals; a trial that failed or missed the target counts "
+        "as infinite. Parameter error: the largest relative one; it, the objective and the noise-free objective are "
+        "medians over the trials that did not fail."
     )
     return Table(f"{name}: summary", columns, rows, note)
 

@@ -1,5 +1,6 @@
 """Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
 
+from .bounded import BoundedDescent, minima_in_box
 from .identify import Identification, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .native import Fit, default_objective, fit, fit_batch, scanned_starts
@@ -13,6 +14,7 @@ from .uncertainty import Uncertainty, bootstrap, profile
 
 __all__ = [
     "BatchedOptimiser",
+    "BoundedDescent",
     "BudgetSpent",
     "Card",
     "Fit",
@@ -33,6 +35,7 @@ __all__ = [
     "fit_batch",
     "identify",
     "levenberg_marquardt",
+    "minima_in_box",
     "paper_box",
     "profile",
     "require_conditions",

@@ -280,9 +280,10 @@ def _progress(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield tag("h2", "Progress on each problem")
     yield tag(
         "p",
-        "Excess: (f - f_best) / (g - f_best), g at the centre of the box; below the target it no longer counts. "
-        "Median of all trials; quartiles for the three that fall earliest; where half of the trials failed there is "
-        "no line. On noisy data also what the same points are worth against the data without their noise.",
+        "Excess: (f - f_best) / (g - f_best), g at the centre of the box or of no response at all; below the target "
+        "it no longer counts. Median of all trials; quartiles for the three that fall earliest; where half of the "
+        "trials failed there is no line. On noisy data also what the same points are worth against the data without "
+        "their noise.",
         class_="quiet",
     )
     yield pens.key()

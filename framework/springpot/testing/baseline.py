@@ -34,7 +34,8 @@ class Goal:
     best : float
         At the truth, or the best known; its error is zero.
     reference : float
-        At the centre of the box, whose error is one; it tells whether the problem is still the same.
+        At the centre of the box or without any response, whose error is one; it tells whether the problem is still
+        the same.
     target : float
         What a trial must reach.
     """
@@ -51,7 +52,7 @@ class Sample:
     Parameters
     ----------
     measure : str
-        ``evaluations`` to the target, or final ``error`` as a part of that at the centre of the box.
+        ``evaluations`` to the target, or final ``error`` as a part of the reference's.
     values : tuple of float
         One for each trial, rising; infinite if it missed or failed.
     """

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from springpot.identification import Card, Optimiser, Recorder, levenberg_marquardt, scanned_starts
-from springpot.rheology import Real
+from springpot.identification import BoundedDescent, Card, Optimiser, Recorder
 
 from .cube import keep_on
 
@@ -37,38 +36,5 @@ class Native(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Descend from the best starts of one scan after another."""
-        descent = _Descent(problem)
-
-        def attempt() -> None:
-            # Scanned shapes cost model evaluations too: the recorder is asked for the objective at each.
-            starts = descent.admitted(scanned_starts(problem.problem, rng))
-            values = problem.batch(starts)
-            best = starts[np.argsort(values)[: self.starts]]
-            levenberg_marquardt(
-                descent.evaluate, descent.inner(best), descent.inner(problem.lower), descent.inner(problem.upper)
-            )
-
-        keep_on(problem, attempt)
-
-
-class _Descent:
-    """Residuals in coordinates in which every parameter is a ratio: logarithms, or fractions of the box."""
-
-    def __init__(self, problem: Recorder) -> None:
-        self.problem = problem
-        self.log = np.array([p.scale == "log" and p.lower >= 0 for p in problem.problem.space.parameters])
-
-    def admitted(self, x: Real) -> Real:
-        """The points that are finite, moved into the box."""
-        return np.clip(x[np.all(np.isfinite(x), axis=1)], self.problem.lower, self.problem.upper)
-
-    def inner(self, x: Real) -> Real:
-        """Inner coordinates of search points (..., d)."""
-        return np.log(x, out=np.array(x), where=self.log)
-
-    def evaluate(self, y: Real, rows: object) -> tuple[Real, Real]:
-        """Residuals (r, 2n) and their derivative (r, d, 2n) by the inner coordinates (r, d)."""
-        x = np.exp(y, out=np.array(y), where=self.log)
-        residual, jacobian = self.problem.residual_batch(x)
-        slope: Real = jacobian.swapaxes(-1, -2) * np.where(self.log, x, 1.0)[:, :, None]
-        return residual, slope
+        descent = BoundedDescent(problem)
+        keep_on(problem, lambda: descent.from_scan(rng, self.starts))
