@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from benchmark_fakes import OMEGA, TRUTH, Walk, artificial, measurement, small_study
 
-from springpot.benchmark import Study
+from springpot import parse_model, plugins
+from springpot.benchmark import Store, Study, run_study
 from springpot.benchmark.plan import BLOCK, digest_of, digest_of_data, stream_of
 from springpot.errors import DataError, ModelError, StudyError
+from springpot.identification import Problem, run
 from springpot.identification.optimiser import BatchedOptimiser
 
 
@@ -93,6 +95,20 @@ def test_only_what_is_missing_is_to_be_done():
     plan = small_study(repetitions=3).plan()
     tasks = list(plan.tasks(lambda cell: {0, 2} if cell.index else {0, 1, 2}))
     assert [(task.cell, task.repetitions) for task in tasks] == [(i, (1,)) for i in range(1, len(plan.cells))]
+
+
+def test_one_run_of_an_optimiser_without_chance_stands_for_a_block(tmp_path):
+    """DIRECT does the same whatever the stream; its repetitions are kept, but computed once."""
+    study = small_study(datasets=[artificial(0.02)], models=["own"], optimisers=["nlopt-direct-l"], repetitions=3)
+    assert [task.repetitions for task in study.plan().tasks(lambda cell: {1})] == [(0, 1, 2)]
+    outcome = run_study(study, engine="serial", out=tmp_path, quiet=True)
+    with Store(outcome.store) as store:
+        ((_, rows),) = store.trials()
+    assert [row.repetition for row in rows] == [0, 1, 2]
+    assert len({replace(row, repetition=0).__repr__() for row in rows}) == 1
+    problem = Problem.of(parse_model("fractional-kelvin"), artificial(0.02).open(), study.plan().cases[0].objective)
+    alone = run(plugins().find("optimiser", "nlopt-direct-l")(), problem, study.budget, np.random.default_rng(7))
+    assert alone.best == rows[0].best
 
 
 def test_a_batched_optimiser_gets_whole_blocks_whatever_was_done():

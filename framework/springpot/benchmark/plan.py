@@ -189,7 +189,8 @@ class Plan:
         """
         for cell in self.cells:
             done = finished(cell)
-            if isinstance(self.entrants[cell.entrant].optimiser, BatchedOptimiser):
+            optimiser = self.entrants[cell.entrant].optimiser
+            if isinstance(optimiser, BatchedOptimiser) or not optimiser.card.stochastic:
                 for first in range(0, self.repetitions, BLOCK):
                     block = tuple(range(first, min(first + BLOCK, self.repetitions)))
                     if not done.issuperset(block):

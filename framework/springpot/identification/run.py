@@ -104,7 +104,12 @@ def run_batch(
     target: float = -inf,
     diary: bool = False,
 ) -> list[Run]:
-    """One run for each generator, side by side where the optimiser can; the results are those of `run`."""
+    """One run for each generator, side by side where the optimiser can; the results are those of `run`.
+
+    One run of an optimiser that is not stochastic stands for all.
+    """
+    if rngs and not optimiser.card.stochastic:
+        return [run(optimiser, problem, budget, rngs[0], target, diary)] * len(rngs)
     if not isinstance(optimiser, BatchedOptimiser) or not rngs:
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
     recorders = [Recorder(problem, _checked(budget), target, [] if diary else None) for _ in rngs]
