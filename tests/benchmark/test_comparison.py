@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from benchmark_fakes import moody_study, small_study
@@ -167,3 +169,17 @@ def test_only_common_repetitions_race(tmp_path):
     [there] = races_of([one, two])
     assert there.hits.shape == (2, 2)
     assert there.values[1].tolist() == two.values[1:].tolist()
+
+
+@pytest.mark.parametrize("value", [0.0, 0.5, INF])
+@pytest.mark.parametrize("entrants", [2, 3, 5])
+def test_where_all_are_equal_nobody_wins_and_nobody_is_warned(value, entrants):
+    equal = {f"entrant-{i}": np.full(12, value) for i in range(entrants)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = rank(OVER_ALL, [race(i, equal) for i in range(8)], 2, SCALE)
+        choice = choose(race(0, equal), 2, SCALE)
+    assert found.means == pytest.approx(np.full(entrants, (entrants + 1) / 2))
+    assert (found.p == 1.0).all()
+    assert choice.runner_up is None
+    assert len(choice.alike) == entrants - 1

@@ -1,5 +1,7 @@
 """Statistics against scipy, printed values and cases worked by hand."""
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -87,6 +89,13 @@ def test_friedman_is_scipys_and_takes_infinite_scores(rng):
     worst = np.where(scores == scores.max(axis=1, keepdims=True), INF, scores)
     assert s.friedman(worst) == pytest.approx(s.friedman(scores))
     assert s.mean_ranks(worst) == pytest.approx(s.mean_ranks(scores))
+
+
+def test_friedman_where_nothing_differs_is_certain_of_nothing():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for scores in (np.zeros((5, 3)), np.full((5, 3), INF), np.arange(5.0)[:, None] * np.ones(3)):
+            assert s.friedman(scores) == (0.0, 1.0)
 
 
 def test_holm_on_a_worked_example():

@@ -158,10 +158,16 @@ def mean_ranks(scores: Real) -> Real:
 
 
 def friedman(scores: Real) -> tuple[float, float]:
-    """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last."""
+    """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
+
+    Where every block is one tie nothing differs, which SciPy calls 0/0.
+    """
     from scipy.stats import friedmanchisquare
 
-    statistic, p = friedmanchisquare(*_finite_order(scores).T)
+    ranks = _finite_order(scores)
+    if not np.ptp(ranks):
+        return 0.0, 1.0
+    statistic, p = friedmanchisquare(*ranks.T)
     return float(statistic), float(p)
 
 
