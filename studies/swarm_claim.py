@@ -1,10 +1,11 @@
 """How the paper's swarm ranks at 500, 2,000, 8,000 and 40,000 evaluations, on exact and on noisy data.
 
-    springpot run studies/swarm_claim.py [--repeats 20] [--workers 2]
+    springpot run studies/swarm_claim.py [--repeats 10] [--workers 2]
 
 Every optimiser runs once with 40,000 evaluations; what it had found by 500, 2,000 and 8,000 is read off its trace.
 Only the swarm plans its whole budget, by the fall of its inertia: for the two smallest budgets it races with a
-schedule of that length. All trials end at the target, beyond which nothing counts.
+schedule of that length. At 8,000 it is the paper's swarm, at 40,000 the paper's group of five, one after another. All
+trials end at the target, beyond which nothing counts.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paper.draw import COLOURS, INK, can_draw, legend_above, logarithmic, sheet
 from paper.published import MODELS
 from springpot.benchmark import Findings, Store, Study, Table, save_table
 from springpot.benchmark.comparison import Ranking, rank
@@ -31,6 +33,8 @@ RIVALS = (
     "nlopt-esch", "nlopt-direct-l", "nlopt-mlsl", "nlopt-sbplx", "nlopt-bobyqa", "nlopt-nelder-mead", "nlopt-lbfgs",
     "random-search",
 )  # fmt: skip
+SHOWN = ("native", "least-squares", "cma-es", "differential-evolution", "nlopt-crs", "nlopt-mlsl", SWARM)
+"""Optimisers that the figure names."""
 
 
 def short_swarm(budget: int) -> PaperSwarm:
@@ -45,6 +49,8 @@ def finish(path: Path, folder: Path) -> None:
     found = {(name, k): ranking(findings, name, k) for name in CLASSES for k in range(len(findings.scale.marks))}
     save_table(overview(findings, found), folder, "swarm_overview")
     save_table(details(findings, found), folder, "swarm_ranks")
+    if can_draw(folder):
+        draw_ranks(findings, found, folder)
 
 
 def swarm_at(budget: int) -> str:
@@ -121,6 +127,30 @@ def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
     return Table("The paper's swarm: ranks", columns, rows, note)
 
 
+def draw_ranks(findings: Findings, found: dict[tuple[str, int], Ranking], folder: Path) -> None:
+    """Mean ranks against the budget; some rivals by colour, the others in grey."""
+    marks = findings.scale.marks
+    with sheet(folder, "swarm_ranks", 8.6, 4.6) as page:
+        panels = page.subplots(1, len(CLASSES), sharey=True)
+        for axes, name in zip(panels, CLASSES, strict=True):
+            for label in (*RIVALS, SWARM):
+                means = [_mean_rank(found[name, k], label) for k in range(len(marks))]
+                if label in SHOWN:
+                    style = {"color": COLOURS[SHOWN.index(label)], "marker": "o", "label": label}
+                else:
+                    style = {"color": "0.8", "zorder": 1}
+                axes.plot(marks, means, **(style | {"color": INK, "linewidth": 2.6} if label == SWARM else style))
+            logarithmic(axes, "x")
+            axes.set(xlabel="evaluations", title=name)
+        panels[0].set(ylabel="mean rank (1: best)")
+        panels[0].invert_yaxis()
+        legend_above(page, panels[0], "The paper's swarm among others, five models", columns=4)
+
+
+def _mean_rank(ranked: Ranking, label: str) -> float:
+    return float(ranked.means[ranked.labels.index(swarm_at(ranked.budget) if label == SWARM else label)])
+
+
 study = Study(
     "swarm_claim",
     datasets=[
@@ -129,7 +159,7 @@ study = Study(
     models=["own"],
     objectives=["paper"],
     optimisers=[SWARM, *((label, short_swarm(budget)) for budget, label in SHORT.items()), *RIVALS],
-    repetitions=20,
+    repetitions=10,
     budget=40_000,
     stop_at_target=True,
     finish=finish,
