@@ -92,6 +92,8 @@ def is_dynamic(roles: set[str]) -> bool:
     modulus = {"storage", "loss"} <= roles or (
         bool(roles & {"storage", "magnitude", "viscosity"}) and bool(roles & {"phase", "loss_factor"})
     )
+    modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
+    modulus |= {"storage_compliance", "loss_compliance"} <= roles
     return modulus and bool(roles & FREQUENCIES)
 
 
@@ -136,7 +138,7 @@ def is_header(row: Sequence[str]) -> bool:
     """Whether a row names columns: at least two roles and no number."""
     if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
         return False
-    return len({role for cell in uncommented(row)[:_WIDEST] if (role := heading(cell).role)}) > 1
+    return len({role for cell in uncommented(row)[:_WIDEST] if (role := heading(_unquoted(cell.strip())).role)}) > 1
 
 
 def uncommented(row: Sequence[str]) -> list[str]:
@@ -193,7 +195,7 @@ def _ends(row: Sequence[str]) -> bool:
 
 def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
     """Titles with the units from the row below them, at least `width` of them."""
-    titles = [cell.strip().strip('"') for cell in uncommented(names)]
+    titles = [_unquoted(cell.strip()) for cell in uncommented(names)]
     if len(titles) > width:
         titles = _rejoined(titles, names, width)
     units: list[str | None] = [None] * max(len(titles), width)
@@ -202,6 +204,11 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
         if (found := _units_in(row)) and len(found) <= len(units):
             units[: len(found)] = found
     return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def _unquoted(cell: str) -> str:
+    """Without quotes around it; the one of G" stays."""
+    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
 
 
 def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:

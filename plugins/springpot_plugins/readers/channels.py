@@ -29,7 +29,22 @@ from .names import fold
 from .titles import tidy
 
 NAMES: dict[str, tuple[str, ...]] = {
-    "time": ("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "time stamp", "laufzeit"),
+    "time": (
+        "time",
+        "t",
+        "temps",
+        "zeit",
+        "tiempo",
+        "tempo",
+        "elapsed time",
+        "time stamp",
+        "laufzeit",
+        "total time",
+        "running time",
+        "test time",
+        "prüfzeit",
+        "x_value",
+    ),
     "displacement": (
         *(
             "displacement",
@@ -45,6 +60,15 @@ NAMES: dict[str, tuple[str, ...]] = {
         ),
         *("deplacement", "course", "weg", "verschiebung", "auslenkung", "kolbenweg", "desplazamiento", "spostamento"),
         *("corsa", "deslocamento", "strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione"),
+        *(
+            "crosshead",
+            "extension",
+            "axial displacement",
+            "axial position",
+            "axial disp",
+            "traverse",
+            "machine position",
+        ),
         *("angle", "rotation", "angular displacement", "winkel", "drehwinkel", "angulo", "angolo", "d"),
     ),
     "force": (
@@ -77,7 +101,8 @@ def channel_of(title: str) -> tuple[str | None, str | None, str]:
     if (found := _OF.get(fold(bare))) is not None:
         return found, None, bare
     if (match := _BRACKETED.match(bare)) and match[1]:
-        return _OF.get(fold(match[1])), match[2].strip(), match[1]
+        stem = re.sub(r"\s*\([^()]*\)$", "", match[1])
+        return _OF.get(fold(match[1])) or _OF.get(fold(stem)), match[2].strip(), stem
     for match in reversed(list(re.finditer(r"\s*/\s+|\s+in\s+|_|\s+", bare))[:20]):
         stem, said = bare[: match.start()], bare[match.end() :]
         channel = _OF.get(fold(stem))

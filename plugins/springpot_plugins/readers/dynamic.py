@@ -12,21 +12,23 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, known_unit
-from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
 from .columns import measurement_of
+from .derived import COMPLIANCES, VISCOSITIES, with_moduli
 from .grid import MISSING
 from .names import FREQUENCIES, rank
 from .said import ask_units, told
 from .table import Column
-from .titles import UNITS, VISCOSITY_UNITS, Heading, heading, tidy
+from .titles import UNITS, Heading, heading, tidy
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
 """Further columns of instruments that are kept as conditions."""
 _PAIRS = (
     ("storage", "loss"),
     *((size, angle) for size in ("magnitude", "storage", "viscosity") for angle in ("phase", "loss_factor")),
+    VISCOSITIES,
+    COMPLIANCES,
 )
 """What gives a complex modulus, best first."""
 _REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
@@ -157,8 +159,7 @@ def _measurement(
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
     roles, others, notes = _cleaned(roles, others, path)
-    _from_viscosity(roles)
-    measured = measurement_of(roles, others, block.name or path.stem, dict(provenance), path)
+    measured = measurement_of(with_moduli(roles), others, block.name or path.stem, dict(provenance), path)
     return replace(measured, provenance={**measured.provenance, **notes})
 
 
@@ -166,20 +167,25 @@ def _columns(block: Block, headings: Sequence[Heading], path: Path) -> list[Colu
     cells = list(zip(*block.rows, strict=True))
     made: list[Column] = []
     seen: dict[str, int] = {}
-    all_joined = any(heading.joined for heading in headings)
+    complete = _has_all_units(headings)
     for heading_, column in zip(headings, cells, strict=False):
         name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
         unit = None if heading_.unit is None else tidy(heading_.unit)
         if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
             unit = "rad/s"
-        if unit is None and heading_.role == "amplitude" and all_joined and "strain" in heading_.name.lower():
+        if unit is None and heading_.role == "amplitude" and complete and "strain" in heading_.name.lower():
             # Where every other name carries its unit, a strain without one is a plain number.
             unit = "-"
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
         made.append(Column(title, name, unit, column, path, block.lines, decimal_comma=True))
     return made
+
+
+def _has_all_units(headings: Sequence[Heading]) -> bool:
+    known = [h for h in headings if h.role in UNITS and h.role not in ("amplitude", "loss_factor")]
+    return len(known) > 2 and all(heading.unit is not None for heading in known)
 
 
 def _constant(title: str, value: str, block: Block, path: Path) -> Column:
@@ -301,20 +307,6 @@ def _named_apart(columns: list[Column]) -> list[Column]:
             name, number = f"{stem}_{number}", number + 1
         made[name] = replace(column, name=name)
     return list(made.values())
-
-
-def _from_viscosity(roles: dict[str, Column]) -> None:
-    """The complex modulus omega |eta*| where the complex viscosity was given instead."""
-    if "viscosity" not in roles:
-        return
-    column = roles.pop("viscosity")
-    factor = VISCOSITY_UNITS[known_unit(column.unit or "", VISCOSITY_UNITS, "viscosity")]
-    clock = roles.get("omega") or roles["frequency"]
-    omega = clock.numbers() * UNITS["frequency"][known_unit(clock.unit or "", UNITS["frequency"], "frequency")]
-    values: Real = omega * column.numbers() * factor
-    roles["magnitude"] = replace(
-        column, name="magnitude", unit="Pa", cells=[repr(v) for v in values.tolist()], decimal_comma=False
-    )
 
 
 def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:

@@ -9,29 +9,29 @@ import re
 import unicodedata
 from functools import lru_cache
 
+from .languages import LANGUAGES
+
 EXACT = {"T": "temperature", "t": "time", "f": "frequency", "w": "omega", "W": "omega", "d": "phase"}
 """Single letters, where case decides."""
 
 NAMES: dict[str, tuple[str, ...]] = {
     "omega": (
-        *("角周波数", "角频率"),
         *("omega", "ω", "angularfrequency", "angfrequency", "angularfreq", "angfreq", "radianfrequency"),
         *("circularfrequency", "oscillationangularfrequency", "ang.frequency"),
         *("pulsation", "frequenceangulaire", "kreisfrequenz", "winkelfrequenz"),
         *("frecuenciaangular", "frequenzaangolare", "pulsazione", "frequenciaangular"),
     ),
     "frequency": (
-        *("周波数", "频率"),
         *("frequency", "freq", "testfrequency", "oscillationfrequency", "excitationfrequency", "ν"),
         *("frequence", "frequenz", "messfrequenz", "frecuencia", "frequenza", "frequencia"),
     ),
     "storage": (
-        *("貯蔵弾性率", "貯蔵せん断弾性率", "储能模量"),
         *("storage", "storagemodulus", "g'", "gp", "gprime", "storageshearmodulus", "shearstoragemodulus"),
         *(
             "elasticshearmodulus",
             "shearmodulus(elasticcomponent)",
             "elasticmodulusg'",
+            "elasticmodulus",
             "storagestiffness",
             "k'",
             "kp",
@@ -46,7 +46,6 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("modulodistoccaggio", "modulodearmazenamento"),
     ),
     "loss": (
-        *("損失弾性率", "損失せん断弾性率", "损耗模量"),
         *("loss", "lossmodulus", "g''", "gpp", "gdoubleprime", "gdprime", "lossshearmodulus", "shearlossmodulus"),
         *("viscousmodulus", "viscousshearmodulus", "shearmodulus(viscouscomponent)", "lossstiffness", "k''", "kpp"),
         *("e''", "epp", "edoubleprime", "eloss", "gloss", "lossyoungsmodulus", "img*", "im(g*)", "kdoubleprime"),
@@ -64,14 +63,14 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("modulodiperdita", "modulodissipativo", "modulodeperda"),
     ),
     "magnitude": (
-        *("dynamischesteifigkeit", "kdyn", "rigiditedynamique", "rigidezdinamica", "rigidezzadinamica", "複素弾性率"),
+        *("dynamischesteifigkeit", "dynsteifigkeit", "kdyn", "dynstiffness", "dynamicspringrate"),
+        *("rigiditedynamique", "rigidezdinamica", "rigidezzadinamica"),
         *("magnitude", "complexmodulus", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
         *("shearmodulus(complexcomponent)", "|k|", "|k*|", "k*", "|g|", "|e|", "dynamicmodulus", "dynamicstiffness"),
         *("absg*", "abse*", "complexstiffness", "|complexmodulus|", "modulecomplexe", "komplexermodul"),
         *("komplexerschubmodul", "betragkomplexermodul", "modulocomplejo", "modulocomplesso", "modulocomplexo"),
     ),
     "phase": (
-        *("位相角", "相位角"),
         *("phaseangle", "phase", "delta", "δ", "phaseshift", "lossangle", "phi", "φ", "phaselag", "phaseshiftangle"),
         *("angledephase", "dephasage", "angledeperte", "phasenwinkel", "verlustwinkel", "phasenverschiebung"),
         *("phasenverschiebungswinkel", "angulodefase", "angulodeperdida", "desfase", "angolodifase"),
@@ -89,6 +88,10 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("viscositecomplexe", "komplexeviskositat", "betrag(viskositat)", "viscosidadcompleja"),
         *("viscositacomplessa", "|viscosity|", "viscosidadecomplexa"),
     ),
+    "dynamic_viscosity": ("η'", "eta'", "etaprime", "dynamicviscosity", "dynamischeviskositat"),
+    "out_of_phase_viscosity": ("η''", "eta''", "etadoubleprime", "outofphaseviscosity", "outofphasecomplexviscosity"),
+    "storage_compliance": ("j'", "jprime", "storagecompliance", "d'", "speichernachgiebigkeit"),
+    "loss_compliance": ("j''", "jdoubleprime", "losscompliance", "d''", "verlustnachgiebigkeit"),
     "storage_sd": (
         *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
         *("storageerror", "g'sd", "g'std", "gpsd", "gpstd", "storagestandarddeviation", "sdstorage"),
@@ -98,7 +101,6 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("g''sd", "g''std", "gppsd", "gppstd", "lossstandarddeviation", "sdloss"),
     ),
     "temperature": (
-        *("温度"),
         *("temperature", "temp", "sampletemperature", "temperatur", "probentemperatur", "temperatura", "teta"),
         *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
     ),
@@ -126,14 +128,16 @@ NAMES: dict[str, tuple[str, ...]] = {
     "relaxation": ("erelax", "grelax", "relaxationmodulus", "relaxationsmodul", "modulederelaxation", "g(t)", "e(t)"),
     "flow": ("shearrate", "viscosity", "scherrate", "viskositat", "gradientdecisaillement", "viscosite"),
 }
+NAMES = {role: (*names, *LANGUAGES.get(role, ())) for role, names in NAMES.items()}
 FREQUENCIES = frozenset({"omega", "frequency"})
-MODULI = frozenset({"storage", "loss", "magnitude", "viscosity"})
+MODULI = frozenset({"storage", "loss", "magnitude", "viscosity", "dynamic_viscosity", "storage_compliance"})
 ROLES = frozenset(NAMES) - {"shift", "relaxation", "flow"}
 """What a user may say that a column is."""
 
 _PRIMES = str.maketrans(
     {"′": "'", "’": "'", "‘": "'", "´": "'", "`": "'", "″": "''", "”": "''", "“": "''", '"': "''"}
 )
+_LATEX = re.compile(r"\\(?:text|mathrm|mathit|rm|left|right)\b|[${}^\\]")
 _LOST = re.compile(r"[\s_.\-:,]+")
 
 
@@ -154,6 +158,8 @@ _FURTHER = re.compile(r"\((?:[^()]*)\)$")
 def role_of(name: str) -> str | None:
     """What a column of that name is, or None."""
     name = name.strip()
+    if "\\" in name or "$" in name:
+        name = _LATEX.sub("", name[:200].replace("\\prime", "'").replace("\\ast", "*")).strip()
     if name in EXACT:
         return EXACT[name]
     folded = fold(name)

@@ -23,6 +23,10 @@ _FORMAT = (
 """What the first three columns are by the definition of the format."""
 
 
+CLOCKS = frozenset({"omega", "freq", "frequency"})
+"""A frequency in the first line is that of a time signal."""
+
+
 def first_line(text: str) -> dict[str, str]:
     """The keys and values of the first line; none for other files."""
     line = text.lstrip("\ufeff").split("\n", 1)[0].strip("\r")[:4000]
@@ -35,7 +39,7 @@ def first_line(text: str) -> dict[str, str]:
 def recognises(head: bytes) -> float:
     """High for a first line of keys without the amplitude and frequency of a time signal."""
     said = first_line(head_text(head[:8000]))
-    return 0.0 if not said or said.keys() & {"omega", "gamma"} else 0.95
+    return 0.0 if not said or said.keys() & CLOCKS else 0.95
 
 
 def table_of(text: str, path: Path) -> tuple[list[list[str]], list[int], list[list[str]]]:

@@ -11,7 +11,7 @@ from springpot.measurement import Choice, Measurement, Reader, Signals, measurem
 
 from .channels import channel_of, found_in, places_of, signals_from
 from .grid import MISSING
-from .reptate import first_line, table_of
+from .reptate import CLOCKS, first_line, table_of
 from .text import head_text, text_of
 from .titles import is_unit
 
@@ -22,7 +22,7 @@ _FORMAT = ("time [s]", "strain [-]", "stress [Pa]")
 def recognises(head: bytes) -> float:
     """High for a first line with a frequency."""
     said = first_line(head_text(head[:8000]))
-    return 0.96 if said.keys() & {"omega", "gamma"} else 0.0
+    return 0.96 if said.keys() & CLOCKS else 0.0
 
 
 def signals(path: Path, choice: Choice) -> Signals:

@@ -17,7 +17,8 @@ from .names import fold
 from .text import head_text, text_of
 
 _INTERVAL = re.compile(
-    r"^[\"\s]*(?:interval|intervall|intervalle|intervalo|intervallo|abschnitt|messabschnitt|tramo)\b[^\t;,:\n]{0,50}:",
+    r"^[\"\s]*(?:interval|abschnitt|messabschnitt|tramo|интервал|przedział|úsek|aralık|区间|區間|间隔|インターバル|구간)"
+    r"[^\t;,:：\n]{0,50}[:：]",
     re.IGNORECASE | re.MULTILINE,
 )
 _FIRST = re.compile(
@@ -27,7 +28,10 @@ _FIRST = re.compile(
 )
 _SERIES = re.compile(r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE)
 _RESULTS = frozenset(map(fold, ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test")))
-_INVALID = ("invalid", "ungültig", "ungultig", "inválido", "non valido", "invalide")
+_INVALID = (
+    *("invalid", "ungültig", "ungultig", "inválido", "non valido", "ongeldig", "nieprawid", "neplatn", "недейств"),
+    *("无效", "無効", "무효"),
+)
 
 
 def recognises(head: bytes) -> float:

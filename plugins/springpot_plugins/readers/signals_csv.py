@@ -1,7 +1,8 @@
 """Time signals as delimited text: columns of time, displacement and force, read in pieces.
 
-Headers are ``time [s]``, ``displacement [mm]``, ``force [N]``, or joined as ``t_s``, ``disp_mm``, ``force_N``, or
-have their units in the row below; strain and stress, angle and torque serve as well, and names in other languages.
+Names are ``time [s]``, ``displacement [mm]``, ``force [N]``, or joined as ``t_s``, ``disp_mm``, ``force_N``, or
+have their units in the row below; a test report may stand above them. Strain and stress, angle and torque serve as
+well, and names in other languages.
 Other columns are left alone; a unit that is missing is said by ``FILE?force=kN``. A file of any size takes little
 memory: its numbers go to a temporary file that is mapped, and all that follows works block by block.
 """
@@ -21,9 +22,9 @@ from springpot.rheology import Real
 
 from .blocks import is_dynamic
 from .channels import UNITS, found_in, places_of, signals_from
-from .table import header_of, split_header
+from .signal_layout import Layout, layout_of
 from .text import encoding_of, head_text
-from .titles import heading, is_unit
+from .titles import heading
 
 CHUNK = 1 << 24
 """Characters parsed at a time."""
@@ -32,12 +33,13 @@ IN_MEMORY = 1 << 26
 
 
 def recognises(head: bytes) -> float:
-    """High for a header with time, displacement and force."""
-    _, titles = header_of(head_text(head))
-    found = found_in(titles)
+    """High for a line that names time, displacement and force, wherever it stands."""
+    layout = layout_of(head_text(head))
+    titles = layout.titles
     if is_dynamic({str(heading(title).role) for title in titles[:200]}):
         # A sweep may list time, deflection and torque of each point.
         return 0.0
+    found = found_in(titles)
     if len(found) == len(UNITS):
         return 0.95
     # Any other table may be said to be signals.
@@ -58,10 +60,10 @@ def signals(path: Path, choice: Choice) -> Signals:
         encoding = encoding_of(head)
         if encoding is None:
             raise DataError(f"{path}: this is no text file; save the signals as CSV in UTF-8")
-        separator, titles = header_of(head_text(head))
-        places = places_of(titles, _units_below(head_text(head), separator, titles), choice, path)
+        layout = layout_of(head_text(head))
+        places = places_of(layout.titles, layout.units, choice, path)
         with path.open(encoding=encoding, newline=None) as text:
-            channels = _numbers(text, path, separator, titles, list(places.columns))
+            channels = _numbers(text, path, layout, list(places.columns))
     except UnicodeDecodeError as error:
         raise DataError(f"{path}: byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
     except OSError as error:
@@ -74,21 +76,13 @@ def read(path: Path, choice: Choice) -> Measurement:
     return measurement_from_signals([signals(path, choice)])
 
 
-def _units_below(head: str, separator: str, titles: list[str]) -> list[str]:
-    """A row of units below the names, if there is one."""
-    lines = [line for line in head.splitlines()[:10_000] if line.strip()]
-    start = next((i for i, line in enumerate(lines) if split_header(line.strip(), separator) == titles), len(lines))
-    line = "".join(lines[start + 1 : start + 2])
-    return line.split(separator) if _is_units(line, separator) else []
-
-
-def _numbers(text: IO[str], path: Path, separator: str, titles: list[str], places: list[int]) -> list[Real]:
+def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int]) -> list[Real]:
     """The three channels, in memory or mapped."""
     small = path.stat().st_size <= IN_MEMORY
     pieces: list[Real] = []
     with TemporaryFile() as a, TemporaryFile() as b, TemporaryFile() as c:
         rows = 0
-        for piece in _pieces(text, path, separator, titles, places):
+        for piece in _pieces(text, path, layout, places):
             rows += len(piece)
             if small:
                 pieces.append(piece)
@@ -103,53 +97,46 @@ def _numbers(text: IO[str], path: Path, separator: str, titles: list[str], place
         return [np.memmap(stream, dtype=float, mode="r", shape=(rows,)) for stream in (a, b, c)]
 
 
-def _pieces(text: IO[str], path: Path, separator: str, titles: list[str], places: list[int]) -> Iterator[Real]:
-    """Rows (m, 3) after the header, piece by piece."""
-    line, seen = 0, False
+def _pieces(text: IO[str], path: Path, layout: Layout, places: list[int]) -> Iterator[Real]:
+    """Rows (m, 3) below the names, piece by piece."""
+    for _ in range(layout.start):
+        text.readline()
+    line = layout.start
     while lines := text.readlines(CHUNK):
         first, line = line + 1, line + len(lines)
-        if not seen:
-            start = next((i for i, raw in enumerate(lines) if split_header(raw.strip(), separator) == titles), None)
-            if start is None:
-                continue
-            seen, first, lines = True, first + start + 1, lines[start + 1 :]
-            if lines and _is_units(lines[0], separator):
-                first, lines = first + 1, lines[1:]
-        if separator != ",":
+        if layout.separator != ",":
             lines = [raw.replace(",", ".") for raw in lines]
-        yield _piece(lines, first, path, separator, titles, places)
+        yield _piece(lines, first, path, layout, places)
 
 
-def _is_units(line: str, separator: str) -> bool:
-    cells = [cell.strip().strip("[]()") for cell in line.split(separator)]
-    return any(cells) and all(is_unit(cell) for cell in cells if cell)
-
-
-def _piece(lines: list[str], first: int, path: Path, separator: str, titles: list[str], places: list[int]) -> Real:
+def _piece(lines: list[str], first: int, path: Path, layout: Layout, places: list[int]) -> Real:
     filled = [raw for raw in lines if not raw.isspace()]
     if not filled:
         return np.empty((0, 3))
+    delimiter = None if layout.separator == " " else layout.separator
     try:
-        values: Real = np.loadtxt(filled, delimiter=separator, usecols=places, ndmin=2, comments="#")
+        values: Real = np.loadtxt(filled, delimiter=delimiter, usecols=places, ndmin=2, comments="#", quotechar='"')
         return values
     except ValueError:
         # Something is missing or misspelt: go slowly and say where.
-        return _slowly(lines, first, path, separator, titles, places)
+        return _slowly(lines, first, path, layout, places)
 
 
-def _slowly(lines: list[str], first: int, path: Path, separator: str, titles: list[str], places: list[int]) -> Real:
+def _slowly(lines: list[str], first: int, path: Path, layout: Layout, places: list[int]) -> Real:
     rows = []
     for number, raw in enumerate(lines, first):
         if not raw.strip() or raw.lstrip().startswith("#"):
             continue
-        cells = [cell.strip().strip('"') for cell in raw.rstrip("\r\n").split(separator)]
+        bare = raw.rstrip("\r\n")
+        parts = bare.split() if layout.separator == " " else bare.split(layout.separator)
+        cells = [cell.strip().strip('"') for cell in parts]
         row = []
         for place in places:
             cell = cells[place] if place < len(cells) else ""
             try:
                 row.append(float(cell) if cell else np.nan)
             except ValueError:
-                where = f"{path}, line {number}, column '{titles[place]}'"
+                where = f"{path}, line {number}, column '{layout.titles[place]}'"
                 raise DataError(f"{where}: '{cell:.30}' is no number") from None
         rows.append(row)
     return np.array(rows, dtype=float).reshape(-1, 3)

@@ -23,6 +23,7 @@ from springpot.measurement import (
 from .names import role_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
+COMPLIANCE_UNITS = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
 UNITS: dict[str, dict[str, float]] = {
     "omega": FREQUENCY_UNITS,
     "frequency": FREQUENCY_UNITS,
@@ -32,6 +33,10 @@ UNITS: dict[str, dict[str, float]] = {
     "storage_sd": MODULUS_UNITS,
     "loss_sd": MODULUS_UNITS,
     "viscosity": VISCOSITY_UNITS,
+    "dynamic_viscosity": VISCOSITY_UNITS,
+    "out_of_phase_viscosity": VISCOSITY_UNITS,
+    "storage_compliance": COMPLIANCE_UNITS,
+    "loss_compliance": COMPLIANCE_UNITS,
     "phase": ANGLE_UNITS,
     "loss_factor": {"-": 1.0, "%": 0.01},
     "temperature": TEMPERATURE_UNITS,
@@ -46,6 +51,10 @@ USUAL = {
     "loss": "Pa",
     "magnitude": "Pa",
     "viscosity": "Pa s",
+    "dynamic_viscosity": "Pa s",
+    "out_of_phase_viscosity": "Pa s",
+    "storage_compliance": "1/Pa",
+    "loss_compliance": "1/Pa",
     "phase": "deg",
     "temperature": "degC",
     "amplitude": "%",
@@ -121,7 +130,7 @@ def heading(title: str, below: str | None = None) -> Heading:
     if (match := _BRACKETS.match(title)) and match[1]:
         return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
     if (role := role_of(title)) is not None:
-        return Heading(title, title, role, None)
+        return Heading(title, title, role, "%" if title.startswith("%") else None)
     return _in_parentheses(title) or _after_sign(title) or _joined(title) or Heading(title, title, None, None)
 
 

@@ -1,0 +1,55 @@
+"""Moduli from what stands in their place: complex viscosity, its parts, or compliances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.measurement import known_unit
+from springpot.rheology import Real
+
+from .table import Column
+from .titles import COMPLIANCE_UNITS, UNITS, VISCOSITY_UNITS
+
+VISCOSITIES = ("dynamic_viscosity", "out_of_phase_viscosity")
+COMPLIANCES = ("storage_compliance", "loss_compliance")
+
+
+def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
+    """The columns, with storage and loss, or a magnitude, in Pa for what is no modulus.
+
+    |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'').
+    """
+    found = dict(roles)
+    if "viscosity" in found:
+        column = found.pop("viscosity")
+        found["magnitude"] = _column(column, "magnitude", _omega(found) * _si(column, VISCOSITY_UNITS))
+    elif found.keys() >= set(VISCOSITIES):
+        dynamic, other = (found.pop(role) for role in VISCOSITIES)
+        found["loss"] = _column(dynamic, "loss", _omega(found) * _si(dynamic, VISCOSITY_UNITS))
+        found["storage"] = _column(other, "storage", _omega(found) * _si(other, VISCOSITY_UNITS))
+    elif found.keys() >= set(COMPLIANCES):
+        elastic, viscous = (found.pop(role) for role in COMPLIANCES)
+        # A compliance of zero gives no finite modulus, which the measurement refuses.
+        with np.errstate(all="ignore"):
+            modulus = 1.0 / (_si(elastic, COMPLIANCE_UNITS) - 1j * _si(viscous, COMPLIANCE_UNITS))
+        found["storage"] = _column(elastic, "storage", modulus.real)
+        found["loss"] = _column(viscous, "loss", modulus.imag)
+    return found
+
+
+def _omega(roles: Mapping[str, Column]) -> Real:
+    clock = roles.get("omega") or roles["frequency"]
+    return _si(clock, UNITS["frequency"])
+
+
+def _si(column: Column, table: dict[str, float]) -> Real:
+    values: Real = column.numbers() * table[known_unit(column.unit or "", table, column.name)]
+    return values
+
+
+def _column(like: Column, name: str, values: Real) -> Column:
+    write: Callable[[float], str] = repr
+    return replace(like, name=name, unit="Pa", cells=list(map(write, values.tolist())), decimal_comma=False)

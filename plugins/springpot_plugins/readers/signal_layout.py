@@ -1,0 +1,84 @@
+"""Where the table of a text of time signals begins: its names, its units, what separates its cells."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .blocks import uncommented
+from .channels import UNITS, found_in
+from .grid import SEPARATORS, is_number, lines_of, separator_in, split_line
+from .titles import is_unit
+
+_SEARCHED = 500
+"""Lines that may stand above the numbers."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a table of signals is laid out.
+
+    Parameters
+    ----------
+    separator : str
+        Between cells; a space for any white space.
+    titles : list of str
+        Names of the columns; empty where there is no table.
+    units : list of str
+        Of a row below the names; empty where there is none.
+    start : int
+        Lines above the first row of numbers.
+    """
+
+    separator: str
+    titles: list[str]
+    units: list[str]
+    start: int
+
+
+def layout_of(head: str) -> Layout:
+    """The layout of the file that begins with `head`: below names of all channels, or else of the first numbers."""
+    lines = lines_of(head)[:_SEARCHED]
+    surest = separator_in([line for line in lines if line.strip()])
+    for separator in dict.fromkeys((surest, *SEPARATORS)):
+        rows = [_cells(line, separator) for line in lines]
+        named = next((i for i, row in enumerate(rows) if _names_all(row)), None)
+        if named is not None:
+            return _named(rows, named, separator)
+    return _unnamed([_cells(line, surest) for line in lines], surest)
+
+
+def _named(rows: Sequence[list[str]], named: int, separator: str) -> Layout:
+    units = rows[named + 1] if named + 1 < len(rows) and _are_units(rows[named + 1]) else []
+    return Layout(separator, rows[named], units, named + 1 + bool(units))
+
+
+def _names_all(row: Sequence[str]) -> bool:
+    return len(found_in(row)) == len(UNITS) and not any(map(is_number, row))
+
+
+def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
+    """The first row of numbers, with what stands above it as names."""
+    start = next((i for i, row in enumerate(rows) if sum(map(is_number, row)) > 1), None)
+    if start is None:
+        return Layout(separator, [], [], 0)
+    above = [row for row in rows[max(0, start - 2) : start] if len(row) >= len(rows[start])]
+    units = above.pop() if above and _are_units(above[-1]) else []
+    names = above[-1] if above else [str(i) for i in range(1, len(rows[start]) + 1)]
+    return Layout(separator, names, units, start)
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        # Names with their units in brackets hang together, and so do words that one blank separates.
+        line = re.sub(r"\s+(?=[\[(])", "", line.strip())
+        wide = [cell for cell in re.split(r"\s{2,}|\t", line) if cell]
+        return uncommented(wide if len(wide) > 2 else line.split())
+    cells = [cell.strip() for cell in split_line(line, separator)]
+    return uncommented([cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell for cell in cells])
+
+
+def _are_units(row: Sequence[str]) -> bool:
+    filled = [cell.strip("[]() ") for cell in row if cell.strip()]
+    return bool(filled) and all(is_unit(cell) for cell in filled)
