@@ -12,6 +12,7 @@ from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.display import use_drawing
+from springpot.diagnosis.header import with_header
 from springpot.errors import OptionError
 from springpot.identification import Identification, Objective, Optimiser
 from springpot.identification import identify as identify_objects
@@ -124,7 +125,9 @@ def diagnose(
     >>> springpot.diagnose(data, "fractional-maxwell").best.effect
     'inertia'
     """
-    return diagnose_objects(_measurement(measurement), _model(model), library(effects), np.random.default_rng(seed))
+    data = _measurement(measurement)
+    found = diagnose_objects(data, _model(model), library(effects), np.random.default_rng(seed))
+    return with_header(found, data)
 
 
 def discover(
