@@ -12,7 +12,8 @@ KEYS = {
     },
     "optimisers": {"name", "summary", "citation", "global", "gradient", "batched", "stochastic", "options"},
     "datasets": {
-        "name", "kind", "points", "licence", "summary", "citation", "model", "truth", "physics", "unavailable",
+        "name", "kind", "points", "licence", "where", "summary", "citation", "doi", "origin", "test", "columns",
+        "model", "fit", "truth", "physics", "aliases", "unavailable",
     },
     "readers": {"name", "summary", "signals", "writes"},
     "objectives": {"name", "summary", "citation"},

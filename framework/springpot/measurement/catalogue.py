@@ -27,17 +27,29 @@ class DataSet:
     licence : str
         Terms under which the numbers may be used.
     citation : str
-        Who measured, with a DOI where there is one.
+        Who measured, where it was published.
+    doi, origin : str
+        Of the publication, and where the numbers can be got.
     size : int
         Number of points, 0 if unknown before loading.
     truth : mapping of str to float
         Element parameters behind artificial data and reconstructions.
     model : str
         Model behind them, or the one used in the literature.
+    fit : str
+        What the literature found with it.
+    test : str
+        Instrument, geometry and kind of test.
+    columns : tuple of str
+        What is given, with units: ``omega [rad/s]``.
     stiffness_scale : float or None
         The paper's k-bar for these data.
     physics : tuple of str
         What is known to be in the data: friction, a shift with temperature, an artefact of the instrument.
+    aliases : tuple of str
+        Other names.
+    remote : str
+        Address from which it is downloaded when it is first used; empty where it is on this machine.
     unavailable : str
         Empty, or why the set cannot be loaded here and how to mend it.
     """
@@ -48,12 +60,24 @@ class DataSet:
     kind: str = "measured"
     licence: str = ""
     citation: str = ""
+    doi: str = ""
+    origin: str = ""
     size: int = 0
     truth: dict[str, float] = field(default_factory=dict)
     model: str = ""
+    fit: str = ""
+    test: str = ""
+    columns: tuple[str, ...] = ()
     stiffness_scale: float | None = None
     physics: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
+    remote: str = ""
     unavailable: str = ""
+
+    @property
+    def where(self) -> str:
+        """In one word: ``here``, ``download``, or ``missing``."""
+        return "missing" if self.unavailable else "download" if self.remote else "here"
 
     def open(self) -> Measurement:
         """The measurement.

@@ -66,7 +66,8 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     name, choice = file_and_choice(text)
     if is_file(name):
         return _read(Path(name), choice, readers)
-    known = {data.name: data for data in datasets}
+    listed = list(datasets)
+    known = {alias: data for data in listed for alias in data.aliases} | {data.name: data for data in listed}
     if text in known:
         return known[text].open()
     if choice and name in known:

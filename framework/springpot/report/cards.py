@@ -102,11 +102,18 @@ def dataset(item: DataSet) -> dict[str, Any]:
         "kind": item.kind,
         "points": item.size or None,
         "licence": item.licence,
+        "where": item.where,
         "summary": item.summary,
         "citation": item.citation,
+        "doi": item.doi,
+        "origin": item.origin,
+        "test": item.test,
+        "columns": list(item.columns),
         "model": item.model,
+        "fit": item.fit,
         "truth": dict(item.truth),
         "physics": list(item.physics),
+        "aliases": list(item.aliases),
         "unavailable": item.unavailable,
     }
 
@@ -153,7 +160,7 @@ KINDS = {
     "models": KindOfCard("model", ("name", "parameters", "summary"), model),
     "optimisers": KindOfCard("optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser),
     "effects": KindOfCard("effect", ("name", "plane", "needs", "summary"), effect),
-    "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "unavailable", "summary"), dataset),
+    "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "where", "summary"), dataset),
     "readers": KindOfCard("reader", ("name", "signals", "writes", "summary"), reader),
     "objectives": KindOfCard("objective", ("name", "summary"), objective),
 }

@@ -77,7 +77,11 @@ class Plugin:
 
     def unavailable(self, word: str, name: str) -> str:
         """Why a data set cannot be loaded here, or nothing."""
-        return str(getattr(self.registry.find(word, name), "unavailable", ""))
+        found = self.registry.find(word, name)
+        remote = getattr(found, "remote", "")
+        return str(
+            getattr(found, "unavailable", "") or (remote and f"it is downloaded from {remote} when it is used")
+        )
 
     def check(self, word: str, name: str) -> list[str]:
         """What is wrong with one thing that it offers."""

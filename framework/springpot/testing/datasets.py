@@ -25,7 +25,7 @@ def check_dataset(
 
     Aspects: ``words`` (name, summary, kind, licence, citation), ``loads`` (as many points as it says, in known units,
     the same bits twice) and ``truth`` (the parameters are those of its model). A set that says why it is unavailable
-    here is not loaded.
+    here, or that would first be downloaded, is not loaded.
 
     Parameters
     ----------
@@ -71,6 +71,8 @@ def _loads(dataset: DataSet) -> Iterator[str]:
         except DataError as error:
             if dataset.unavailable not in str(error):
                 yield f"it is unavailable, but opening it says: {error}"
+        return
+    if dataset.remote:
         return
     first, second = dataset.open(), dataset.open()
     if not isinstance(first, Measurement):

@@ -13,16 +13,27 @@ from springpot.measurement import DataSet, Measurement
 from .manifest import FILE, read_manifest
 
 VARIABLE = "SPRINGPOT_DATA"
+NOWHERE = Path(os.devnull)
+"""Stands for the directory of a set that is not on this machine."""
 
 
 def datasets() -> list[DataSet]:
-    """A set for every folder with a manifest, of its own or shipped; the first of a name counts."""
+    """A set for every folder with a manifest, of its own or shipped, and for every shipped one that has no folder.
+
+    The first of a name counts.
+    """
     found: dict[str, DataSet] = {}
-    for folder in _folders():
+    for folder in (*_folders(), *_known()):
         dataset = _dataset(folder)
         if dataset is not None:
             found.setdefault(dataset.name, dataset)
     return list(found.values())
+
+
+def _known() -> Iterator[Path]:
+    """Folders that would hold the sets of the shipped manifests, and need not be there."""
+    shipped = files(__package__).joinpath("manifests").iterdir()
+    yield from sorted(NOWHERE / entry.name.removesuffix(".toml") for entry in shipped if entry.name.endswith(".toml"))
 
 
 def _folders() -> Iterator[Path]:

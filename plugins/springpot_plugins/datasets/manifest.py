@@ -5,10 +5,14 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
     summary = "what was measured"              # one sentence
     file = "normalized.csv"
     size = 340                                 # rows, shown before loading
-    citation = "who, DOI"
+    citation = "who"                           # who measured, where it was published
+    doi = "10.1000/xyz"                        # optional, as all that follow but [columns]
+    origin = "github.com/who/what"             # where it can be got
     licence = "MIT"
-    model = "fractional-maxwell"               # optional: used in the literature
+    test = "8 mm plates, shear"                # instrument, geometry, kind of test
     physics = ["what is known to be in it"]
+    model = "fractional-maxwell"               # used in the literature
+    fit = "G = 1 kPa, tau = 2 s (who)"         # what was found with it
     [columns]                                  # role = "header" or { from = "header", unit = "Pa" }
     omega = { from = "omega_rad_s", unit = "rad/s" }
     storage = { from = "storage_Pa", unit = "Pa" }
@@ -17,8 +21,12 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
     lane = { from = "binder", extract = 'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell
     [conditions]                               # constants, with their units as in headers
     "temperature [degC]" = 25
+    [download]                                 # the file's public address, where the licence allows
+    url = "https://example.org/normalized.csv"
+    sha256 = "..."                             # of the file there
 
 A manifest stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
+A downloaded file of another name than `file` is opened by the reader of its format instead of by [columns].
 """
 
 from __future__ import annotations
@@ -26,19 +34,21 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import DataSet, Measurement
+from springpot.measurement import DataSet, Measurement, open_measurement
 
+from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
 from ..readers.table import Column, Table, name_and_unit, table_of
 from ..readers.text import text_of
+from .download import fetched, kept, missing
 
 FILE = "dataset.toml"
-_TEXTS = ("name", "summary", "file", "citation", "licence", "model", "kind")
+_TEXTS = ("name", "summary", "file", "citation", "doi", "origin", "licence", "test", "model", "fit", "kind")
 
 
 @dataclass(frozen=True)
@@ -55,22 +65,32 @@ class Manifest:
         Role or condition to ``from``, ``unit`` and ``extract``.
     conditions : mapping of str to number
         Constants.
+    download : mapping of str to str
+        ``url`` and ``sha256``; empty where the file cannot be downloaded.
     """
 
     folder: Path
     values: dict[str, Any]
     columns: dict[str, dict[str, str]]
     conditions: dict[str, float] = field(default_factory=dict)
+    download: dict[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """Name of the set: as given, or the folder's."""
         return str(self.values.get("name", self.folder.name))
 
+    @property
+    def file(self) -> Path:
+        """Where the file is, if it is here."""
+        return self.folder / str(self.values["file"])
+
     def dataset(self) -> DataSet:
         """The set; its file is opened only when it is loaded."""
         value = self.values.get
-        file = self.folder / str(self.values["file"])
+        columns = [
+            f"{name} [{unit}]" if (unit := source.get("unit")) else name for name, source in self.columns.items()
+        ]
         return DataSet(
             self.name,
             value("summary", ""),
@@ -78,11 +98,33 @@ class Manifest:
             kind=value("kind", "measured"),
             licence=value("licence", ""),
             citation=value("citation", ""),
+            doi=value("doi", ""),
+            origin=value("origin", ""),
             size=value("size", 0),
             model=value("model", ""),
+            fit=value("fit", ""),
+            test=value("test", ""),
+            columns=(*columns, *(f"{title} = {number:g}" for title, number in self.conditions.items())),
             physics=tuple(value("physics", ())),
-            unavailable="" if file.is_file() else f"{file} is missing",
+            remote=self._remote(),
+            unavailable=self._unavailable(),
         )
+
+    def _remote(self) -> str:
+        """The address, unless the file is here or has been downloaded."""
+        if not self.download or self.file.is_file() or kept(self.download["url"], self.download["sha256"]):
+            return ""
+        return self.download["url"]
+
+    def _unavailable(self) -> str:
+        if self.file.is_file():
+            return ""
+        if self.download:
+            return missing() if self._remote() else ""
+        if self.folder.is_dir():
+            return f"{self.file} is missing"
+        origin = f"published at {self.values['origin']}; " if self.values.get("origin") else ""
+        return f"not here: {origin}name a directory that holds the folder {self.name} by SPRINGPOT_DATA"
 
     def load(self) -> Measurement:
         """The measurement.
@@ -90,14 +132,19 @@ class Manifest:
         Raises
         ------
         DataError
-            If the file cannot be read or lacks a column that the manifest names.
+            If the file cannot be had or read, or lacks a column that the manifest names.
         """
-        path = self.folder / str(self.values["file"])
+        path = self.file
+        if self.download and not path.is_file():
+            path = fetched(self.name, self.download["url"], self.download["sha256"])
+        origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
+        if path.name != self.file.name:
+            found = open_measurement(path, (), springpot_readers())
+            return replace(found, name=self.name, provenance={**origin, **found.provenance})
         table = table_of(text_of(path), path)
         made = [*self._mapped(table), *self._constants(table)]
         roles = {column.name: column for column in made if column.name in ROLES}
         others = [column for column in made if column.name not in ROLES]
-        origin = {key: str(self.values[key]) for key in ("citation", "licence") if self.values.get(key)}
         return measurement_of(roles, others, self.name, {**origin, **table.comments}, path)
 
     def _mapped(self, table: Table) -> Iterable[Column]:
@@ -134,6 +181,7 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         raise DataError(f"{path}: {error}") from None
     columns = values.pop("columns", None)
     constants = values.pop("conditions", {})
+    download = values.pop("download", {})
     if not isinstance(columns, dict) or not columns:
         raise DataError(f"{path}: there is no [columns] table; write omega, storage, loss = {{ from, unit }}")
     mapped = {}
@@ -146,7 +194,20 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
     if not (isinstance(constants, dict) and all(isinstance(v, int | float) for v in constants.values())):
         raise DataError(f"{path}: [conditions] holds numbers only")
     _check_values(values, path)
-    return Manifest(folder, values, mapped, constants)
+    _check_download(download, values, path)
+    return Manifest(folder, values, mapped, constants, download)
+
+
+def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
+    if download == {}:
+        return
+    if not (isinstance(download, dict) and set(download) == {"url", "sha256"}):
+        raise DataError(f"{path}: [download] holds url and sha256, and nothing else")
+    url, sha256 = str(download["url"]), str(download["sha256"])
+    if not re.match(r"https?://[^/]+/", url) or not re.fullmatch(r"[0-9a-f]{64}", sha256):
+        raise DataError(f"{path}: [download] needs a url with https:// and a sha256 of 64 hexadecimal digits")
+    if not values.get("licence"):
+        raise DataError(f'{path}: [download] needs a licence that allows it; write licence = "..."')
 
 
 def _check_pattern(entry: dict[str, str], name: str, path: str) -> None:

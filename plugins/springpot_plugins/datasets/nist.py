@@ -12,6 +12,8 @@ from ..readers.springpot_csv import parse
 
 NAME = "nist-srm2491"
 CITATION = "Schultheisz, Flynn, Leigh: NIST Special Publication 260-147, Table 9; 10.6028/NIST.SP.260-147"
+_COLUMNS = ("omega [rad/s]", "storage [Pa]", "loss [Pa]", "storage_sd [Pa]", "loss_sd [Pa]")
+DOI = "10.6028/NIST.SP.260-147"
 
 
 def _load() -> Measurement:
@@ -29,6 +31,19 @@ def datasets() -> list[DataSet]:
             _load,
             licence="public domain (US government work)",
             citation=CITATION,
+            doi=DOI,
+            origin="doi.org/10.6028/NIST.SP.260-147",
+            test="small-strain oscillatory shear of a certified reference fluid, 16 frequencies at each temperature",
+            columns=(
+                "omega [rad/s]",
+                "storage [Pa]",
+                "loss [Pa]",
+                "storage_sd [Pa]",
+                "loss_sd [Pa]",
+                "temperature [degC]",
+            ),
+            fit="WLF: ln a = -C1 (T - T_R) / (C2 + T - T_R), C1 = 6.64, C2 = 299.4 K, T_R = 25 degC; vertical shift",
+            aliases=("nist-srm2491-pdms",),
             size=96,
             physics=(
                 "entangled melt in its terminal zone: a viscous limit at low frequency",

@@ -1,0 +1,206 @@
+"""Data sets that are downloaded once: from a server in this process, since tests need no network."""
+
+import hashlib
+import os
+import sys
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot_plugins.datasets import download, folders, springpot_datasets
+from springpot_plugins.datasets.manifest import read_manifest
+
+CONTENT = b"f;Ks;Kl\n1;2;3\n2;3;4\n"
+MANIFEST = """
+summary = "a damper"
+file = "raw.csv"
+licence = "CC0"
+[columns]
+frequency = {{ from = "f", unit = "Hz" }}
+storage = {{ from = "Ks", unit = "kN/m" }}
+loss = {{ from = "Kl", unit = "kN/m" }}
+[download]
+url = "{url}"
+sha256 = "{sha256}"
+"""
+
+
+class Server(ThreadingHTTPServer):
+    """Answers with `content`, of which `sent` bytes arrive; counts the requests."""
+
+    content, sent, requests = CONTENT, None, 0
+
+
+class Handler(BaseHTTPRequestHandler):
+    def do_GET(self):
+        server = self.server
+        server.requests += 1
+        if self.path.startswith("/gone"):
+            self.send_error(404)
+            return
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(server.content)))
+        self.end_headers()
+        self.wfile.write(server.content[: server.sent])
+
+    def log_message(self, *arguments):
+        """Say nothing."""
+
+
+@pytest.fixture
+def server(tmp_path, monkeypatch):
+    pytest.importorskip("pooch")
+    monkeypatch.setenv(download.CACHE, str(tmp_path / "cache"))
+    monkeypatch.setenv("NO_PROXY", "*")
+    with Server(("127.0.0.1", 0), Handler) as running:
+        thread = threading.Thread(target=running.serve_forever, daemon=True)
+        thread.start()
+        yield running
+        running.shutdown()
+        thread.join()
+
+
+def manifest(server, file="raw.csv", content=CONTENT, text=MANIFEST):
+    url = f"http://127.0.0.1:{server.server_port}/{file}"
+    said = text.format(url=url, sha256=hashlib.sha256(content).hexdigest())
+    return read_manifest(said, folders.NOWHERE / "my-damper", "manifest")
+
+
+def left(tmp_path):
+    """Files in the cache."""
+    return [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+
+
+def test_a_set_is_downloaded_once(server, tmp_path):
+    dataset = manifest(server).dataset()
+    assert dataset.unavailable == ""
+    assert server.requests == 0, "nothing is fetched before it is used"
+    for _ in range(2):
+        np.testing.assert_array_equal(dataset.open().stiffness, [2 + 3j, 3 + 4j])
+    assert server.requests == 1
+    assert [path.name for path in left(tmp_path)] == ["raw.csv"]
+
+
+def test_a_spoilt_copy_is_fetched_again(server, tmp_path):
+    dataset = manifest(server).dataset()
+    dataset.open()
+    [copy] = left(tmp_path)
+    copy.write_bytes(b"half of i")
+    assert len(dataset.open()) == 2
+    assert server.requests == 2
+
+
+def test_a_file_that_is_here_is_not_fetched(server, tmp_path, monkeypatch):
+    place = tmp_path / "data" / "my-damper"
+    place.mkdir(parents=True)
+    (place / "raw.csv").write_bytes(CONTENT + b"4;5;6\n")
+    (place / "dataset.toml").write_text(MANIFEST.format(url="http://127.0.0.1:9/raw.csv", sha256="0" * 64))
+    monkeypatch.setenv(folders.VARIABLE, str(tmp_path / "data"))
+    [dataset] = [found for found in folders.datasets() if found.name == "my-damper"]
+    assert len(dataset.open()) == 3
+    assert server.requests == 0
+
+
+def test_another_format_than_that_of_the_columns_is_read_by_its_reader(server):
+    server.content = b"omega [rad/s],storage [Pa],loss [Pa]\n1,2,3\n4,5,6\n7,8,9\n"
+    found = manifest(server, "export.csv", server.content).dataset().open()
+    assert (len(found), found.name, found.provenance["licence"]) == (3, "my-damper", "CC0")
+
+
+def complaint(dataset):
+    with pytest.raises(DataError) as caught:
+        dataset.open()
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_another_content_is_refused_and_not_kept(server, tmp_path):
+    dataset = manifest(server).dataset()
+    server.content = CONTENT.replace(b"4", b"5")
+    assert "not what was published" in complaint(dataset)
+    assert left(tmp_path) == []
+
+
+def test_an_interrupted_download_leaves_nothing(server, tmp_path):
+    dataset = manifest(server).dataset()
+    server.sent = 5
+    assert "cannot be downloaded" in complaint(dataset) or "checksum" in complaint(dataset)
+    assert left(tmp_path) == []
+    server.sent = None
+    assert len(dataset.open()) == 2, "and the next attempt succeeds"
+
+
+def test_a_file_that_is_gone_and_a_server_that_is_not_there(server, tmp_path):
+    assert "the server answers 404" in complaint(manifest(server, "gone.csv").dataset())
+    server.shutdown()
+    server.server_close()
+    said = complaint(manifest(server).dataset())
+    assert "no connection" in said
+    assert "SPRINGPOT_DATA" in said
+
+
+def test_without_pooch_it_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pooch", None)
+    monkeypatch.setattr(download, "find_spec", lambda name: None)
+    said = read_manifest(MANIFEST.format(url="https://example.org/a.csv", sha256="0" * 64), tmp_path, "m").dataset()
+    assert "pip install 'springpot[download]'" in said.unavailable
+    assert "pip install 'springpot[download]'" in complaint(said)
+    with pytest.raises(DataError, match="pip install"):
+        download.fetched("a", "https://example.org/a.csv", "0" * 64)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('sha256 = "{sha256}"', "", "url and sha256"),
+        ("{url}", "file:///etc/passwd", "url with https"),
+        ("{sha256}", "abc", "64 hexadecimal"),
+        ('licence = "CC0"', "", "licence that allows it"),
+    ],
+)
+def test_a_faulty_entry(tmp_path, old, new, message):
+    text = MANIFEST.replace(old, new).format(url="https://example.org/a.csv", sha256="0" * 64)
+    with pytest.raises(DataError, match=message):
+        read_manifest(text, tmp_path, "manifest")
+
+
+def test_what_is_not_here_is_listed_with_its_origin(monkeypatch):
+    monkeypatch.delenv(folders.VARIABLE, raising=False)
+    found = {dataset.name: dataset for dataset in folders.datasets()}
+    assert "github.com/TFHRC-ABML" in found["fhwa-ptf-binder-dsr"].unavailable
+    assert "SPRINGPOT_DATA" in complaint(found["fhwa-ptf-binder-dsr"])
+
+
+SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data are not here")
+def test_every_shared_set_is_described(monkeypatch):
+    monkeypatch.setenv(folders.VARIABLE, str(SHARED))
+    sets = list(springpot_datasets())
+    names = [name for dataset in sets for name in (dataset.name, *dataset.aliases)]
+    assert len(names) == len(set(names))
+    for folder in os.listdir(SHARED):
+        if folder == "instrument-files":
+            continue
+        assert names.count(folder) == 1, folder
+        dataset = next(d for d in sets if folder in (d.name, *d.aliases))
+        for fact in ("summary", "citation", "licence", "origin", "test", "columns", "physics", "size"):
+            assert getattr(dataset, fact), (folder, fact)
+        assert dataset.where == "here"
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data are not here")
+def test_the_export_that_is_downloaded_is_the_one_that_the_table_is_made_of(monkeypatch):
+    """The checksum of the shipped manifest is that of the file among the shared data."""
+    monkeypatch.delenv(folders.VARIABLE, raising=False)
+    text = (Path(folders.__file__).parent / "manifests" / "3m-468mp-acrylic-tts.toml").read_text()
+    export = SHARED / "instrument-files" / "trios_lims.txt"
+    assert (
+        read_manifest(text, folders.NOWHERE, "m").download["sha256"]
+        == hashlib.sha256(export.read_bytes()).hexdigest()
+    )
