@@ -35,8 +35,9 @@ class BoundedDescent:
         starts : int
             Descents side by side.
         """
-        # A scanned shape costs a model evaluation too: the recorder is asked for the objective at each.
-        scanned = self._admitted(scanned_starts(self.recorder.problem, rng))
+        # A scanned shape costs a model evaluation too: the recorder is asked for the objective at each. The scan
+        # gives the best first, of which a run that has counted a few of them must know nothing yet.
+        scanned = rng.permutation(self._admitted(scanned_starts(self.recorder.problem, rng)))
         best = scanned[np.argsort(self.recorder.batch(scanned))[:starts]]
         low, high = self._inner(self.recorder.lower), self._inner(self.recorder.upper)
         return levenberg_marquardt(self._evaluate, self._inner(best), low, high).cost
