@@ -17,8 +17,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark.statistics import Interval
 from springpot.identification import Optimiser
 from springpot.report.plot import Line, Pen, Ranked, Scale, critical_differences, plot
+from springpot.report.pools import not_below
 from springpot.report.study import write_study_report
 
 NASTY = '<script>alert("&")</script>'
@@ -157,3 +159,8 @@ def test_critical_differences_show_every_name_and_bar():
     picture = critical_differences(rows, [(0, 1), (1, 3)], "ranks")
     assert all(f">o{i}<" in picture for i in range(4))
     assert picture.count('stroke-width="3"') == 2
+
+
+def test_who_succeeds_less_for_certain_is_not_called_as_good():
+    shares = {"always": Interval(1.0, 0.93, 1.0), "mostly": Interval(0.9, 0.8, 0.95), "half": Interval(0.5, 0.4, 0.6)}
+    assert not_below(shares) == ["always", "mostly"]

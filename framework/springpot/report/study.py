@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from springpot.benchmark import Store, store_path
 from springpot.benchmark.comparison import LEVEL, OVER_ALL, Choice, Ranking, scopes
 from springpot.benchmark.findings import COMPARING, PLAIN, Findings
 from springpot.benchmark.standings import CHOICE_NOTE
-from springpot.benchmark.statistics import Interval, expected_running_time, wilson
+from springpot.benchmark.statistics import Interval
 from springpot.benchmark.store import ProblemRow
 from springpot.benchmark.summary import CellSummary
 from springpot.benchmark.tables import Table, text
@@ -22,6 +21,7 @@ from springpot.markup import Html, joined, table, tag
 
 from .numbers import number, seconds
 from .page import page
+from .pools import pools, share_text, verdict
 from .study_plots import Pens, attained, diagram, distribution, pair, profile_figures, progress
 
 NAMED = 3
@@ -109,68 +109,12 @@ def _head(findings: Findings) -> Iterator[Html]:
     )
     yield tag("h1", f"{findings.name}: which optimiser?")
     yield tag("p", f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.", class_="quiet")
-    pools = _pools(findings)
-    if pools:
-        yield tag("div", *_verdict(findings, pools[-1]), class_="verdict")
+    if found := pools(findings):
+        yield tag("div", *verdict(findings, found[-1]), class_="verdict")
 
 
 def _count(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
-
-
-@dataclass(frozen=True)
-class Pool:
-    """Which optimiser to use if nothing is known of the problem: as a `Choice`, but over all of them."""
-
-    ranking: Ranking
-    label: str
-    success: Interval | None
-    running_time: float
-    alike: tuple[str, ...]
-
-
-def _pools(findings: Findings) -> list[Pool]:
-    return [_pool(findings, ranking) for ranking in findings.rankings if ranking.scope == OVER_ALL]
-
-
-def _pool(findings: Findings, ranking: Ranking) -> Pool:
-    """Of the optimisers that cannot be told from the first in rank, the cheapest."""
-    budget, best = ranking.budget, int(np.argmin(ranking.means))
-    names = (ranking.labels[best], *ranking.alike(best)) if ranking.decided else ranking.labels
-    costs = {}
-    for name in names:
-        i = ranking.labels.index(name)
-        hits = np.concatenate([race.hits[i] for race in findings.races])
-        spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
-        hits = np.where(hits <= budget, hits, np.inf)
-        costs[name] = (expected_running_time(hits, spent), wilson(int(np.isfinite(hits).sum()), len(hits)))
-    first, *others = sorted(names, key=lambda name: costs[name][0])
-    return Pool(ranking, first, costs[first][1], costs[first][0], tuple(others))
-
-
-def _verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
-    budget = findings.scale.budget
-    if not pool.ranking.decided:
-        yield joined([f"There are too few trials to tell any two optimisers apart over all {budget} evaluations."])
-        return
-    yield joined([f"Knowing nothing of the problem, with {budget} evaluations, use "])
-    yield tag("b", pool.label)
-    yield joined([f": it reached the target in {_share(pool.success)} of its trials"])
-    if np.isfinite(pool.running_time):
-        yield joined([f", after {number(pool.running_time, 3)} evaluations on average, restarts included"])
-    others = f". As good, and dearer: {_and(pool.alike)}." if pool.alike else ". All others are worse for certain."
-    yield joined([others])
-
-
-def _and(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def _share(rate: Interval | None) -> str:
-    if rate is None:
-        return "-"
-    low, high = 100 * rate.low, 100 * rate.high
-    return f"{100 * rate.value:.0f} % [{low:.0f}, {high:.0f}]"
 
 
 def _choices(findings: Findings) -> Iterator[Html]:
@@ -210,7 +154,7 @@ def _graded(findings: Findings) -> set[str]:
 def _all_problems(findings: Findings) -> tuple[str, ...]:
     graded = _graded(findings)
     cells = []
-    for pool in _pools(findings):
+    for pool in pools(findings):
         certainty = _as_good(pool.alike) if pool.ranking.decided else TOO_FEW
         cells.append(_cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded))
     return ("all", f"all {len(findings.races)} problems", *cells)
@@ -233,7 +177,7 @@ def _excess(choice: Choice) -> str:
 
 def _reached(success: Interval | None, running_time: float) -> str:
     cost = f" in {number(running_time, 3)}" if np.isfinite(running_time) else ""
-    return f"{_share(success)}{cost}"
+    return f"{share_text(success)}{cost}"
 
 
 def _as_good(alike: Sequence[str]) -> str:
