@@ -11,6 +11,8 @@ from .channels import UNITS, found_in
 from .grid import SEPARATORS, is_number, lines_of, separator_in, split_line
 from .titles import is_unit
 
+_WORDS = re.compile(r"[^\W\d_eE]")
+"""What no row of numbers has."""
 _SEARCHED = 500
 """Lines that may stand above the numbers."""
 
@@ -41,11 +43,11 @@ def layout_of(head: str) -> Layout:
     """The layout of the file that begins with `head`: below names of all channels, or else of the first numbers."""
     lines = lines_of(head)[:_SEARCHED]
     surest = separator_in([line for line in lines if line.strip()])
+    worded = [i for i, line in enumerate(lines) if _WORDS.search(line)]
     for separator in dict.fromkeys((surest, *SEPARATORS)):
-        rows = [_cells(line, separator) for line in lines]
-        named = next((i for i, row in enumerate(rows) if _names_all(row)), None)
+        named = next((i for i in worded if _names_all(_cells(lines[i], separator))), None)
         if named is not None:
-            return _named(rows, named, separator)
+            return _named([_cells(line, separator) for line in lines[: named + 2]], named, separator)
     return _unnamed([_cells(line, surest) for line in lines], surest)
 
 
