@@ -15,6 +15,7 @@ import io
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Reader
@@ -25,6 +26,8 @@ from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
 
 _CELSIUS, _UNIT = "degC", "unit "
+_TWICE = "measured twice"
+"""Comment of a file whose rows of one frequency were all meant."""
 
 
 def recognises(head: bytes) -> float:
@@ -54,14 +57,29 @@ def parse(text: str, path: Path) -> Measurement:
     """The measurement in a text; `path` names it in errors."""
     table = table_of(text, path)
     roles, others = assign(table.columns, path)
-    provenance = {key: value for key, value in table.comments.items() if key != "name"}
+    provenance = {key: value for key, value in table.comments.items() if key not in ("name", _TWICE)}
     measurement = measurement_of(roles, others, table.comments.get("name", path.stem), provenance, path)
-    _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
+    if _TWICE not in table.comments:
+        _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     return measurement
 
 
 def _check_duplicates(measurement: Measurement, column: Column) -> None:
-    """Two rows of one frequency, one set of conditions and one repeat cannot both be meant."""
+    """Two rows of one frequency, one set of conditions and one repeat are seldom both meant."""
+    pairs = _twins(measurement)
+    if not len(pairs):
+        return
+    first, row = min(((int(low), int(high)) for low, high in pairs), key=lambda pair: pair[1])
+    advice = "number the sweeps in a column repeat" if measurement.repeat is None else "give it another repeat"
+    raise column.error(
+        f"the frequency {column.cells[row].strip()} stands already in line {column.lines[first]} "
+        f"with the same conditions; {advice} or leave out the row",
+        row,
+    )
+
+
+def _twins(measurement: Measurement) -> NDArray[np.int64]:
+    """Pairs of rows that nothing tells apart, the earlier first; shape (k, 2)."""
     keys = [np.nan_to_num(values, nan=-np.inf) for values in measurement.conditions.values()]
     keys += [np.unique(words, return_inverse=True)[1].astype(float) for words in measurement.labels.values()]
     if measurement.repeat is not None:
@@ -71,25 +89,16 @@ def _check_duplicates(measurement: Measurement, column: Column) -> None:
     same = np.ones(max(len(order) - 1, 0), dtype=bool)
     for key in keys:
         same &= key[order][1:] == key[order][:-1]
-    if not same.any():
-        return
-    pairs = np.flatnonzero(same)
-    later = np.maximum(order[pairs], order[pairs + 1])
-    row = int(later.min())
-    twin = order[pairs + 1][later == row][0] + order[pairs][later == row][0] - row
-    advice = "number the sweeps in a column repeat" if measurement.repeat is None else "give it another repeat"
-    raise column.error(
-        f"the frequency {column.cells[row].strip()} stands already in line {column.lines[int(twin)]} "
-        f"with the same conditions; {advice} or leave out the row",
-        row,
-    )
+    places = np.flatnonzero(same)
+    return np.sort(np.column_stack([order[places], order[places + 1]]), axis=1)
 
 
 def text_from(measurement: Measurement) -> str:
     """The text of a file that reads back as the same numbers, bit for bit."""
     columns = _columns(measurement)
     stream = io.StringIO()
-    for key, value in {"name": measurement.name, **measurement.provenance}.items():
+    twice = {_TWICE: "some frequencies, as they were read"} if len(_twins(measurement)) else {}
+    for key, value in {"name": measurement.name, **measurement.provenance, **twice}.items():
         if not key.startswith(_UNIT):
             stream.write(f"# {key}: {' '.join(str(value).split())}\n")
     writer = csv.writer(stream, lineterminator="\n")
