@@ -50,7 +50,12 @@ def seeds() -> dict[str, list[bytes]]:
     signals = samples.rows(list(arrays.values())).encode()
     return {
         "springpot-csv": [plain],
-        "signals-csv": [b"time [s],displacement [mm],force [N]\n" + signals, b"t_s,disp_mm,force_N\n" + signals],
+        "signals-csv": [
+            b"time [s],displacement [mm],force [N]\n" + signals,
+            b"t_s,disp_mm,force_N\n" + signals,
+            b"Report\n\nTime\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n" + signals.replace(b",", b"\t"),
+            b'"Total Time (s)","Position(Linear:Position) (mm)","Load(Linear:Load) (kN)"\n' + signals,
+        ],
         "rheocompass": [samples.rheocompass_short(), samples.rheocompass_full(), samples.rheoplus()],
         "trios": [samples.trios(), samples.trios("\t")],
         "trios-lims": [samples.trios_lims()],
@@ -61,7 +66,14 @@ def seeds() -> dict[str, list[bytes]]:
         "excel": [_BOOK, b"\x01" + sheet],
         "signals-mat": [samples.mat(**arrays), samples.mat(False, **arrays), samples.mat(False, run=arrays)],
         "signals-tdms": [samples.tdms()],
-        "table": [hertz, plain, wide, samples.moduli(" ").encode()],
+        "table": [
+            hertz,
+            plain,
+            wide,
+            samples.moduli(" ").encode(),
+            samples.table(r"$\omega$ [rad/s];J' [1/MPa];J'' [1/MPa]", ";").encode(),
+            samples.table("f in Hz;G' in Pa;G\" in Pa", ";", ",").encode("latin-1"),
+        ],
     }
 
 
@@ -76,6 +88,7 @@ def workbook(sheet: bytes) -> bytes:
 
 def main() -> None:
     """Fuzz until the time is over."""
+    assert set(seeds()) == set(READERS), "a reader without seeds"
     name = sys.argv[1]
     reader, folder = READERS[name], Path(tempfile.mkdtemp())
     path = folder / "input"

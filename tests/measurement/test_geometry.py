@@ -256,6 +256,16 @@ def test_a_slip_in_a_geometry_is_one_line_that_helps(text, message):
     assert "\n" not in str(caught.value)
 
 
+@given(st.text(max_size=60) | st.tuples(st.sampled_from(list(GEOMETRIES)), st.text(max_size=40)).map(" area=".join))
+def test_any_text_is_a_geometry_or_one_line(text):
+    said = ""
+    try:
+        assert parse_geometry(text).shape > 0
+    except OptionError as error:
+        said = str(error)
+    assert "\n" not in said
+
+
 def test_the_public_names():
     pads = springpot.geometry.ShearPads(area=0.02, gap=0.01)
     assert springpot.read("artificial-hidden").as_modulus(pads).units.is_modulus

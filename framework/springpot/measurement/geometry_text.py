@@ -50,7 +50,7 @@ def parse_geometry(text: str) -> Geometry:
     OptionError
         If the geometry, a size or a unit is unknown, or one is missing.
     """
-    name, _, rest = text.strip().replace(":", " ", 1).partition(" ")
+    name, _, rest = " ".join(text.replace(":", " ", 1).split()).partition(" ")
     if name not in GEOMETRIES:
         near = get_close_matches(name, GEOMETRIES, n=1)
         hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(GEOMETRIES)}"
