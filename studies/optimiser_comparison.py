@@ -5,7 +5,7 @@
 Every trial gets the same budget, the same problem in the paper's search form and box, and for each repetition the
 same random stream whatever the optimiser. A trial ends when it has reached the target (see the note of the summary)
 or spent its budget. The second measured fluid needs the package rheopy-rheodata; without it, a set from
-SPRINGPOT_DATA is taken, or none.
+SPRINGPOT_DATA is taken, or none, and the ranking says so.
 """
 
 from __future__ import annotations
@@ -109,8 +109,11 @@ def ranking(race: dict[str, list[Finish]]) -> Table:
     note = (
         "Share of trials that reached the target, over all five models, with Wilson's 95 % interval; median of the "
         "evaluations to the target, infinite if fewer than half of the trials reached it. The cells are in the "
-        "summary, times in timing_by_optimiser."
+        "summary, times in timing_by_optimiser. DIRECT knows no chance: one run of it stands for its repetitions, "
+        "and its intervals say nothing."
     )
+    if not SECOND:
+        note += " The second measured fluid is not installed here and was left out: pip install springpot[data]."
     columns = ("optimiser", "trials", "all", *classes(), "evaluations to target")
     return Table("Optimisers by success", columns, rows, note)
 
