@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TypeVar
@@ -81,6 +82,7 @@ def normal_unit(text: str) -> str:
     unit = " ".join(text.translate(_SIGNS).split())
     if (spelt := _SPELLINGS.get(unit.lower())) is not None:
         return spelt
+    unit = re.sub(r"(?<=/)(m|cm|mm|in)2$", r"\1^2", re.sub(r"\bdynes?\b", "dyn", unit))
     over, slash, under = (part.strip() for part in unit.partition("/"))
     over = over.replace("Nm", "N m") if over in ("Nm", "mNm", "uNm", "kNm", "Nmm") else over
     if not slash and over.endswith("^-1") and " " in over:

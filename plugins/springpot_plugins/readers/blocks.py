@@ -92,6 +92,7 @@ def is_dynamic(roles: set[str]) -> bool:
     modulus = {"storage", "loss"} <= roles or (
         bool(roles & {"storage", "magnitude", "viscosity"}) and bool(roles & {"phase", "loss_factor"})
     )
+    modulus |= {"storage", "damping"} <= roles
     modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
     modulus |= {"storage_compliance", "loss_compliance"} <= roles
     return modulus and bool(roles & FREQUENCIES)

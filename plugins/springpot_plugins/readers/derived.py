@@ -11,7 +11,7 @@ from springpot.measurement import known_unit
 from springpot.rheology import Real
 
 from .table import Column
-from .titles import COMPLIANCE_UNITS, UNITS, VISCOSITY_UNITS
+from .titles import COMPLIANCE_UNITS, DAMPING_UNITS, UNITS, VISCOSITY_UNITS
 
 VISCOSITIES = ("dynamic_viscosity", "out_of_phase_viscosity")
 COMPLIANCES = ("storage_compliance", "loss_compliance")
@@ -20,7 +20,8 @@ COMPLIANCES = ("storage_compliance", "loss_compliance")
 def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     """The columns, with storage and loss, or a magnitude, in Pa for what is no modulus.
 
-    |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'').
+    |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'');
+    K'' = omega c for a damping coefficient beside a storage stiffness.
     """
     found = dict(roles)
     if "viscosity" in found:
@@ -30,6 +31,9 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         dynamic, other = (found.pop(role) for role in VISCOSITIES)
         found["loss"] = _column(dynamic, "loss", _omega(found) * _si(dynamic, VISCOSITY_UNITS))
         found["storage"] = _column(other, "storage", _omega(found) * _si(other, VISCOSITY_UNITS))
+    elif "damping" in found and "loss" not in found:
+        column = found.pop("damping")
+        found["loss"] = _column(column, "loss", _omega(found) * _si(column, DAMPING_UNITS), "N/m")
     elif found.keys() >= set(COMPLIANCES):
         elastic, viscous = (found.pop(role) for role in COMPLIANCES)
         # A compliance of zero gives no finite modulus, which the measurement refuses.
@@ -50,6 +54,6 @@ def _si(column: Column, table: dict[str, float]) -> Real:
     return values
 
 
-def _column(like: Column, name: str, values: Real) -> Column:
+def _column(like: Column, name: str, values: Real, unit: str = "Pa") -> Column:
     write: Callable[[float], str] = repr
-    return replace(like, name=name, unit="Pa", cells=list(map(write, values.tolist())), decimal_comma=False)
+    return replace(like, name=name, unit=unit, cells=list(map(write, values.tolist())), decimal_comma=False)

@@ -8,15 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, known_unit
 
 from .blocks import Block, is_dynamic, lacking
+from .cleaning import bare_name, cleaned, is_blank
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
-from .grid import MISSING
 from .names import FREQUENCIES, rank
 from .said import ask_units, told
 from .table import Column
@@ -27,6 +26,7 @@ KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "s
 _PAIRS = (
     ("storage", "loss"),
     *((size, angle) for size in ("magnitude", "storage", "viscosity") for angle in ("phase", "loss_factor")),
+    ("storage", "damping"),
     VISCOSITIES,
     COMPLIANCES,
 )
@@ -34,7 +34,6 @@ _PAIRS = (
 _REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
 """Columns that say once more what the chosen ones say."""
 _MEANT = {*UNITS, "repeat"} - {"time"}
-_WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
 def measurement_from(
@@ -158,7 +157,7 @@ def _measurement(
     _require_units(roles, path)
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
-    roles, others, notes = _cleaned(roles, others, path)
+    roles, others, notes = cleaned(roles, others, path)
     measured = measurement_of(with_moduli(roles), others, block.name or path.stem, dict(provenance), path)
     return replace(measured, provenance={**measured.provenance, **notes})
 
@@ -198,10 +197,10 @@ def _roles(columns: Sequence[Column], path: Path) -> dict[str, Column]:
     """The column of each role: of several, the one whose name is surest."""
     found: dict[str, Column] = {}
     for column in columns:
-        if column.name not in _MEANT or _is_blank(column):
+        if column.name not in _MEANT or is_blank(column):
             continue
         before = found.get(column.name)
-        if before is None or rank(_bare(column)) < rank(_bare(before)):
+        if before is None or rank(bare_name(column)) < rank(bare_name(before)):
             found[column.name] = column
     if "omega" in found and "frequency" in found:
         found.pop("frequency" if found["omega"].unit == "rad/s" else "omega")
@@ -215,16 +214,8 @@ def _roles(columns: Sequence[Column], path: Path) -> dict[str, Column]:
     return found
 
 
-def _bare(column: Column) -> str:
-    return heading(column.title).name
-
-
-def _is_blank(column: Column) -> bool:
-    return all(cell.strip() in MISSING for cell in column.cells)
-
-
 def _is_kept(column: Column, further: bool) -> bool:
-    return bool(column.name) and (further or column.name in KEPT) and not _is_blank(column)
+    return bool(column.name) and (further or column.name in KEPT) and not is_blank(column)
 
 
 def _require_units(roles: Mapping[str, Column], path: Path) -> None:
@@ -243,70 +234,6 @@ def _require_units(roles: Mapping[str, Column], path: Path) -> None:
             known_unit(column.unit, UNITS[role], role)
         except DataError as error:
             raise column.error(f"{error}; say it with '{path}?{role}=UNIT'") from None
-
-
-def _cleaned(
-    roles: dict[str, Column], others: list[Column], path: Path
-) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
-    """Rows in which something was measured, columns that are complete there, and what was left out."""
-    notes: dict[str, str] = {}
-    keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
-    for role, column in roles.items():
-        if role not in (*_WHOLE, "repeat"):
-            _one_style(column)
-            keep &= _present(column)
-    if not keep.any():
-        raise DataError(f"{path}: no row has a number for {', '.join(c.title for c in roles.values())}")
-    if not keep.all():
-        notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
-    roles = {role: _rows(column, keep) for role, column in roles.items()}
-    for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
-        if not _present(roles[role]).all():
-            notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
-            del roles[role]
-    if ("storage_sd" in roles) != ("loss_sd" in roles):
-        roles.pop("storage_sd", roles.pop("loss_sd", None))
-    return roles, _named_apart([_rows(column, keep) for column in others]), notes
-
-
-def _present(column: Column) -> NDArray[np.bool_]:
-    return np.fromiter((cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells))
-
-
-def _one_style(column: Column) -> None:
-    """Numbers with commas and numbers with points in one column can be read in two ways."""
-    commas = next((cell for cell in column.cells if "," in cell), None)
-    points = next((cell for cell in column.cells if "." in cell), None)
-    if commas is not None and points is not None:
-        raise column.error(
-            f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one decimal sign"
-        )
-
-
-def _rows(column: Column, keep: NDArray[np.bool_]) -> Column:
-    if keep.all():
-        cells: Sequence[str] = column.cells
-        lines = column.lines
-    else:
-        places = np.flatnonzero(keep).tolist()
-        cells = [column.cells[i] for i in places]
-        lines = [column.lines[i] for i in places]
-    if any(cell in MISSING for cell in cells):
-        cells = ["" if cell.strip() in MISSING else cell for cell in cells]
-    return replace(column, cells=cells, lines=lines)
-
-
-def _named_apart(columns: list[Column]) -> list[Column]:
-    """Further columns, each with a name of its own: of two that mean alike, the second keeps the file's words."""
-    made: dict[str, Column] = {}
-    for column in columns:
-        words = re.sub(r"[\W_]+", "_", _bare(column).lower()).strip("_")
-        stem = words if column.name in made and words else column.name
-        name, number = stem, 2
-        while name in made:
-            name, number = f"{stem}_{number}", number + 1
-        made[name] = replace(column, name=name)
-    return list(made.values())
 
 
 def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:

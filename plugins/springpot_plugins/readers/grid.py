@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -23,6 +23,9 @@ MISSING = frozenset(
 SEPARATORS = (";", "\t", ",", "|", " ")
 COMMENT = ("#", "%", "//", "!")
 _SAMPLED = 300
+_OPEN = re.compile(r'(?:^|[;,\t|])\s*"[^"]*$')
+"""A last cell whose quote is not closed."""
+_MOST_JOINED = 3
 _HEAD = 1 << 15
 _LONG = 20_000
 _MOST = 10_000_000
@@ -100,6 +103,21 @@ def split_line(line: str, separator: str) -> list[str]:
     return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [""])
 
 
+def closed(lines: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
+    """The lines, where a quoted cell that goes on in the next lines is one line of words."""
+    found: list[tuple[int, str]] = []
+    joining = 0
+    for number, line in lines:
+        if joining:
+            first, begun = found[-1]
+            found[-1] = (first, f"{begun} {line}")
+            joining = joining - 1 if found[-1][1].count('"') % 2 else 0
+        else:
+            found.append((number, line))
+            joining = _MOST_JOINED if '"' in line and _OPEN.search(line) and line.count('"') % 2 else 0
+    return found
+
+
 def grid_of(text: str, path: Path) -> Grid:
     """All lines that hold anything, as rows of cells.
 
@@ -113,7 +131,7 @@ def grid_of(text: str, path: Path) -> Grid:
         raise DataError(f"{path}: more than {_MOST} lines; 'springpot signals' reads time signals of any length")
     if lines and re.fullmatch(r"\ufeff?sep=.", lines[0].strip()):
         lines[0] = ""
-    filled = [(i, line) for i, line in enumerate(lines, 1) if line and not line.isspace()]
+    filled = closed((i, line) for i, line in enumerate(lines, 1) if line and not line.isspace())
     if not filled:
         raise DataError(f"{path}: the file holds no table")
     separator = separator_in([line for _, line in filled])
@@ -123,7 +141,8 @@ def grid_of(text: str, path: Path) -> Grid:
 
 def head_grid(text: str, most: int = 400) -> Grid:
     """The first lines of a file as rows, for its recognition; never an error."""
-    filled = [line for line in islice(lines_of(text[:_HEAD]), most) if line and not line.isspace()]
+    numbered = enumerate(islice(lines_of(text[:_HEAD]), most))
+    filled = [line for _, line in closed((i, line) for i, line in numbered if line and not line.isspace())]
     if len(filled) > 1 and len(text) >= _HEAD:
         # The last line may be cut off.
         filled = filled[:-1]

@@ -37,7 +37,15 @@ NAMES: dict[str, tuple[str, ...]] = {
             "kp",
         ),
         *("e'", "ep", "eprime", "estor", "estorage", "gstor", "gstorage", "storageyoungsmodulus", "reg*", "re(g*)"),
-        *("tensilestoragemodulus", "storageyoung'smodulus", "storagetensilemodulus", "kprime", "storagemodul"),
+        *(
+            "tensilestoragemodulus",
+            "storageyoung'smodulus",
+            "storagetensilemodulus",
+            "kprime",
+            "storagemodul",
+            "stormod",
+        ),
+        *("storagemod", "re(k)", "re(k*)", "rek*", "re(g)", "re(e)", "re(e*)", "kstorage", "kstor", "storagek"),
         *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
         *("moduledecisaillementdestockage", "moduledestockageencisaillement"),
         *("speichermodul", "speicherschubmodul", "schubspeichermodul", "speichersteifigkeit"),
@@ -57,6 +65,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "lossmodul",
             "viscousmodulusg''",
         ),
+        *("lossmod", "im(k)", "im(k*)", "imk*", "im(g)", "im(e)", "im(e*)", "kloss", "lossk"),
         *("moduledeperte", "moduledepertes", "moduleperte", "moduledissipatif", "modulevisqueux"),
         *("moduledeperteencisaillement", "verlustmodul", "verlustschubmodul", "schubverlustmodul"),
         *("verluststeifigkeit", "modulodeperdida", "modulodeperdidas", "moduloviscoso", "perdida"),
@@ -92,6 +101,11 @@ NAMES: dict[str, tuple[str, ...]] = {
     "out_of_phase_viscosity": ("η''", "eta''", "etadoubleprime", "outofphaseviscosity", "outofphasecomplexviscosity"),
     "storage_compliance": ("j'", "jprime", "storagecompliance", "d'", "speichernachgiebigkeit"),
     "loss_compliance": ("j''", "jdoubleprime", "losscompliance", "d''", "verlustnachgiebigkeit"),
+    "damping": (
+        *("dampingcoefficient", "dampingconstant", "viscousdamping", "equivalentdamping", "equivalentviscousdamping"),
+        *("ceq", "cdyn", "dampfungskoeffizient", "dampfungskonstante", "coefficientdamortissement"),
+        *("coeficientedeamortiguamiento", "coefficientedismorzamento"),
+    ),
     "storage_sd": (
         *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
         *("storageerror", "g'sd", "g'std", "gpsd", "gpstd", "storagestandarddeviation", "sdstorage"),
@@ -101,12 +115,23 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("g''sd", "g''std", "gppsd", "gppstd", "lossstandarddeviation", "sdloss"),
     ),
     "temperature": (
-        *("temperature", "temp", "sampletemperature", "temperatur", "probentemperatur", "temperatura", "teta"),
+        *("temperature", "temp", "sampletemperature", "temperatur", "probentemperatur", "temperatura", "teta", "ϑ"),
         *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
     ),
     "amplitude": (
         *("oscillationstrain", "strainamplitude", "shearstrainamplitude", "complexshearstrain", "shearstrainamp"),
-        *("strainamp", "amplitude", "displacementamplitude", "dispamplitude", "dispamp", "displacementamp"),
+        *(
+            "strainamp",
+            "amplitude",
+            "amp",
+            "x0",
+            "dynamicamplitude",
+            "dynamicdisplacement",
+            "displacementamplitude",
+            "dispamplitude",
+            "dispamp",
+            "displacementamp",
+        ),
         *("dynamicstrain", "shearstrain", "strain", "γ0", "gamma0", "γ", "gamma", "%strain", "strainγ"),
         *("amplitudededeformation", "deformationdecisaillement", "deformation", "scherdeformation"),
         *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
@@ -130,7 +155,9 @@ NAMES: dict[str, tuple[str, ...]] = {
 }
 NAMES = {role: (*names, *LANGUAGES.get(role, ())) for role, names in NAMES.items()}
 FREQUENCIES = frozenset({"omega", "frequency"})
-MODULI = frozenset({"storage", "loss", "magnitude", "viscosity", "dynamic_viscosity", "storage_compliance"})
+MODULI = frozenset(
+    {"storage", "loss", "magnitude", "viscosity", "dynamic_viscosity", "storage_compliance", "damping"}
+)
 ROLES = frozenset(NAMES) - {"shift", "relaxation", "flow"}
 """What a user may say that a column is."""
 

@@ -24,6 +24,12 @@ from .names import role_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
 COMPLIANCE_UNITS = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
+DAMPING_UNITS = {
+    f"{force}{space}s/{length}": newton / metre
+    for force, newton in FORCE_UNITS.items()
+    for length, metre in LENGTH_UNITS.items()
+    for space in (" ", "")
+}
 UNITS: dict[str, dict[str, float]] = {
     "omega": FREQUENCY_UNITS,
     "frequency": FREQUENCY_UNITS,
@@ -35,6 +41,7 @@ UNITS: dict[str, dict[str, float]] = {
     "viscosity": VISCOSITY_UNITS,
     "dynamic_viscosity": VISCOSITY_UNITS,
     "out_of_phase_viscosity": VISCOSITY_UNITS,
+    "damping": DAMPING_UNITS,
     "storage_compliance": COMPLIANCE_UNITS,
     "loss_compliance": COMPLIANCE_UNITS,
     "phase": ANGLE_UNITS,
@@ -53,6 +60,7 @@ USUAL = {
     "viscosity": "Pa s",
     "dynamic_viscosity": "Pa s",
     "out_of_phase_viscosity": "Pa s",
+    "damping": "N s/mm",
     "storage_compliance": "1/Pa",
     "loss_compliance": "1/Pa",
     "phase": "deg",

@@ -1,0 +1,105 @@
+"""What is left of columns that a file gives: rows in which something was measured, numbers in one style."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+
+from .grid import MISSING
+from .table import Column
+from .titles import heading
+
+_THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
+_POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
+_WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
+
+
+def cleaned(
+    roles: dict[str, Column], others: list[Column], path: Path
+) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
+    """Rows in which something was measured, columns that are complete there, and what was left out."""
+    notes: dict[str, str] = {}
+    keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
+    for role, column in roles.items():
+        if role not in (*_WHOLE, "repeat"):
+            column = roles[role] = _without_thousands(column)
+            _one_style(column)
+            keep &= _present(column)
+    if not keep.any():
+        raise DataError(f"{path}: no row has a number for {', '.join(c.title for c in roles.values())}")
+    if not keep.all():
+        notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
+    roles = {role: _rows(column, keep) for role, column in roles.items()}
+    for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
+        if not _present(roles[role]).all():
+            notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
+            del roles[role]
+    if ("storage_sd" in roles) != ("loss_sd" in roles):
+        roles.pop("storage_sd", roles.pop("loss_sd", None))
+    return roles, _named_apart([_rows(column, keep) for column in others]), notes
+
+
+def _present(column: Column) -> NDArray[np.bool_]:
+    return np.fromiter((cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells))
+
+
+def _without_thousands(column: Column) -> Column:
+    """Numbers such as 1,234.5, where all commas are plainly those of thousands, without them; or 1.234,5."""
+    for sign, pattern in ((",", _THOUSANDS), (".", _POINTS)):
+        marked = [cell for cell in column.cells if sign in cell]
+        if marked and any({",", "."} <= set(cell) for cell in marked) and all(map(pattern.match, marked)):
+            return replace(column, cells=[cell.replace(sign, "") for cell in column.cells])
+    return column
+
+
+def _one_style(column: Column) -> None:
+    """Numbers with commas and numbers with points in one column can be read in two ways."""
+    commas = next((cell for cell in column.cells if "," in cell), None)
+    points = next((cell for cell in column.cells if "." in cell), None)
+    if commas is not None and points is not None:
+        raise column.error(
+            f"'{commas.strip():.20}' and '{points.strip():.20}' have comma and point; write one decimal sign"
+        )
+
+
+def _rows(column: Column, keep: NDArray[np.bool_]) -> Column:
+    if keep.all():
+        cells: Sequence[str] = column.cells
+        lines = column.lines
+    else:
+        places = np.flatnonzero(keep).tolist()
+        cells = [column.cells[i] for i in places]
+        lines = [column.lines[i] for i in places]
+    if any(cell in MISSING for cell in cells):
+        cells = ["" if cell.strip() in MISSING else cell for cell in cells]
+    return replace(column, cells=cells, lines=lines)
+
+
+def _named_apart(columns: list[Column]) -> list[Column]:
+    """Further columns, each with a name of its own: of two that mean alike, the second keeps the file's words."""
+    made: dict[str, Column] = {}
+    for column in columns:
+        words = re.sub(r"[\W_]+", "_", bare_name(column).lower()).strip("_")
+        stem = words if column.name in made and words else column.name
+        name, number = stem, 2
+        while name in made:
+            name, number = f"{stem}_{number}", number + 1
+        made[name] = replace(column, name=name)
+    return list(made.values())
+
+
+def is_blank(column: Column) -> bool:
+    """Whether a column holds nothing."""
+    return all(cell.strip() in MISSING for cell in column.cells)
+
+
+def bare_name(column: Column) -> str:
+    """The name of a column without its unit."""
+    return heading(column.title).name
