@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -12,6 +13,8 @@ from springpot.rheology import Real
 
 BLOCK = 1 << 16
 """Rows worked on at a time."""
+FORGET = 32 * BLOCK
+"""Rows after which the pages of a mapped file are given back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +68,8 @@ class Record:
         """Complete samples with start <= time < stop: times (m,) and the two channels (m, 2), block by block."""
         first, last = np.searchsorted(self.time, [start, stop]).tolist()
         for low in range(first, last, BLOCK):
+            if (low - first) % FORGET == 0:
+                forget(self.time, self.displacement, self.force)
             rows = slice(low, min(low + BLOCK, last))
             both = np.column_stack([self.displacement[rows], self.force[rows]])
             good = np.isfinite(both).all(axis=1)
@@ -74,6 +79,14 @@ class Record:
     def span(self) -> float:
         """Duration in seconds."""
         return float(self.time[-1] - self.time[0])
+
+
+def forget(*channels: Real) -> None:
+    """Give back the memory of channels that are mapped from a file; they are read again when they are needed."""
+    for channel in channels:
+        mapping = getattr(channel, "_mmap", None)
+        if mapping is not None and hasattr(mmap, "MADV_DONTNEED"):
+            mapping.madvise(mmap.MADV_DONTNEED)
 
 
 def in_order(time: Real, displacement: Real, force: Real, name: str = "signals") -> Record:
@@ -109,6 +122,8 @@ def _rises(time: Real) -> bool:
     for low in range(0, len(time), BLOCK):
         # One sample of overlap sees a fall at the seam of two blocks.
         block = time[max(low - 1, 0) : low + BLOCK]
+        if low % FORGET == 0:
+            forget(time)
         if not (np.isfinite(block).all() and (np.diff(block) >= 0).all()):
             return False
     return True

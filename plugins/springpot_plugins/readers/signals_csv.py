@@ -17,7 +17,7 @@ from typing import IO
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.measurement import TIME_UNITS, Choice, Measurement, Reader, Signals, measurement_from_signals
 from springpot.rheology import Real
 
 from .blocks import is_dynamic
@@ -63,12 +63,12 @@ def signals(path: Path, choice: Choice) -> Signals:
         layout = layout_of(head_text(head))
         places = places_of(layout.titles, layout.units, choice, path)
         with path.open(encoding=encoding, newline=None) as text:
-            channels = _numbers(text, path, layout, list(places.columns))
+            channels = _numbers(text, path, layout, list(places.columns), TIME_UNITS[places.units[0]])
     except UnicodeDecodeError as error:
         raise DataError(f"{path}: byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from None
-    return signals_from(channels[0], channels[1], channels[2], places.units, path, "text")
+    return signals_from(channels[0], channels[1], channels[2], ("s", *places.units[1:]), path, "text")
 
 
 def read(path: Path, choice: Choice) -> Measurement:
@@ -76,14 +76,16 @@ def read(path: Path, choice: Choice) -> Measurement:
     return measurement_from_signals([signals(path, choice)])
 
 
-def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int]) -> list[Real]:
-    """The three channels, in memory or mapped."""
+def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int], clock: float) -> list[Real]:
+    """The three channels, in memory or mapped; time times `clock` is in seconds."""
     small = path.stat().st_size <= IN_MEMORY
     pieces: list[Real] = []
     with TemporaryFile() as a, TemporaryFile() as b, TemporaryFile() as c:
         rows = 0
         for piece in _pieces(text, path, layout, places):
             rows += len(piece)
+            if clock != 1.0:
+                piece[:, 0] *= clock
             if small:
                 pieces.append(piece)
             else:
