@@ -152,6 +152,8 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice, path:
     DataError
         If a channel or its unit is missing, with what to write.
     """
+    # A binary file may have names of several lines.
+    titles = [" ".join(title.split()) for title in titles]
     layout: dict[str, tuple[int, str | None]] = {}
     ranks: dict[str, int] = {}
     for i, title in enumerate(titles):
