@@ -97,8 +97,9 @@ def _show(result: dict[str, Any]) -> None:
     from springpot.report.numbers import number
     from springpot.report.text import Table
 
-    count = len(result["sweeps"])
-    print(f"{result['data']}: {result['points']} points, {count} {'sweep' if count == 1 else 'sweeps'}\n")
+    count, points = len(result["sweeps"]), result["points"]
+    what = f"{points} {'point' if points == 1 else 'points'}, {count} {'sweep' if count == 1 else 'sweeps'}"
+    print(f"{result['data']}: {what}\n")
     ranges = {key: result[key] for key in ("frequency", "storage", "loss")} | result["conditions"]
     rows = [[name, number(r["from"]), number(r["to"]), r["unit"]] for name, r in ranges.items()]
     Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).show()
