@@ -16,6 +16,12 @@ from .result import Candidate, EffectVerdict, Value, Verdict
 from .scan import Score
 from .search import Search
 
+LIKELY = 0.5
+"""Probability from which an effect of the first class is called missing."""
+BESIDE = 0.9
+"""Probability from which another effect is called missing beside it."""
+CLEAR_EVIDENCE = 6.0
+"""Drop of the information criterion from which something counts as missing."""
 SEEN = 0.05
 """Relative change of K: an effect that would have been seen at this size is called absent."""
 
@@ -31,7 +37,9 @@ def candidates_of(
     for score in found.scan.scores:
         name = score.influence.effect.name
         refit = alone.get(name, best.get(name))
-        word = _effect_verdict(found, score, best.get(name), chances.get(name, 0.0), verdict)
+        least = LIKELY if groups and name in groups[0] else BESIDE
+        missing = verdict == "effect-missing" and chances.get(name, 0.0) > least
+        word = _effect_verdict(found, score, best.get(name), missing)
         rows.append(_candidate(found, score, refit, chances.get(name, 0.0), group_of.get(name, (name,)), word))
     leader = leading(found, probabilities) if chances else ""
     likeliest = max(probabilities.together, key=lambda names: probabilities.together[names], default=())
@@ -64,11 +72,9 @@ def _candidate(
     )
 
 
-def _effect_verdict(
-    found: Search, score: Score, best: Refit | None, probability: float, verdict: Verdict
-) -> EffectVerdict:
+def _effect_verdict(found: Search, score: Score, best: Refit | None, missing: bool) -> EffectVerdict:
     gain = -np.inf if best is None else 2.0 * (best.log_evidence - found.base.log_evidence)
-    if verdict == "effect-missing" and probability > 0.5 and gain >= 6.0:
+    if missing and gain >= CLEAR_EVIDENCE:
         return "missing"
     return "absent" if gain < 0.0 and score.bound < SEEN else "cannot-tell"
 

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.errors import DataError
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
-from .candidates import candidates_of
+from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
-from .floor import fitted_to_floor, sharpened
+from .outliers import Outlier
 from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
-from .result import Diagnosis, Error, NextExperiment, Verdict
-from .search import Search, search
+from .result import Diagnosis, Error, NextExperiment, Verdict, Where
+from .search import Search
+from .settle import settled
 from .validation import validation
-from .where import where
+from .where import periodic, where
 
 LIBRARY_ALARM = 0.01
 """Chance of a false alarm granted to the scan of the library."""
@@ -27,10 +27,6 @@ STRUCTURE_ALARM = 0.008
 """Chance of a false alarm granted to the test for structure of any kind."""
 REPEATS_ALARM = 0.002
 """Chance of a false alarm granted to the test of the repeats' scatter."""
-CLEAR_EVIDENCE = 6.0
-"""Drop of the information criterion from which an effect counts as missing."""
-DECISIVE = 10.0
-"""Drop of the information criterion from which the best model is trusted to tell the noise."""
 BEYOND_DOUBT = 0.002
 """Chance of a false alarm below which something is missing even if the evidence names it weakly."""
 REMAINDER = 0.005
@@ -90,17 +86,12 @@ def examine(measurement: Measurement, model: Model, library: Sequence[Effect], r
     """As `diagnose`, with the fits and scans behind the answer."""
     require_conditions(model, measurement)
     measured, measurement = len(measurement), thinned(measurement)
-    base = fitted_to_floor(model, measurement)
-    if base.fit.dof < 1:
-        raise DataError(
-            f"{measurement.name}: {len(base.fit.measurement)} distinct points cannot judge a model of "
-            f"{len(base.theta)} parameters; measure at more frequencies"
-        )
-    found = search(base, library, rng)
-    if _gain(found) >= DECISIVE and (sharper := sharpened(base, found.best)) is not None:
-        found = search(base := sharper, library, rng)
+    found, outliers = settled(measurement, model, library, rng)
+    base = found.base
     probabilities = posterior(found)
     verdict = _verdict(found, probabilities)
+    if outliers and verdict in ("adequate", "inconclusive"):
+        verdict = "unexplained"
     if verdict == "effect-missing":
         probabilities = probabilities.without_unknown()
     groups = [] if verdict == "adequate" else classes(found, probabilities)
@@ -111,11 +102,11 @@ def examine(measurement: Measurement, model: Model, library: Sequence[Effect], r
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
         says=_sentence(verdict, base.relative_rms / base.floor, groups),
-        where=tuple(where(found.frame)),
+        where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
         next_experiment=_next_experiment(found, probabilities) if groups else None,
-        notes=tuple(_notes(found, measured)),
+        notes=tuple(_notes(found, measured, outliers)),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,
@@ -135,6 +126,15 @@ def thinned(measurement: Measurement) -> Measurement:
     return measurement.subset(np.linspace(0, len(measurement) - 1, MOST_POINTS).round().astype(np.int64))
 
 
+def _places(found: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
+    """Single points first, then bands, then what only a period shows."""
+    yield from (outlier.place for outlier in outliers)
+    bands = where(found.frame)
+    yield from bands
+    if not bands and verdict == "unexplained" and found.structure.parts["ripple"] < STRUCTURE_ALARM:
+        yield periodic(found.frame)
+
+
 def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment | None:
     """What would separate the leading effect from its likeliest rival."""
     if not probabilities.together:
@@ -145,8 +145,12 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
     return next_experiment(best[first], best[others[0]], (first, others[0])) if others else None
 
 
-def _notes(found: Search, measured: int) -> Iterator[str]:
+def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:
     """What else the user should know."""
+    if outliers:
+        places = ", ".join(map(str, outliers))
+        kind = "a single point stands out and was" if len(outliers) == 1 else "single points stand out and were"
+        yield f"{kind} set aside, an outlier or narrow interference: {places}"
     if found.base.noise.doubt:
         yield found.base.noise.doubt
     if measured > MOST_POINTS:

@@ -13,8 +13,9 @@ from scipy.stats import chi2, f, norm, t
 
 from springpot.rheology import Real
 
-from .frame import Frame, orthonormal, sweeps_of
+from .frame import Frame, orthonormal
 from .noise import Source, robust_variance
+from .sweeps import sweeps_of
 
 ALARM = 0.05
 """Chance that any of the tests on a fit without fault gives an alarm."""
@@ -120,10 +121,7 @@ def _parts(frame: Frame) -> Iterator[Finding]:
 
 def _orders(frame: Frame) -> list[NDArray[np.int64]]:
     """Rows of each sweep that is long enough, along frequency."""
-    omega = frame.measurement.omega
-    return [
-        rows[np.argsort(omega[rows], kind="stable")] for rows in sweeps_of(frame.measurement) if len(rows) >= FEWEST
-    ]
+    return [sweep.rows for sweep in sweeps_of(frame.measurement) if len(sweep.rows) >= FEWEST]
 
 
 def _runs(frame: Frame) -> Iterator[Finding]:

@@ -19,6 +19,7 @@ from .noise import (
     best_shape,
     checked,
     noise_of_repeats,
+    plausible,
     robust_variance,
 )
 from .refit import Refit, refit
@@ -57,6 +58,19 @@ def _given(model: Model, data: Averaged, sd: Complex) -> Refit:
     if noise is first.noise:
         return first
     return refit(model, data, noise, [first.theta], starts=4)
+
+
+def as_given(base: Refit) -> Refit:
+    """The fit in units of the given standard deviations, though they were doubted."""
+    assert base.data.mean.sd is not None, "only what was given can be doubted"
+    return refit(base.model, base.data, Noise(base.data.mean.sd, inf, "given"), [base.theta], starts=8)
+
+
+def borne_out(best: Refit) -> bool:
+    """Whether the scatter about a good model is as large as its noise says."""
+    frame = best.frame()
+    dof = max(frame.rough_dof, 1)
+    return robust_variance(frame.rough, dof, frame.measurement.omega) < plausible(dof)[1]
 
 
 def _estimated(model: Model, data: Averaged) -> Refit:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -13,8 +12,7 @@ from springpot.identification import weighted
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
-SMOOTH_DEGREE = 5
-"""Highest degree of the slow polynomials in ln omega that count as structure rather than as noise."""
+from .sweeps import slow_shapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +75,7 @@ class Frame:
     def smooth(self) -> Real:
         """Orthonormal basis of slow structure that the parameters cannot follow, shape (2n, q).
 
-        Polynomials in ln omega for each sweep, in magnitude and in phase: what a missing effect looks like,
+        Polynomials along each sweep, in magnitude and in phase: what a missing effect looks like,
         whichever it is.
         """
         shapes = slow_shapes(self.measurement)
@@ -103,28 +101,3 @@ def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
         return np.zeros((len(columns), 0))
     u, s, _ = np.linalg.svd(columns, full_matrices=False)
     return u[:, s > tolerance * s[0]]
-
-
-def slow_shapes(measurement: Measurement) -> Real:
-    """Legendre polynomials in ln omega of each sweep, shape (m, n), zero outside their sweep."""
-    shapes: list[Real] = []
-    log_omega = np.log(measurement.omega)
-    for rows in sweeps_of(measurement):
-        points = len(np.unique(log_omega[rows]))
-        degree = min(SMOOTH_DEGREE, max(0, points // 3 - 1))
-        x = log_omega[rows]
-        span = float(x.max() - x.min())
-        x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))
-        for polynomial in np.polynomial.legendre.legvander(x, degree).T:
-            shape = np.zeros(len(measurement))
-            shape[rows] = polynomial
-            shapes.append(shape)
-    return np.array(shapes)
-
-
-def sweeps_of(measurement: Measurement) -> Sequence[np.ndarray[tuple[int], np.dtype[np.int64]]]:
-    """Rows of each sweep; if conditions differ from row to row, all rows are one sweep."""
-    sweeps = [rows for _, rows in measurement.sweeps()]
-    if len(sweeps) > max(1, len(measurement) // 3):
-        return [np.arange(len(measurement))]
-    return sweeps

@@ -137,6 +137,9 @@ def discover(
         predicted = _predicted(case, effect)
         previous, case = case, examine(measurement, case.found.base.model + effect, library, rng)
         steps.append(replace(_step(case, effect.name, predicted, previous), alike=_alike(previous, effect)))
+    if accept is None:
+        steps = _explained(steps)
+        case = steps[-1].case
     if accept is None and len(steps) > 2:
         case, steps = _pruned(measurement, case, steps, library, rng)
     return Ladder(measurement.name, tuple(steps), case.diagnosis.verdict, case.diagnosis)
@@ -153,6 +156,18 @@ def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
         return None
     best = diagnosis.candidates[0]
     return next(effect for effect in library if effect.name == best.effect)
+
+
+def _explained(steps: list[Step]) -> list[Step]:
+    """The rungs up to the first that no effect explains, unless those after it led to a model that is complete.
+
+    Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
+    have only been fitted to what is no effect of the library.
+    """
+    if steps[-1].case.diagnosis.verdict != "unexplained":
+        return steps
+    verdicts = [step.case.diagnosis.verdict for step in steps]
+    return steps[: verdicts.index("unexplained") + 1]
 
 
 def _predicted(case: Case, effect: Effect) -> float | None:

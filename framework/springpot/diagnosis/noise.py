@@ -22,6 +22,9 @@ DOUBT = 1e-4
 """Chance below which given standard deviations are held to be misstated."""
 OUTLYING = 2e-4
 """Chance below which the scatter at one frequency is held to be no noise."""
+UNUSUAL = 10.0
+"""Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
+some shape fits chance best, and structure is then seen where there is none."""
 ENOUGH_REPEATS = 8
 """Degrees of freedom below which the scatter of repeats says too little about the noise."""
 
@@ -46,6 +49,11 @@ class Noise:
     dof: float
     source: Source
     doubt: str = ""
+
+    @property
+    def overruled(self) -> bool:
+        """Whether other standard deviations were given."""
+        return self.source == "estimated" and bool(self.doubt)
 
     @property
     def weights(self) -> Complex:
@@ -122,7 +130,9 @@ def shapes_of(measurement: Measurement) -> Iterator[Shape]:
 
 def best_shape(measurement: Measurement, scatter: Scatter) -> Complex:
     """Standard deviations (n,) of the shape that the scatter favours."""
-    return min((shape.fit(scatter) for shape in shapes_of(measurement)), key=lambda fit: fit[0])[1]
+    usual, *others = (shape.fit(scatter) for shape in shapes_of(measurement))
+    other = min(others, key=lambda fit: fit[0])
+    return usual[1] if other[0] > usual[0] - UNUSUAL else other[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +249,7 @@ def checked(noise: Noise, rough: Real, rough_dof: int, omega: Real) -> Noise:
     if rough_dof < 10:
         return noise
     ratio = robust_variance(rough, rough_dof, omega)
-    low, high = chi2.ppf([DOUBT / 2, 1 - DOUBT / 2], rough_dof) / rough_dof
+    low, high = plausible(rough_dof)
     if low < ratio < high:
         return noise
     factor = float(np.sqrt(ratio))
@@ -254,6 +264,12 @@ def checked(noise: Noise, rough: Real, rough_dof: int, omega: Real) -> Noise:
         "the scatter is used instead"
     )
     return replace(noise.scaled(factor), dof=float(rough_dof), source="estimated", doubt=doubt)
+
+
+def plausible(dof: int) -> tuple[float, float]:
+    """Least and largest variance of whitened scatter that standard deviations of the right size leave."""
+    low, high = chi2.ppf([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
+    return float(low), float(high)
 
 
 def robust_variance(rough: Real, dof: int, omega: Real) -> float:

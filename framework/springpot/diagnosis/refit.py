@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification import Fit, Objective, fit, weighted
+from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
 from .frame import Frame
@@ -86,6 +87,13 @@ class Refit:
         by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
         free = by_theta[self._free(by_theta, response.value)]
         return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof)
+
+    def frame_of(self, measurement: Measurement) -> Frame:
+        """The fit beside other data under the same conditions; their noise is that of the point of nearest |K|."""
+        nearest = np.argmin(np.abs(np.subtract.outer(measurement.magnitude, self.fit.measurement.magnitude)), axis=1)
+        stiffness = self.model.stiffness(self.theta, measurement.points)
+        nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
+        return Frame(measurement, stiffness, self.noise.weights[nearest], nothing)
 
     def _free(self, by_theta: Complex, value: Complex) -> NDArray[np.bool_]:
         """Which parameters can follow a residual: not those at a bound beyond which the fit would improve.

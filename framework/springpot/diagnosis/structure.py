@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
-from .frame import Frame, orthonormal, slow_shapes, sweeps_of
+from .frame import Frame, orthonormal
 from .noise import Averaged
+from .sweeps import slow_shapes, sweeps_of
 
 DRAWS = 2000
 FEWEST_REPEATS = 8
@@ -110,8 +111,9 @@ def _statistics(frame: Frame, sample: Real) -> dict[str, Real]:
         "slow": np.sum((sample @ frame.smooth) ** 2, axis=1),
         "common": np.sum((sample @ _common(frame)) ** 2, axis=1),
         "runs": _runs(frame, sample, _along_frequency(frame)),
+        "ripple": _ripple(frame, sample),
         "order": _runs(frame, sample, [np.arange(len(frame.measurement))]),
-        "one frequency": np.max(np.abs(sample @ _local(frame)), axis=1),
+        "one frequency": np.max(np.abs(sample @ _local(frame)), axis=1, initial=0.0),
         "single points": np.max(np.abs(sample), axis=1),
     }
     if frame.scale_dof == inf:
@@ -145,9 +147,30 @@ def _local(frame: Frame) -> Real:
     return narrow
 
 
+def _ripple(frame: Frame, sample: Real) -> Real:
+    """Largest power of a periodic residual along the sweeps, of one period in all of them."""
+    return np.asarray(spectrum(frame, sample).max(axis=1), dtype=np.float64)
+
+
+def spectrum(frame: Frame, sample: Real) -> Real:
+    """Power of whitened residuals (m, 2n) along the sweeps, all of them and both parts together.
+
+    Returns
+    -------
+    ndarray, shape (m, k)
+        At periods of infinity, 2 (k - 1), 2 (k - 1) / 2, ..., 2 points.
+    """
+    n, orders = len(frame.measurement), _along_frequency(frame)
+    length = 2 * max(len(rows) for rows in orders)
+    power: Real = np.zeros((len(sample), length // 2 + 1))
+    for rows in orders:
+        for offset in (0, n):
+            power += np.abs(np.fft.rfft(sample[:, rows + offset], length)) ** 2
+    return power
+
+
 def _along_frequency(frame: Frame) -> list[NDArray[np.int64]]:
-    omega = frame.measurement.omega
-    return [rows[np.argsort(omega[rows], kind="stable")] for rows in sweeps_of(frame.measurement)]
+    return [sweep.rows for sweep in sweeps_of(frame.measurement)]
 
 
 def _runs(frame: Frame, sample: Real, orders: list[NDArray[np.int64]]) -> Real:

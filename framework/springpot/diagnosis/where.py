@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
-from .frame import Frame, sweeps_of
+from .frame import Frame
 from .result import Where
+from .structure import spectrum
+from .sweeps import sweeps_of
 
 TELLING = 4.0
 """Standard deviations by which the mean of a band must be off to be mentioned."""
@@ -63,6 +65,27 @@ def where(frame: Frame) -> list[Where]:
     found = [place for part in _parts(frame) for place in _places(frame, part)]
     found.sort(key=lambda place: -abs(place.size))
     return found
+
+
+def periodic(frame: Frame) -> Where:
+    """A misfit that swings along the sweeps, whose mean over any band is nothing.
+
+    Parameters
+    ----------
+    frame : Frame
+        A fit whose residual has this kind of structure.
+    """
+    power = spectrum(frame, frame.rest[None])[0]
+    period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
+    longest = max(sweeps_of(frame.measurement), key=lambda sweep: len(sweep.rows))
+    step = float(np.ptp(longest.x)) / max(len(longest.rows) - 1, 1) / np.log(10.0)
+    frequency = frame.measurement.frequency
+    relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
+    size = float(np.sqrt(2.0 * np.mean(relative**2)))
+    length = f" ({period * step:.2g} decades)" if np.ptp(frequency) > 0 else ""
+    says = f"the misfit swings by about {100 * size:.2g} % of |K| with a period of {period:.2g} points{length}"
+    low, high = float(frequency.min()), float(frequency.max())
+    return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 
 
 def _parts(frame: Frame) -> Iterator[_Part]:

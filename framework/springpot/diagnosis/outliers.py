@@ -1,0 +1,133 @@
+"""Single points that stand out: no effect may be inferred from them, and none may hide behind them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from springpot.measurement import Measurement
+
+from .frame import Frame
+from .noise import robust_variance
+from .result import Where
+from .search import Search
+
+RARE = 1e-4
+"""Chance that the largest of all points is held to stand out where all is noise."""
+MOST = 0.05
+"""Share of the points that may stand out; more are no outliers but structure."""
+FEWEST_POINTS = 12
+LEAST_LEFT = 0.1
+"""A point of which less than this share is free of the fitted curves says nothing by itself."""
+PRICE = 5.0
+"""Log-odds against a point being an outlier, beside the one in n for which point it is."""
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A point that stands out from its neighbours.
+
+    Attributes
+    ----------
+    frequency : float
+        Where it is, in Hz.
+    size : float
+        By how many standard deviations it is off.
+    relative : complex
+        By how much it is off, over |K|.
+    """
+
+    frequency: float
+    size: float
+    relative: complex
+
+    @property
+    def place(self) -> Where:
+        """As a place at which the model fails."""
+        says = f"a single point at {self.frequency:.3g} Hz stands out by {self.size:.2g} sd"
+        return Where("stiffness", "single point", self.frequency, self.frequency, abs(self.relative), says)
+
+    def __str__(self) -> str:
+        return f"{self.frequency:.3g} Hz ({100 * abs(self.relative):.2g} % of |K|, {self.size:.2g} sd)"
+
+
+def outlying(frame: Frame) -> NDArray[np.int64]:
+    """Rows that neither the model nor slow structure nor noise explains; none where there are too many.
+
+    The largest is taken out first and the rest judged anew, since one bad point drags the curve from its neighbours.
+
+    Parameters
+    ----------
+    frame : Frame
+        A fit.
+    """
+    n = len(frame.measurement)
+    most = max(2, int(MOST * n))
+    if n < FEWEST_POINTS:
+        return np.zeros(0, dtype=np.int64)
+    followed = np.concatenate([frame.absorbed, frame.smooth], axis=1)
+    found: list[int] = []
+    while len(found) <= most:
+        rows = np.array([row for row in range(n) if row not in found])
+        worst, chance = _worst(frame, followed, rows)
+        if chance > RARE / n:
+            return np.array(sorted(found), dtype=np.int64)
+        found.append(worst)
+    return np.zeros(0, dtype=np.int64)
+
+
+def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]) -> tuple[int, float]:
+    """The row that stands out most from a fit to these rows alone, and the chance that noise does so at a row."""
+    n = len(frame.measurement)
+    both = np.concatenate([rows, rows + n])
+    basis, _ = np.linalg.qr(followed[both])
+    left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
+    free = 1.0 - np.sum(basis**2, axis=1)
+    dof = max(len(both) - basis.shape[1], 1)
+    variance = robust_variance(left, dof, frame.measurement.omega[rows])
+    scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0).reshape(2, -1).sum(axis=0)
+    worst = int(np.argmax(scaled))
+    return int(rows[worst]), float(chi2.sf(scaled[worst] / variance, 2))
+
+
+def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:
+    """What is to be told of rows that stand out from a fit."""
+    n = len(frame.measurement)
+    off = frame.measurement.stiffness - frame.model_stiffness
+    size = np.hypot(frame.residual[:n], frame.residual[n:])
+    return [
+        Outlier(
+            float(frame.measurement.frequency[row]),
+            float(size[row]),
+            complex(off[row] / frame.measurement.magnitude[row]),
+        )
+        for row in rows
+    ]
+
+
+def without(measurement: Measurement, rows: NDArray[np.int64]) -> Measurement:
+    """The measurement without these rows."""
+    kept = measurement.subset(np.setdiff1d(np.arange(len(measurement)), rows))
+    return replace(kept, name=measurement.name)
+
+
+def are_outliers(found: Search, reduced: Search, count: int) -> bool:
+    """Whether bad points explain more than the best effect that was found with them.
+
+    Parameters
+    ----------
+    found, reduced : Search
+        With and without the points.
+    count : int
+        How many they are.
+    """
+    size = 2 * len(found.base.fit.measurement)
+    # Both in units of the noise of the data without the points: an estimate that holds them cannot judge them.
+    weights = reduced.base.noise.weights
+    scale = np.median(np.abs(weights)) / np.median(np.abs(found.base.noise.weights))
+    gain = scale**2 * found.best.rss - reduced.best.rss
+    spent = len(found.best.theta) - len(reduced.best.theta)
+    return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + PRICE))
