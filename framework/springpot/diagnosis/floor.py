@@ -108,7 +108,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     if base.noise.source != "estimated" or dof < FEWEST:
         return None
     noise = _of_residual(best, frame.rest, dof)
-    if base.data.floor(noise) > SHARPER * base.floor:
+    if base.data.floor(noise) > SHARPER * base.data.floor(base.noise):
         return None
     return refit(base.model, base.data, noise, [base.theta], starts=8)
 

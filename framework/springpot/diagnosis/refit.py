@@ -76,8 +76,9 @@ class Refit:
 
     @property
     def floor(self) -> float:
-        """The relative error that noise alone leaves."""
-        return self.data.floor(self.noise)
+        """The relative error that noise alone leaves, less what the fitted parameters follow of it."""
+        followed = 2 * len(self.fit.measurement) - max(self.fit.dof, 1)
+        return self.data.floor(self.noise) * float(np.sqrt(1.0 - followed / (2 * len(self.data.raw))))
 
     def frame(self) -> Frame:
         """The linear geometry at this fit."""
