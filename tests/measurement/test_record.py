@@ -25,7 +25,8 @@ def test_a_mapped_record_needs_no_more_memory_than_a_few_blocks(tmp_path, monkey
     rows = 40 * BLOCK
     for name in "txf":
         np.arange(rows, dtype=float).tofile(tmp_path / name)
-    channels = [np.memmap(tmp_path / name, dtype=float, mode="r") for name in "txf"]
+    # As arrays of numpy's own class, which is how they come from the evaluation.
+    channels = [np.asarray(np.memmap(tmp_path / name, dtype=float, mode="r")) for name in "txf"]
     long = Record(*channels, name="long")
     before, peak, total = mapped_memory(), 0, 0.0
     for time, both in long.blocks():

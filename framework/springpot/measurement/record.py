@@ -84,9 +84,11 @@ class Record:
 def forget(*channels: Real) -> None:
     """Give back the memory of channels that are mapped from a file; they are read again when they are needed."""
     for channel in channels:
-        mapping = getattr(channel, "_mmap", None)
-        if mapping is not None and hasattr(mmap, "MADV_DONTNEED"):
-            mapping.madvise(mmap.MADV_DONTNEED)
+        below: object = channel
+        while isinstance(below, np.ndarray):
+            below = below.base
+        if isinstance(below, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+            below.madvise(mmap.MADV_DONTNEED)
 
 
 def in_order(time: Real, displacement: Real, force: Real, name: str = "signals") -> Record:
