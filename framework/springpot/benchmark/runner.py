@@ -148,6 +148,7 @@ def provenance() -> dict[str, str]:
             facts[name] = version(name)
         except PackageNotFoundError:
             continue
-    facts["command"] = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
+    # As a module, ``python -m springpot.cli``, the program is a file of another name.
+    facts["command"] = shlex.join([Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]])
     facts["started"] = datetime.now(UTC).isoformat(timespec="seconds")
     return facts

@@ -183,7 +183,7 @@ def _reached(success: Interval | None, running_time: float) -> str:
 def _as_good(alike: Sequence[str]) -> str:
     if not alike:
         return "alone"
-    more = f" + {len(alike) - NAMED}" if len(alike) > NAMED else ""
+    more = f" +\u00a0{len(alike) - NAMED}" if len(alike) > NAMED else ""
     return f"as good: {', '.join(alike[:NAMED])}{more}"
 
 
