@@ -15,6 +15,7 @@ from .blocks import Block, blocks_of
 from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import Grid
+from .stated import with_stated
 
 _LIMIT = 400_000_000
 """Bytes that a workbook may hold once it is unpacked."""
@@ -59,7 +60,7 @@ def _blocks(path: Path) -> list[Block]:
         # Broken workbooks fail within openpyxl in many ways.
         reason = (str(error).splitlines() or [""])[0]
         raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
-    return [block for title, grid in sheets for block in _named(title, blocks_of(grid, path)[0])]
+    return [block for title, grid in sheets for block in _named(title, with_stated(blocks_of(grid, path)[0]))]
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:

@@ -18,6 +18,7 @@ from .facts import facts_of, pairs_in
 from .grid import COMMENT, Grid, grid_of, head_grid, is_number
 from .names import FREQUENCIES, MODULI
 from .said import ask_columns, numbered
+from .stated import with_stated
 from .text import head_text, text_of
 
 
@@ -56,7 +57,7 @@ def read(path: Path, choice: Choice) -> Measurement:
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
     blocks, _ = blocks_of(grid_of(text_of(path), path), path)
-    return parts_from(blocks)
+    return parts_from(with_stated(blocks))
 
 
 def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
@@ -67,7 +68,7 @@ def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[t
     if rest:
         shown = " ".join(rest[0])
         raise DataError(f"{path}: '{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
-    return blocks, pairs_in([row for block in blocks for row in block.above])
+    return with_stated(blocks), pairs_in([row for block in blocks for row in block.above])
 
 
 def _without_names(grid: Grid, path: Path, choice: Choice) -> Block:

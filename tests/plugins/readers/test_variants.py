@@ -207,6 +207,34 @@ def test_tables_as_programs_write_them(folder, case):
     assert found.units.stiffness in {1: ("Pa",), 1e3: ("kPa", "N/mm")}[scale]
 
 
+STATED = {
+    "Test 1, T = 25 °C": ("temperature", 25.0),
+    "# temperature [K]: 298.15": ("temperature", 25.0),
+    "Temperatur: 25,0 °C; Bediener: x": ("temperature", 25.0),
+    "Strain amplitude (%) = 0.5": ("amplitude", 0.5),
+    "Comment, T = 25": (None, 0.0),
+    "Temperature tolerance: 1 °C": (None, 0.0),
+    "sample 3, T = 25 min": (None, 0.0),
+}
+
+
+@pytest.mark.parametrize("line", STATED)
+def test_a_condition_that_a_line_states(folder, line):
+    """With a known unit it is a condition; without one, or of another thing, it is not."""
+    name, value = STATED[line]
+    found = folder.open(f"{line}\nf [Hz];G' [Pa];G'' [Pa]\n1;2;3\n2;3;4\n")
+    assert set(found.conditions) == ({name} if name else set())
+    if name:
+        np.testing.assert_allclose(found.conditions[name], value)
+
+
+def test_an_amplitude_sweep_at_a_stated_frequency(folder):
+    found = folder.open("Frequency: 2 Hz\n\nStrain [%];G' [Pa];G'' [Pa]\n1;2;3\n2;3;4\n")
+    np.testing.assert_allclose(found.frequency, 2.0)
+    both = "T = {} °C\nf [Hz];G' [Pa];G'' [Pa]\n1;2;3\n2;3;4\n\n"
+    assert folder.open(both.format(25) + both.format(35)).conditions["temperature"].tolist() == [25, 25, 35, 35]
+
+
 def test_thousands(folder):
     found = folder.open('f [Hz],"G\' [Pa]","G\'\' [Pa]"\n1,"1,234.5",3.5\n2,"12,345.5","2,000.0"\n')
     np.testing.assert_array_equal(found.stiffness, [1234.5 + 3.5j, 12345.5 + 2000j])
