@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, known_unit
 
@@ -16,6 +14,7 @@ from .blocks import Block, is_dynamic, lacking
 from .cleaning import bare_name, cleaned, is_blank
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
+from .joining import joined
 from .names import FREQUENCIES, rank
 from .said import ask_units, told
 from .table import Column
@@ -234,37 +233,3 @@ def _require_units(roles: Mapping[str, Column], path: Path) -> None:
             known_unit(column.unit, UNITS[role], role)
         except DataError as error:
             raise column.error(f"{error}; say it with '{path}?{role}=UNIT'") from None
-
-
-def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:
-    """Several parts as one measurement, with the label ``step``.
-
-    Raises
-    ------
-    DataError
-        If they come in different units.
-    """
-    units = {part.units.stiffness for part in parts}
-    if len(units) > 1:
-        raise DataError(f"{path}: its parts come in {' and '.join(sorted(units))}; choose one, such as '{path}#1'")
-    amplitude = {part.units.amplitude for part in parts if "amplitude" in part.conditions}
-    common = [key for key in parts[0].conditions if all(key in part.conditions for part in parts)]
-    if len(amplitude) > 1:
-        common = [key for key in common if key != "amplitude"]
-    words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
-    labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
-    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])
-    dropped = sorted({key for part in parts for key in part.conditions} - set(common))
-    notes = {"note parts": note}
-    if dropped:
-        notes["note columns"] = f"not in every part, left out: {', '.join(dropped)}"
-    first = next((part for part in parts if part.units.amplitude in amplitude), parts[0])
-    return Measurement(
-        omega=np.concatenate([part.omega for part in parts]),
-        stiffness=np.concatenate([part.stiffness for part in parts]),
-        conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
-        units=replace(parts[0].units, amplitude=first.units.amplitude if "amplitude" in common else "-"),
-        name=name,
-        provenance={**parts[0].provenance, **notes},
-        labels=labels,
-    )

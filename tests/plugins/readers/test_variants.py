@@ -235,6 +235,24 @@ def test_an_amplitude_sweep_at_a_stated_frequency(folder):
     assert folder.open(both.format(25) + both.format(35)).conditions["temperature"].tolist() == [25, 25, 35, 35]
 
 
+def test_parts_in_other_units_are_converted_to_those_of_the_first(folder):
+    first = "f [Hz];G' [Pa];G'' [Pa];Strain [%];Torque [mN m]\n1;2;3;1;1\n2;3;4;1;1\n\n"
+    second = "f [Hz];G' [kPa];G'' [kPa];Strain [-];Torque [uN m]\n1;2;3;0,02;1\n2;3;4;0,02;1\n\n"
+    found = folder.open(first + second)
+    np.testing.assert_allclose(found.storage, [2, 3, 2000, 3000])
+    np.testing.assert_allclose(found.conditions["amplitude"], [1, 1, 2, 2])
+    assert (found.units.stiffness, found.units.amplitude) == ("Pa", "%")
+    assert "torque" not in found.conditions
+    assert "torque" in found.provenance["note columns"]
+    said = folder.complaint(first + second.replace("kPa", "N/mm"))
+    assert "parts come in Pa and N/mm; choose one" in said
+
+
+def test_standard_deviations_of_several_parts_are_kept(folder):
+    part = "f in Hz;G' in Pa;G'' in Pa;storage_sd;loss_sd\n1;2;3;0,1;0,2\n2;3;4;0,1;0,2\n\n"
+    assert folder.open(part + part).sd.tolist() == [0.1 + 0.2j] * 4
+
+
 def test_thousands(folder):
     found = folder.open('f [Hz],"G\' [Pa]","G\'\' [Pa]"\n1,"1,234.5",3.5\n2,"12,345.5","2,000.0"\n')
     np.testing.assert_array_equal(found.stiffness, [1234.5 + 3.5j, 12345.5 + 2000j])

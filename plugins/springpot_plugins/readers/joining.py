@@ -1,0 +1,99 @@
+"""Several parts of a file as one measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import (
+    ANGLE_UNITS,
+    LENGTH_UNITS,
+    PRESSURE_UNITS,
+    STIFFNESS_UNITS,
+    STRAIN_UNITS,
+    Measurement,
+)
+from springpot.rheology import Complex
+
+_ALIKE = (PRESSURE_UNITS, STIFFNESS_UNITS, LENGTH_UNITS, STRAIN_UNITS, ANGLE_UNITS)
+"""Units that can be converted into each other."""
+
+
+def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:
+    """Several parts as one measurement, in the units of the first, with the label ``step``.
+
+    Columns that are not in every part, or not in the same unit, are left out, and a note says so.
+
+    Raises
+    ------
+    DataError
+        If some are moduli and others stiffnesses.
+    """
+    unit = parts[0].units.stiffness
+    parts = [_in_unit(part, unit, path) for part in parts]
+    amplitude = next((part.units.amplitude for part in parts if "amplitude" in part.conditions), "-")
+    parts = [_with_amplitude(part, amplitude) for part in parts]
+    common = [key for key in parts[0].conditions if all(_has(part, key, parts[0]) for part in parts)]
+    words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
+    labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
+    labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])
+    dropped = sorted({key for part in parts for key in part.conditions} - set(common))
+    notes = {"note parts": note}
+    if dropped:
+        notes["note columns"] = f"not in every part, or in other units, left out: {', '.join(dropped)}"
+    return Measurement(
+        omega=np.concatenate([part.omega for part in parts]),
+        stiffness=np.concatenate([part.stiffness for part in parts]),
+        sd=_together(parts, lambda part: part.sd),
+        conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
+        units=replace(parts[0].units, amplitude=amplitude if "amplitude" in common else "-"),
+        name=name,
+        provenance={**parts[0].provenance, **notes},
+        labels=labels,
+    )
+
+
+def _together(parts: Sequence[Measurement], column: Callable[[Measurement], Complex | None]) -> Complex | None:
+    """A column that every part has, or none."""
+    found = [values for part in parts if (values := column(part)) is not None]
+    return np.concatenate(found) if len(found) == len(parts) else None
+
+
+def _has(part: Measurement, key: str, first: Measurement) -> bool:
+    """Whether a part has a condition, in the unit of the first part."""
+    if key == "amplitude" and part.units.amplitude != first.units.amplitude:
+        return False
+    told = f"unit {key}"
+    return key in part.conditions and part.provenance.get(told) == first.provenance.get(told)
+
+
+def _factor(unit: str, wanted: str) -> float | None:
+    """From one unit to another; None where they measure different things."""
+    table = next((table for table in _ALIKE if unit in table and wanted in table), None)
+    return None if table is None else table[unit] / table[wanted]
+
+
+def _in_unit(part: Measurement, wanted: str, path: Path) -> Measurement:
+    """The part with storage and loss in another unit; the same bits where it is the same."""
+    unit = part.units.stiffness
+    if unit == wanted:
+        return part
+    factor = _factor(unit, wanted)
+    if factor is None:
+        raise DataError(f"{path}: its parts come in {wanted} and {unit}; choose one, such as '{path}#1'")
+    sd = None if part.sd is None else part.sd * factor
+    return replace(part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted))
+
+
+def _with_amplitude(part: Measurement, wanted: str) -> Measurement:
+    """The part with its amplitude in another unit, if it can be converted."""
+    unit = part.units.amplitude
+    factor = _factor(unit, wanted)
+    if "amplitude" not in part.conditions or unit == wanted or factor is None:
+        return part
+    conditions = {**part.conditions, "amplitude": part.conditions["amplitude"] * factor}
+    return replace(part, conditions=conditions, units=replace(part.units, amplitude=wanted))
