@@ -21,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
@@ -93,7 +93,7 @@ def run_case(seed: int, auto: bool, with_rivals: bool, experiments: bool, refere
         row |= {"rivals": rivals(case), "rival_sizes": sizes()}
         row["unexplained"] = min(case.chi2, *row["rivals"].values()) if case.kind == "outside" else None
     if experiments and row["answer"]:
-        row["tie_broken"] = tie_broken(case, row)
+        row |= _timed(lambda: tie_broken(case, row), "tie_broken", "experiment_seconds")
     return row
 
 
@@ -115,17 +115,17 @@ def tie_broken(case: Case, row: dict[str, Any]) -> bool | None:
     wider = remeasure(case, action)
     if wider is None:
         return None
-    again = _timed(lambda: answer(wider), "answer", "seconds")
-    after = first_class(again)
+    after = first_class({"answer": answer(wider)})
     return len(after) < len(before) and bool(set(after) & set(case.truth))
 
 
-def _timed(call: Any, key: str, clock: str) -> dict[str, Any]:
+def _timed(call: Callable[[], Any], key: str, clock: str) -> dict[str, Any]:
     """Call the tool; a fault becomes part of the row, never a missing row."""
     start = time.perf_counter()
     signal.setitimer(signal.ITIMER_REAL, PATIENCE)
     try:
-        return {key: slim(call()), clock: time.perf_counter() - start}
+        found = call()
+        return {key: slim(found) if isinstance(found, dict) else found, clock: time.perf_counter() - start}
     except Exception as fault:
         detail = getattr(fault, "stderr", "") or ""
         return {

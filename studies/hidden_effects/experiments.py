@@ -16,7 +16,7 @@ def remeasure(case: Case, action: dict[str, Any]) -> Case | None:
     """Return the case with the suggested rows added, or None where the action is outside of what can be simulated.
 
     ``action`` may hold ``omega`` [rad/s], ``temperature`` [degC] and ``amplitude`` [as in the data], each a list of
-    values to measure at (what is missing stays as in the data), and ``repeats`` (a number).
+    values to measure at (what is missing stays as in the data), and ``repeats``, how often.
     """
     usable = {"omega", "temperature", "amplitude", "repeats"}
     if case.outside or not action or not set(action) <= usable:
@@ -46,7 +46,7 @@ def _new_rows(old: Sweep, action: dict[str, Any]) -> Sweep:
             return np.atleast_1d(np.asarray(action[name], dtype=float))
         return np.unique(column) if column is not None else np.zeros(1)
 
-    repeats = np.arange(int(action.get("repeats", 1)))
+    repeats = np.arange(int(np.max(action.get("repeats", 1))))
     axes = (values("temperature", old.temperature), values("amplitude", old.amplitude), repeats)
     t, x, n, w = (g.ravel() for g in np.meshgrid(*axes, values("omega", old.omega), indexing="ij"))
     first = 1 if old.repeat is None else int(old.repeat.max()) + 1
