@@ -49,7 +49,8 @@ def _new_rows(old: Sweep, action: dict[str, Any]) -> Sweep:
     repeats = np.arange(int(np.max(action.get("repeats", 1))))
     axes = (values("temperature", old.temperature), values("amplitude", old.amplitude), repeats)
     t, x, n, w = (g.ravel() for g in np.meshgrid(*axes, values("omega", old.omega), indexing="ij"))
-    first = 1 if old.repeat is None else int(old.repeat.max()) + 1
+    first = 1 if old.repeat is None else int(old.repeat.max())
+    first += "repeats" in action or old.repeat is not None
     return Sweep(
         w, t if old.temperature is not None else None, x if old.amplitude is not None else None, n.astype(int) + first
     )
