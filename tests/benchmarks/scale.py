@@ -49,17 +49,17 @@ def measured(path: Path, names: tuple[str, ...]) -> tuple[float, float]:
 
 def main(sizes: list[int]) -> None:
     """Print one row for each size."""
-    print("| trials | store [MB] | bytes a trial | summary [s] | all tables [s] | memory [MiB] |")
-    print("|---:|---:|---:|---:|---:|---:|")
+    print("| trials | store [MB] | bytes a trial | summary [s] | memory [MiB] | all tables [s] | memory [MiB] |")
+    print("|---:|---:|---:|---:|---:|---:|---:|")
     for trials in sizes:
         with TemporaryDirectory() as folder:
             path = Path(folder) / "mock.sqlite"
             synthetic_store(path, trials // (ENTRANTS * REPETITIONS), ENTRANTS, REPETITIONS)
             size = path.stat().st_size
-            summary, _ = measured(path, ("summary",))
-            everything, memory = measured(path, TABLES)
-        row = (f"{trials}", f"{size / 1e6:.1f}", f"{size / trials:.0f}", f"{summary:.2f}", f"{everything:.2f}")
-        print("|", " | ".join((*row, f"{memory:.0f}")), "|", flush=True)
+            summary, little = measured(path, ("summary",))
+            everything, most = measured(path, TABLES)
+        figures = (f"{size / 1e6:.1f}", f"{size / trials:.0f}", f"{summary:.2f}", f"{little:.0f}")
+        print("|", " | ".join((str(trials), *figures, f"{everything:.2f}", f"{most:.0f}")), "|", flush=True)
 
 
 if __name__ == "__main__":

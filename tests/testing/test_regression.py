@@ -17,8 +17,8 @@ from springpot.testing.regression import check, compare, known_scripts, update
 
 ROOT = Path(__file__).resolve().parents[2]
 GATE, BASELINE = ROOT / "studies" / "gate.py", ROOT / "results" / "gate" / "baseline.json"
-NOISE = int(os.environ.get("SPRINGPOT_NOISE", "0"))
-"""Repetitions of the whole gate with other seeds; 200 were run once, see docs/ci.md."""
+NOISE = int(os.environ.get("SPRINGPOT_NOISE", "12"))
+"""Repetitions with other seeds; 200 were run once, see docs/ci.md."""
 MAXWELL = "artificial-fractional-maxwell"
 
 
@@ -105,16 +105,18 @@ def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
     assert any(f"{name} on {MAXWELL}" in note and "got better" in note for note in back.notes)
 
 
-@pytest.mark.parametrize("seed", range(2, 7))
-def test_noise_alone_passes(baseline, seed):
-    assert check(quick(), baseline, seed=seed).regressions == ()
+def test_noise_alone_passes(baseline, tmp_path):
+    """Another seed is another sample of the same optimisers: no alarm, however often."""
+    before = read_baseline(baseline)
+    for seed in range(1000, 1000 + NOISE):
+        study = replace(quick(), seed=seed)
+        outcome = run_study(study, engine="serial", out=tmp_path / str(seed), quiet=True, tables=False)
+        with Store(outcome.store) as store:
+            assert compare(before, store, baseline).regressions == (), f"seed {seed}"
 
 
-@pytest.mark.skipif(not NOISE, reason="takes minutes: set SPRINGPOT_NOISE to the number of repetitions")
-def test_noise_alone_passes_the_whole_gate(capsys):
-    study = load_study(GATE)
-    alarms = [line for seed in range(1000, 1000 + NOISE) for line in check(study, BASELINE, seed=seed).regressions]
-    assert alarms == []
+def test_another_seed_is_compared_too(baseline):
+    assert check(quick(), baseline, seed=2).regressions == ()
 
 
 def test_too_few_trials_are_said(tmp_path):
