@@ -37,3 +37,15 @@ def test_one_model_and_one_effect_need_no_list():
 def test_a_misspelt_name_is_an_error_that_helps(call, word):
     with pytest.raises(SpringpotError, match=word):
         call()
+
+
+def test_results_show_themselves_in_one_line_and_as_a_table():
+    data = springpot.read("nist-srm2491@temperature=20")
+    found = springpot.identify(data, "maxwell-2")
+    assert repr(data).startswith(
+        "<Measurement nist-srm2491@temperature=20: 16 points, 0.0159 to 15.9 Hz, temperature"
+    )
+    assert repr(found.model) == "<Model maxwell-2: k1, tau1, k2, tau2>"
+    assert repr(found).startswith("<Identification maxwell-2 of nist-srm2491@temperature=20: k1 ")
+    assert "\n" not in repr(found)
+    assert found._repr_html_().count("<tr>") == 5

@@ -87,6 +87,10 @@ class Ladder:
         """The model of the last rung."""
         return self.steps[-1].model
 
+    def __repr__(self) -> str:
+        errors = " -> ".join(f"{step.relative_rms / step.noise_floor:.3g}" for step in self.steps)
+        return f"<Ladder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
+
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.discovery/1``."""
         return {

@@ -148,6 +148,9 @@ class Diagnosis:
         """The effect that should be added, or None if none is missing."""
         return self.candidates[0] if self.candidates and self.verdict == "effect-missing" else None
 
+    def __repr__(self) -> str:
+        return f"<Diagnosis {self.model.name} of {self.data}: {self.verdict}; {self.says}>"
+
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.diagnosis/1``."""
         return {

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.markup import table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Model, Parameter, Real
 
@@ -87,13 +88,34 @@ class Identification:
         error = np.abs(self.model.stiffness(self.theta, data.points) - data.stiffness)
         return float(np.sqrt(np.mean((error / np.maximum(data.magnitude, 1e-9 * data.magnitude.max())) ** 2)))
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} {row['value']:.4g} {row['unit']}".rstrip() for name, row in self._rows().items())
+        error = f"error {100 * self.relative_rms:.3g} %"
+        return f"<Identification {self.model.name} of {self.measurement.name}: {values}; {error}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, *("-" if row[key] is None else f"{row[key]:.4g}" for key in ("value", "low", "high")), row["unit"])
+            for name, row in self._rows().items()
+        ]
+        return tag(
+            "div",
+            tag("p", tag("b", f"{self.model.name} of {self.measurement.name}")),
+            table(("parameter", "value", "low", "high", "unit"), rows),
+            tag("p", f"error {100 * self.relative_rms:.3g} % of |K|, {self.optimiser}, {self.status}"),
+            tag("ul", *(tag("li", note) for note in self.notes)),
+        )
+
+    def _rows(self) -> dict[str, dict[str, Any]]:
+        return self._printed(self.model.parameters, self.theta, self.low, self.high)
+
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, schema ``springpot.identification/1``; an interval without an end has None."""
         return {
             "schema": SCHEMA,
             "model": self.model.name,
             "data": self.measurement.name,
-            "parameters": self._printed(self.model.parameters, self.theta, self.low, self.high),
+            "parameters": self._rows(),
             "search_parameters": self._search_parameters(),
             "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
             "relative_rms": self.relative_rms,

@@ -71,6 +71,11 @@ class Measurement:
     provenance: Mapping[str, str] = field(default_factory=dict)
     labels: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        low, high = self.frequency.min(), self.frequency.max()
+        beside = "".join(f", {name}" for name in self.conditions)
+        return f"<Measurement {self.name}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
+
     def __post_init__(self) -> None:
         for mapping in ("conditions", "provenance", "labels"):
             object.__setattr__(self, mapping, MappingProxyType(dict(getattr(self, mapping))))

@@ -59,6 +59,9 @@ class Model:
     def __str__(self) -> str:
         return self.name
 
+    def __repr__(self) -> str:
+        return f"<Model {self.name}: {', '.join(self.names)}>"
+
     @cached_property
     def network(self) -> Node:
         """Material and effects composed from the material outwards."""
