@@ -1,0 +1,80 @@
+"""Measured data whose physics is known: what the diagnosis finds, and what it cannot tell.
+
+    python studies/real_data.py [NAME ...] [--out results/real_data]
+
+Each set goes through `discover` from one or more models. The answers are kept in ``answers/NAME.json``; the tables
+are a pure function of these files, so that single sets can be run again. A set that is not on this machine is passed
+over with a line that says so; its old answers stay. Data are found through ``SPRINGPOT_DATA`` or beside the checkout.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from paper.draw import can_draw
+from real_sets.answers import answer, save, saved, table
+from real_sets.draw import draw
+from real_sets.published import published
+from real_sets.sets import SETS, RealSet, opened
+from springpot import discover
+from springpot.benchmark import save_table
+from springpot.errors import DataError, SpringpotError
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def run(one: RealSet, folder: Path) -> bool:
+    """Ask the tool about one set; False if the set is not here."""
+    try:
+        data = opened(one)
+    except DataError as error:
+        print(f"{one.name}: not on this machine ({error})")
+        return False
+    answers = []
+    for model in one.models:
+        ladder = discover(data, model)
+        answers.append(answer(one, data, ladder))
+        print(f"{one.name}: {ladder.diagnosis.says}", flush=True)
+    if one.accept:
+        answers.append(answer(one, data, discover(data, one.models[-1], accept=one.accept), given=True))
+    save(answers, folder)
+    if can_draw(folder):
+        draw(ladder, folder / f"{one.name}.png")
+    return True
+
+
+def report(folder: Path) -> None:
+    """Write the tables again."""
+    answers = list(saved(folder))
+    if answers:
+        save_table(table(answers), folder, "real_data", ("md", "csv"))
+        save_table(published(answers), folder, "published", ("md", "csv"))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the sets that are asked for, all by default, and report."""
+    known = {one.name: one for one in SETS}
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(known)}; all by default")
+    parser.add_argument("--out", type=Path, default=ROOT / "results" / "real_data")
+    parser.add_argument("--report-only", action="store_true", help="only write the tables again")
+    asked = parser.parse_args(arguments)
+    if unknown := set(asked.names) - set(known):
+        parser.error(f"no set {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+    asked.out.mkdir(parents=True, exist_ok=True)
+    for name in () if asked.report_only else asked.names or known:
+        run(known[name], asked.out)
+    report(asked.out)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except SpringpotError as error:
+        sys.exit(f"error: {error}")
