@@ -10,6 +10,7 @@ import numpy as np
 from springpot.rheology import Real
 
 from .frame import Frame
+from .harmonics import harmonic_evidence
 from .refit import Refit
 from .search import Grown, Search
 
@@ -65,7 +66,7 @@ def posterior(found: Search) -> Posterior:
     total = max(sum(score.influence.effect.prior for score in found.scan.scores), 1.0)
     names: list[tuple[str, ...]] = []
     logs = [
-        found.base.log_likelihood + np.log(PRIOR_NOTHING),
+        found.base.log_likelihood + harmonic_evidence(found.base) + np.log(PRIOR_NOTHING),
         _unknown_evidence(found) + np.log((1.0 - PRIOR_NOTHING) / total),
     ]
     for grown in _distinct(found.grown):
@@ -103,7 +104,8 @@ def _evidence(found: Search, grown: Grown) -> float:
     doi:10.1162/neco.1992.4.3.415).
     """
     spent = len(grown.refit.theta) - len(found.base.theta)
-    return _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
+    log_likelihood = grown.refit.log_likelihood
+    return _discounted(found, log_likelihood, spent, len(grown.effects)) + harmonic_evidence(grown.refit)
 
 
 def _unknown_evidence(found: Search) -> float:

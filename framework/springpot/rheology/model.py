@@ -13,7 +13,7 @@ from springpot.errors import ModelError
 from .effect import Effect, Layer
 from .forms import SearchForm
 from .lookup import find_effect
-from .nodes import FULL, GRADIENT, Node, Scaled
+from .nodes import FULL, GRADIENT, Node, Scaled, parallel
 from .parameters import Parameter
 from .points import Complex, Points, Real
 
@@ -123,6 +123,31 @@ class Model:
         if wrong:
             raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
         return np.array([values[name] for name in self.names], dtype=float)
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
+        """Third harmonic of the force over the first, by the describing functions of the effects.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        at : Points
+            The n points, with their amplitudes.
+
+        Returns
+        -------
+        ndarray, shape (n,), or None
+            Zero where all is linear; None where an effect makes a harmonic that no formula here predicts, because it
+            has none or does not act in parallel.
+        """
+        total = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
+        for effect, prefix in self._named_effects():
+            own = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
+            force = effect.third_harmonic(theta[own], at)
+            if force is None or ("amplitude" in effect.needs and effect.composition is not parallel):
+                return None
+            total = total + force
+        return np.asarray(total / self.stiffness(theta, at), dtype=np.complex128)
 
     def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
         """Complex stiffness.

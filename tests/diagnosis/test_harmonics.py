@@ -1,0 +1,57 @@
+"""The third harmonic of the force tells apart what one curve of K cannot."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.registry import parse_model
+
+OMEGA = np.geomspace(0.5, 60.0, 24)
+AMPLITUDE = 2.0
+FORCE = 60.0
+SOLID = 300.0 + 40.0 * np.sqrt(1j * OMEGA)
+LOSS = 4j * FORCE / (np.pi * AMPLITUDE)
+
+
+def measured(third):
+    """K of a solid with a loss the same at all frequencies, noise of 1 %, and a third harmonic of the force."""
+    rng = np.random.default_rng(5)
+    noise = rng.standard_normal((2, 2, 24)) @ np.eye(24)
+    stiffness = (SOLID + LOSS) * (1.0 + 0.01 * (noise[0, 0] + 1j * noise[0, 1]))
+    harmonics = np.full((24, 2), 1e-3 + 0j)
+    harmonics[:, 1] = third + 0.003 * (noise[1, 0] + 1j * noise[1, 1])
+    return springpot.Measurement(
+        OMEGA, stiffness, conditions={"amplitude": np.full(24, AMPLITUDE)}, harmonics=harmonics
+    )
+
+
+def test_friction_makes_a_third_of_its_force_at_three_times_the_frequency():
+    """Fourier series of a square wave: F3 / F1 = 1/3, in phase with the velocity's sign."""
+    model = parse_model("kelvin + friction")
+    points = measured(0.0).points
+    theta = model.vector({"k": 100.0, "c": 0.0, "friction.F": FORCE})
+    third = model.third_harmonic(theta, points)
+    np.testing.assert_allclose(np.abs(third), np.abs(LOSS / 3.0 / (100.0 + LOSS)), rtol=1e-12)
+    assert not np.any(parse_model("kelvin + inertia").third_harmonic(np.array([100.0, 1.0, 0.1]), points))
+    assert (
+        parse_model("kelvin + payne").third_harmonic(np.ones(6)[: len(parse_model("kelvin + payne").names)], points)
+        is None
+    )
+
+
+@pytest.mark.parametrize(
+    ("third", "effect", "other"),
+    [(LOSS / 3.0 / (SOLID + LOSS), "friction", "hysteretic-loss"), (0.0, "hysteretic-loss", "friction")],
+    ids=["with", "without"],
+)
+def test_friction_and_a_hysteretic_loss_are_told_apart_at_one_amplitude(third, effect, other):
+    diagnosis = springpot.diagnose(measured(third), "fractional-kelvin")
+    assert diagnosis.verdict == "effect-missing"
+    assert diagnosis.best.effect == effect
+    assert other not in diagnosis.best.alike
+
+
+def test_without_harmonics_they_are_one_class():
+    data = measured(0.0)
+    data = springpot.Measurement(data.omega, data.stiffness, conditions=data.conditions)
+    assert {"friction", "hysteretic-loss"} <= set(springpot.diagnose(data, "fractional-kelvin").best.alike)
