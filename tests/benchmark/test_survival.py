@@ -65,7 +65,7 @@ def count(out: Path) -> int:
         return 0
 
 
-def wait_for(condition, seconds: float = 30.0) -> None:
+def wait_for(condition, seconds: float = 300.0) -> None:
     end = monotonic() + seconds
     while not condition():
         assert monotonic() < end, "it never came to it"
