@@ -120,6 +120,7 @@ class Shapes:
         gains = np.take_along_axis(x / norm, chosen[:, :, None], axis=1) * np.sqrt(total)[:, None, None]
         return self.v[chosen], gains
 
+    @np.errstate(over="ignore", invalid="ignore")  # shapes beyond what numbers hold are ranked last
     def _normal(self, square: Real, moment: Real) -> tuple[Real, Real, Real]:
         """Gram matrices (B, Q, m, m) with unit diagonal, right sides and the norms (B, Q, m) divided out."""
         m = len(self.responses)
