@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
@@ -68,8 +70,20 @@ def run(arguments: list[str]) -> int:
     if "_SPRINGPOT_COMPLETE" in os.environ:  # click's own shell completion
         springpot.main(arguments, "springpot")
     try:
-        with springpot.make_context("springpot", arguments or ["--help"]) as context:
+        with springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
             answer: Any = springpot.invoke(context)
     except click.exceptions.Exit as leave:
         return leave.exit_code
     return answer if isinstance(answer, int) else 0
+
+
+@contextmanager
+def _located(context: click.Context) -> Iterator[None]:
+    """Give usage errors that click's parser leaves without a command the one that was called."""
+    try:
+        yield
+    except click.UsageError as error:
+        name = context.invoked_subcommand
+        if error.ctx is None and name is not None and (command := springpot.get_command(context, name)):
+            error.ctx = click.Context(command, context, name)
+        raise
