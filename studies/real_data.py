@@ -44,7 +44,7 @@ def run(one: RealSet, folder: Path) -> bool:
     if one.accept:
         answers.append(answer(one, data, discover(data, one.models[-1], accept=one.accept), given=True))
     save(answers, folder)
-    if can_draw(folder):
+    if one.drawn and can_draw(folder):
         draw(ladder, folder / f"{one.name}.png")
     return True
 
@@ -70,7 +70,9 @@ def main(arguments: list[str] | None = None) -> None:
     asked.out.mkdir(parents=True, exist_ok=True)
     for name in () if asked.report_only else asked.names or known:
         run(known[name], asked.out)
-    report(asked.out)
+        report(asked.out)
+    if asked.report_only:
+        report(asked.out)
 
 
 if __name__ == "__main__":

@@ -91,11 +91,19 @@ def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
     before, after = (step["relative_rms"] / floor for step in (steps[0], steps[-1]))
     source = last["error"]["noise_source"] + (" (given doubted)" if "given" in last["error"]["doubt"] else "")
     accepted = "as given" if one["given"] else "; ".join(_accepted(step) for step in steps[1:]) or "none"
-    remains = "; ".join(last["where"]) if one["verdict"] != "adequate" else "nothing that the tests see"
+    remains = _remains(one)
     return (
         one["set"], one["points"], asked(one), f"{100 * floor:.2g} %", source, round(before, 2), accepted,
         round(after, 2), one["verdict"], remains,
     )  # fmt: skip
+
+
+def _remains(one: dict[str, Any]) -> str:
+    """Where the last model fails, or what is said to be missing where no place is told."""
+    if one["verdict"] == "adequate":
+        return "nothing that the tests see"
+    last = one["last"]
+    return "; ".join(last["where"]) or str(last["says"]).partition("; ")[2]
 
 
 def _accepted(step: dict[str, Any]) -> str:

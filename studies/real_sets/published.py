@@ -22,11 +22,11 @@ COLUMNS = ("set", "model", "quantity", "found", "expected", "source of what is e
 NOTE = (
     "Parameters with 95 % intervals. WLF: log10 a_T = -C1 (T - T0) / (C2 + T - T0), moved to the T0 of the "
     "publication. Yield force: 4 F / pi is the first harmonic of a force of fixed size F, so that pi/4 of the median "
-    "of |K| times amplitude is what an eye would read off."
+    "of |K| times amplitude is what an eye would read off, for all forces together."
 )
 WLF = {
     "pdms": (6.64 / np.log(10.0), 299.4, 25.0, (0.0, 50.0), "NIST SP 260-147"),
-    "polyisoprene": (8.772, 114.03, -35.0, (-45.0, 25.0), "RepTate, for all molar masses"),
+    "polyisoprene": (8.772, 114.03, -35.0, (-40.0, 0.0), "RepTate, for long chains"),
 }
 """C1 (log10), C2 [K], T0 [degC], temperatures compared [degC], source."""
 
@@ -68,7 +68,7 @@ def _against_table(data: Measurement, other: Measurement) -> float:
     """Largest difference between two reductions of the same tests, relative to |K|."""
 
     def order(of: Measurement) -> Any:
-        return np.lexsort((of.conditions["amplitude"].round(-1), of.omega.round(1)))
+        return np.lexsort((of.conditions["amplitude"], of.omega.round(1)))
 
     if len(data) != len(other):
         raise DataError(f"{data.name}: {len(data)} tests here, {len(other)} in the table of harmonics")
@@ -134,7 +134,14 @@ def _force(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:
     for name in ("friction.F", "elasto-sliding.F"):
         if name in last and (expected := one["yardsticks"].get("yield_force")):
             found = Interval(*(last[name][key] for key in ("value", "low", "high")))
-            yield one["set"], asked(one), f"{name} [N]", found, expected, "pi/4 of the median force"
+            yield (
+                one["set"],
+                asked(one),
+                f"{name} [N]",
+                found,
+                expected,
+                "pi/4 of the median force",
+            )
 
 
 def _signals(one: dict[str, Any]) -> Iterator[tuple[Entry, ...]]:

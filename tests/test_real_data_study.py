@@ -1,0 +1,74 @@
+"""The study of measured data: its tables follow from its answers, and it runs with what is on this machine."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "studies"))
+
+import real_data  # noqa: E402
+from real_sets import sets  # noqa: E402
+from real_sets.answers import saved, table  # noqa: E402
+from real_sets.published import published  # noqa: E402
+from springpot.benchmark.tables import to_csv, to_markdown  # noqa: E402
+
+RESULTS = ROOT / "results" / "real_data"
+SMALL = replace(sets.SETS[0], data="nist-srm2491@temperature=20", models=("maxwell-2",), accept=())
+
+
+@pytest.fixture
+def nowhere(monkeypatch, tmp_path):
+    """No data directory at all."""
+    from springpot.registry import plugins
+
+    monkeypatch.setenv("SPRINGPOT_DATA", str(tmp_path / "nothing"))
+    plugins.cache_clear()
+    yield
+    plugins.cache_clear()
+
+
+def test_the_committed_tables_follow_from_the_committed_answers():
+    answers = list(saved(RESULTS))
+    assert "pdms" in {one["set"] for one in answers} <= {one.name for one in sets.SETS}
+    for stem, made in (("real_data", table(answers)), ("published", published(answers))):
+        assert (RESULTS / f"{stem}.md").read_text(encoding="utf-8") == to_markdown(made)
+        assert (RESULTS / f"{stem}.csv").read_text(encoding="utf-8") == to_csv(made)
+
+
+def test_the_table_changes_with_an_answer():
+    answers = list(saved(RESULTS))
+    changed = json.loads(json.dumps(answers[0]))
+    changed["verdict"] = "inconclusive"
+    assert table([changed]).rows[0] != table(answers[:1]).rows[0]
+    assert "inconclusive" in table([changed]).rows[0]
+
+
+def test_an_embedded_set_goes_through_from_data_to_tables(nowhere, monkeypatch, tmp_path):
+    monkeypatch.setattr(real_data, "SETS", (SMALL,))
+    real_data.main(["pdms", "--out", str(tmp_path)])
+    (one,) = saved(tmp_path)
+    assert (one["points"], one["model"]) == (16, "maxwell-2")
+    assert one["steps"][0]["relative_rms"] > 0
+    assert (tmp_path / "pdms.png").stat().st_size > 10_000
+    first = {path.name: path.read_bytes() for path in tmp_path.glob("*.*")}
+    real_data.main(["--out", str(tmp_path), "--report-only"])
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.*")} == first
+
+
+def test_absent_sets_are_one_line_each(nowhere, capsys, tmp_path):
+    real_data.main(["micelles", "friction-damper", "--out", str(tmp_path)])
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(": not on this machine")[0] for line in lines] == ["micelles", "friction-damper"]
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_set_is_refused_with_the_known_ones(capsys):
+    with pytest.raises(SystemExit):
+        real_data.main(["nothing"])
+    assert "no set nothing; there are pdms" in capsys.readouterr().err
