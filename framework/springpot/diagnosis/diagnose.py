@@ -168,9 +168,10 @@ def _verdict(found: Search, probabilities: Posterior) -> Verdict:
     by_structure = found.structure.p_value < STRUCTURE_ALARM
     if found.repeats.p_value < REPEATS_ALARM:
         return "unexplained"
-    if not (by_library or by_structure):
-        return "inconclusive" if found.base.fit.dof < FEWEST_SPARE else "adequate"
     gain = _gain(found)
+    if not (by_library or by_structure):
+        likely = gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5
+        return "inconclusive" if likely or found.base.fit.dof < FEWEST_SPARE else "adequate"
     left = found.left.p_value < STRUCTURE_ALARM or probabilities.unknown > 0.5
     if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
         return "unexplained"

@@ -22,6 +22,8 @@ CLEAR = 1e-3
 """Chance of a false alarm below which an effect is accepted without asking."""
 DECISIVE = 10.0
 """Drop of the information criterion from which an effect is accepted without asking."""
+HIDDEN = 2
+"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
 LONGEST = 6
 """Effects accepted at most."""
 
@@ -163,15 +165,17 @@ def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
 
 
 def _explained(steps: list[Step]) -> list[Step]:
-    """The rungs up to the first that no effect explains, unless those after it led to a model that is complete.
+    """The rungs up to the first that no effect explains, unless a few more led to a model that is complete.
 
     Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
     have only been fitted to what is no effect of the library.
     """
-    if steps[-1].case.diagnosis.verdict != "unexplained":
-        return steps
     verdicts = [step.case.diagnosis.verdict for step in steps]
-    return steps[: verdicts.index("unexplained") + 1]
+    if "unexplained" not in verdicts:
+        return steps
+    first = verdicts.index("unexplained")
+    complete = verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= HIDDEN
+    return steps if complete else steps[: first + 1]
 
 
 def _predicted(case: Case, effect: Effect) -> float | None:

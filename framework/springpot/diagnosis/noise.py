@@ -22,6 +22,9 @@ DOUBT = 1e-4
 """Chance below which given standard deviations are held to be misstated."""
 OUTLYING = 2e-4
 """Chance below which the scatter at one frequency is held to be no noise."""
+HELD = {"amplitude": 0.02, "temperature": 0.5}
+"""How nearly a rig holds what was set: repeats whose amplitudes (as a share) or temperatures (in kelvin) lie closer
+than this to one another are repeats of one point."""
 UNUSUAL = 10.0
 """Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
 some shape fits chance best, and structure is then seen where there is none."""
@@ -210,10 +213,7 @@ def average_repeats(measurement: Measurement) -> Averaged:
 def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     """Which averaged row each row belongs to, and the first row of each; only marked repeats are merged."""
     columns: list[Real] = [np.asarray(np.round(np.log(measurement.omega), 6), dtype=np.float64)]
-    for name in CONDITIONS:
-        if name in measurement.conditions:
-            column = measurement.conditions[name]
-            columns.append(np.round(column / max(float(np.max(np.abs(column))), 1e-300), 3))
+    columns += [_nominal(measurement, name) for name in CONDITIONS if name in measurement.conditions]
     if measurement.repeat is None:
         columns = [np.arange(len(measurement), dtype=float)]
     _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
@@ -221,6 +221,17 @@ def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     rank = np.empty(len(first), dtype=np.int64)
     rank[order] = np.arange(len(first))
     return rank[group.ravel()], first[order].astype(np.int64)
+
+
+def _nominal(measurement: Measurement, name: str) -> Real:
+    """Number of the value that was set, in ascending order, for values that a rig holds only nearly."""
+    column = measurement.conditions[name]
+    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
+    order = np.argsort(x, kind="stable")
+    step = np.concatenate([[0], np.diff(x[order]) > HELD[name]])
+    number = np.empty(len(x))
+    number[order] = np.cumsum(step)
+    return number
 
 
 def noise_of_repeats(averaged: Averaged) -> Noise | None:

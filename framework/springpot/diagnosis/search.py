@@ -16,6 +16,7 @@ from .pairs import best_pairs
 from .refit import Refit, refit
 from .scan import Scan, Score, scan
 from .structure import Structure, repeats_structure, structure
+from .sweeps import temperatures_differ
 
 SINGLES = 12
 """Effects refitted after the first scan."""
@@ -127,8 +128,9 @@ def _strained(found: Search) -> bool:
 
 
 def usable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data hold."""
-    return [effect for effect in library if effect.prior > 0 and effect.needs <= set(measurement.conditions)]
+    """Effects whose conditions these data hold; a temperature that only drifts is none."""
+    held = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
+    return [effect for effect in library if effect.prior > 0 and effect.needs <= held]
 
 
 def scan_effects(

@@ -17,6 +17,16 @@ ALONG: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": 
 """Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
 
 
+DRIFT = 1.0
+"""Kelvin by which temperatures differ at least if they were chosen."""
+
+
+def temperatures_differ(measurement: Measurement) -> bool:
+    """Whether there is more than the drift about one set temperature."""
+    column = measurement.conditions.get("temperature")
+    return column is not None and float(np.ptp(column)) >= DRIFT
+
+
 class Sweep(NamedTuple):
     """Points of one sweep.
 

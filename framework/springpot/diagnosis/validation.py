@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .noise import Averaged, Noise, Scatter
 from .refit import Refit, refit
 from .search import Search
+from .sweeps import temperatures_differ
 
 FOLDS = 4
 """Values left out at most, each by itself."""
@@ -26,7 +27,8 @@ def validation(found: Search) -> Iterator[str]:
     """
     if found.best is found.base:
         return
-    for name in ("temperature", "amplitude"):
+    conditions = ("temperature", "amplitude") if temperatures_differ(found.base.fit.measurement) else ("amplitude",)
+    for name in conditions:
         folds = _folds(found.base, name)
         if not folds:
             continue
