@@ -65,7 +65,7 @@ BROKEN = {
     "nothing returned": (GOOD + "@hookimpl\ndef springpot_models(): ...\n", "must return a list of models, not None"),
     "one thing, no list": (
         GOOD + "@hookimpl\ndef springpot_models():\n    return model('m')\n",
-        "must return a list of models, not Model(",
+        "must return a list of models, not <Model",
     ),
     "a word": (GOOD + "@hookimpl\ndef springpot_models():\n    return 'kelvin'\n", "a list of models, not 'kelvin'"),
     "another kind": (MODELS.format("effect('e')"), "springpot_models offers Effect(name='e'"),
