@@ -122,3 +122,9 @@ def test_effects_whose_columns_are_missing_are_not_proposed():
     needing = {"friction", "power-law-damper", "payne", "self-heating", "arrhenius-shift", "wlf-shift", "rig-drag"}
     assert not needing & {c.effect for c in diagnosis.candidates}
     assert not needing & {name for group in diagnosis.classes for name in group}
+
+
+def test_a_grown_model_with_more_parameters_than_numbers_is_not_tried():
+    """Two points are four numbers: enough for a model of three, not for one more with two."""
+    data = springpot.Measurement(np.array([1.0, 10.0]), np.array([10.0 + 4.0j, 20.0 + 9.0j]))
+    quiet(springpot.diagnose(data, "fractional-maxwell"))

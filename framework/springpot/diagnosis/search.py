@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from springpot.measurement import Measurement
-from springpot.rheology import Effect
+from springpot.rheology import Effect, Model
 
 from .directions import influence
 from .frame import Frame
@@ -105,7 +105,7 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     rng : numpy.random.Generator
         For simulated noise.
     """
-    effects = usable(library, base.fit.measurement)
+    effects = [effect for effect in usable(library, base.fit.measurement) if _fits(base, base.model + effect)]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
     found = Search(base, frame, scanned, structure(frame, rng))
@@ -125,6 +125,11 @@ def _strained(found: Search) -> bool:
     best = found.grown[0]
     spent = len(best.refit.theta) - len(found.base.theta)
     return spent > 1 or any(effect.prior < RARE for effect in best.effects)
+
+
+def _fits(base: Refit, model: Model) -> bool:
+    """Whether the data are numbers enough for a grown model."""
+    return len(model.names) <= 2 * len(base.fit.measurement)
 
 
 def usable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
@@ -163,11 +168,12 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
             base.rss - pair.gain,
         )
         for pair in best_pairs(found.frame, found.scan.scores, base.model, base.theta, TOGETHER)
+        if _fits(base, pair.model)
     ]
     for first in found.grown[:BEAM]:
         frame = first.refit.frame()
         seconds = scan_effects(first.refit, frame, effects).scores[:SECONDS]
-        pairs += [_grow(first.refit, first.effects, score) for score in seconds]
+        pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
     found.grown += pairs
     _sort(found)
     _add_singles(found)
