@@ -109,9 +109,11 @@ def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:
 
 
 def without(measurement: Measurement, rows: NDArray[np.int64]) -> Measurement:
-    """The measurement without these rows."""
+    """The measurement without these rows; the reference temperature stays."""
     kept = measurement.subset(np.setdiff1d(np.arange(len(measurement)), rows))
-    return replace(kept, name=measurement.name)
+    kept = replace(kept, name=measurement.name)
+    kept.__dict__["reference_temperature"] = measurement.reference_temperature
+    return kept
 
 
 def are_outliers(found: Search, reduced: Search, count: int) -> bool:
