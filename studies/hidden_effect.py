@@ -29,7 +29,7 @@ from typing import Any
 from hidden_effects.cases import Case, draw_case
 from hidden_effects.experiments import remeasure
 from hidden_effects.figures import first_class
-from hidden_effects.oracle import oracle
+from hidden_effects.oracle import oracle, true_ratio
 from hidden_effects.report import write
 from hidden_effects.rivals import rivals, sizes
 from hidden_effects.signals import SignalCase, draw_signal_case
@@ -87,6 +87,8 @@ def run_case(seed: int, auto: bool, with_rivals: bool, experiments: bool, refere
     case = draw_case(seed)
     row = case.summary()
     row |= _timed(lambda: oracle(case) if reference else answer(case), "answer", "seconds")
+    if case.kind in ("one", "two"):
+        row["true_ratio"] = true_ratio(case)
     if auto:
         row |= _timed(lambda: ladder(case), "ladder", "ladder_seconds")
     if case.kind == "outside" or (with_rivals and case.kind == "one"):

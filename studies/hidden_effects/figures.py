@@ -164,6 +164,15 @@ def calibration(name: str, design: str, rows: list[Row], right: Callable[[Row], 
     return Figure(name, design, expected_calibration_error(p, hit), float(low), float(high), p.size, goal, "<=")
 
 
+def chance_calibration(name: str, design: str, rows: list[Row]) -> Figure:
+    """Return the calibration error that answers of exactly these probabilities have by chance: it is not zero."""
+    p = np.array([float(first(r).get("probability") or 0.0) for r in rows if verdict(r) == "effect-missing"])
+    rng = np.random.default_rng(6)
+    draws = [expected_calibration_error(p, (rng.random(p.size) < p).astype(float)) for _ in range(400)]
+    low, high = np.percentile(draws, [2.5, 97.5])
+    return Figure(name, design, float(np.mean(draws)), float(low), float(high), p.size, None, "<=")
+
+
 def table(rows: list[Row]) -> list[Figure]:
     """Return every figure for every design that has cases."""
     out: list[Figure] = []
@@ -215,6 +224,7 @@ def _naming(d: str, rows: list[Row]) -> list[Figure]:
         share(wrong + ", of the confident", d, [r for r in one if sure(r)], lambda r: not named(r)),
         share(wrong + ", not even its class", d, _kind(rows, "nothing", "one"), lambda r: sure(r) and not classed(r)),
         calibration("calibration error of first probability", d, _kind(rows, "nothing", "one"), named, 0.03),
+        chance_calibration("calibration error of a perfect answerer", d, _kind(rows, "nothing", "one")),
         calibration("calibration error, by class", d, _kind(rows, "nothing", "one"), classed, None),
     ]
 
@@ -241,6 +251,12 @@ def _ladder(d: str, rows: list[Row]) -> list[Figure]:
     goal = 0.90 if d != "sweep" else 0.75
     return [
         share("error after acceptance / floor in 0.95-1.05", d, walked, lambda r: 0.95 <= settled(r) <= 1.05, 0.95),
+        share(
+            "the true model itself: its error / true floor in 0.95-1.05",
+            d,
+            [r for r in walked if r.get("true_ratio")],
+            lambda r: 0.95 <= r["true_ratio"] <= 1.05,
+        ),
         share("predicted error drop within 20 %", d, [r for r in walked if r.get("ladder")], _foreseen),
         share("two effects, both found (all)", d, two, _both),
         share("two effects, both found, each chi2 >= 120", d, clear, _both, goal),

@@ -16,6 +16,17 @@ from hidden_effects.fit import refit
 from hidden_effects.rivals import fitted_base, rivals, sizes
 
 
+def true_ratio(case: Case) -> float:
+    """Relative error over noise floor of the true model itself, fitted to the noisy data: what chance leaves of it.
+
+    Both as springpot defines them, the floor less what the fitted parameters follow.
+    """
+    theta = refit(case.network, case.theta, case.sweep, case.K, case.sigma, 200)[0]
+    off = np.abs(case.network.stiffness(case.sweep, theta) / case.K - 1.0)
+    followed = theta.size / (2.0 * len(case.sweep))
+    return float(np.sqrt(np.mean(off**2)) / (case.floor * np.sqrt(1.0 - followed)))
+
+
 def oracle(case: Case) -> dict[str, Any]:
     """Return the verdict and ranking of the reference in the form of springpot.diagnosis/1."""
     seen = replace(case, K_true=case.K)

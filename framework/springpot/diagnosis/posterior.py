@@ -20,6 +20,8 @@ CLOSE = 0.35
 """Curves this close (root mean square, in units of the noise) are one curve for these data."""
 UNKNOWN_SIZE = float(np.log(10.0 * np.log(10.0) / np.sqrt(2.0 * np.pi)))
 """Cost of a size that may lie anywhere in ten decades."""
+UNKNOWN_SIGN = float(np.log(2.0))
+"""Cost of a size that may be positive or negative."""
 MOST_UNKNOWN = 1.0 - 1e-12
 TWIN = 0.03
 """Share of the probability from which a rival with the same curve joins the first class."""
@@ -99,13 +101,14 @@ def _evidence(found: Search, grown: Grown) -> float:
     """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
 
     What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
-    size is positive and of unknown order of magnitude; its other parameters are known the better, the more the
-    effect explains: to a relative width of one over the square root of the drop in chi-square (MacKay 1992,
-    doi:10.1162/neco.1992.4.3.415).
+    size is of unknown order of magnitude, and of unknown sign where physics allows both; its other parameters are
+    known the better, the more the effect explains: to a relative width of one over the square root of the drop in
+    chi-square (MacKay 1992, doi:10.1162/neco.1992.4.3.415).
     """
     spent = len(grown.refit.theta) - len(found.base.theta)
-    log_likelihood = grown.refit.log_likelihood
-    return _discounted(found, log_likelihood, spent, len(grown.effects)) + harmonic_evidence(grown.refit)
+    cost = UNKNOWN_SIGN * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
+    explained = _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
+    return explained + harmonic_evidence(grown.refit) - cost
 
 
 def _unknown_evidence(found: Search) -> float:

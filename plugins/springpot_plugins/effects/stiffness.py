@@ -64,6 +64,7 @@ EFFECTS = (
         "a loss that depends neither on frequency nor on amplitude",
         citation="Crandall 1970, J. Sound Vib. 11, 3",
         aliases=("structural-damping",),
+        prior=0.5,
     ),
     Effect(
         "inertia",

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from springpot.errors import DataError
 
 from .grid import COMMENT, MISSING, Grid, is_number
 from .names import FREQUENCIES, MODULI
-from .titles import Heading, heading, is_unit
+from .titles import Heading, heading, is_unit, plainly
 
 _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or remarks."""
+_STACKED = 2
+"""Lines between two tables of the same names."""
 _WIDEST = 400
 _KEPT = 1000
 _PATIENCE = 50_000
@@ -98,7 +100,7 @@ def is_dynamic(roles: set[str]) -> bool:
     return modulus and bool(roles & FREQUENCIES)
 
 
-def blocks_of(grid: Grid, path: Path, strict: bool = False) -> tuple[list[Block], list[list[str]]]:
+def blocks_of(grid: Grid, path: Path, strict: bool = False, stacked: bool = False) -> tuple[list[Block], list[list[str]]]:
     """The tables in a grid, and the lines below the last one.
 
     Parameters
@@ -109,6 +111,8 @@ def blocks_of(grid: Grid, path: Path, strict: bool = False) -> tuple[list[Block]
         File, for errors.
     strict : bool
         Whether rows must be as long as the names above them, and nothing may follow a table but another.
+    stacked : bool
+        Whether rows below a line of one cell, such as ``T = 40 °C``, go on under the names of the table before.
 
     Raises
     ------
@@ -122,6 +126,14 @@ def blocks_of(grid: Grid, path: Path, strict: bool = False) -> tuple[list[Block]
         words = not any(map(is_number, rows[i][:_WIDEST]))
         tried += len(rows[i]) if words else 0
         start = _first_row(rows, i) if words and tried < _PATIENCE and is_header(rows[i]) else None
+        if start is None and stacked and _goes_on(blocks, rows, i, above):
+            stop = _last_row(rows, i, rows[i])
+            width = len(blocks[-1].headings)
+            cells = _rectangle(rows[i:stop], grid.lines[i:stop], width, path, strict)
+            name = _name(above)
+            blocks.append(replace(blocks[-1], name=name, rows=cells, lines=grid.lines[i:stop], above=above))
+            above, i, tried = [], stop, 0
+            continue
         if start is None:
             if len(above) < (_PATIENCE if words else _KEPT):
                 above.append([cell.strip() for cell in rows[i]])
@@ -135,11 +147,26 @@ def blocks_of(grid: Grid, path: Path, strict: bool = False) -> tuple[list[Block]
     return blocks, above
 
 
+def _goes_on(blocks: Sequence[Block], rows: Sequence[Sequence[str]], i: int, above: Sequence[list[str]]) -> bool:
+    """Whether a row of numbers belongs to the names of the last table, below one or two lines of one cell."""
+    return (
+        bool(blocks)
+        and 0 < len(above) <= _STACKED
+        and all(sum(map(bool, line)) == 1 for line in above)
+        and is_data(rows[i])
+        and len(rows[i]) == len(blocks[-1].rows[0])
+        and not rows[i][0].strip().startswith(COMMENT)
+    )
+
+
 def is_header(row: Sequence[str]) -> bool:
     """Whether a row names columns: at least two roles and no number."""
     if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
         return False
-    return len({role for cell in uncommented(row)[:_WIDEST] if (role := heading(_unquoted(cell.strip())).role)}) > 1
+    found = [heading(_unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
+    roles = {each.role for each in found if each.role}
+    # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
+    return len(roles) > 1 or (len(roles) == 1 and len({plainly(each).role for each in found} - {None}) > 2)
 
 
 def uncommented(row: Sequence[str]) -> list[str]:

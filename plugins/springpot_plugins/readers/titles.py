@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from springpot.measurement import (
@@ -20,7 +20,8 @@ from springpot.measurement import (
     normal_unit,
 )
 
-from .names import role_of
+from .marks import Mark, logarithm, plain_mark, quantity_mark
+from .names import FREQUENCIES, role_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
 COMPLIANCE_UNITS = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
@@ -95,6 +96,11 @@ class Heading:
         The unit as written; None where there is none.
     joined : bool
         Whether the unit was joined by an underscore, as programs write it.
+    log : str
+        Base of the logarithm that the column holds, ``10`` or ``e``; ``?`` where the title does not say which,
+        empty for plain numbers.
+    mark : Mark or None
+        Which of several curves the column belongs to.
     """
 
     title: str
@@ -102,6 +108,8 @@ class Heading:
     role: str | None
     unit: str | None
     joined: bool = False
+    log: str = ""
+    mark: Mark | None = None
 
 
 @lru_cache(maxsize=2048)
@@ -134,7 +142,32 @@ def heading(title: str, below: str | None = None) -> Heading:
     if below is not None and below.strip():
         inner = below.strip()
         inner = inner[1:-1] if inner[:1] + inner[-1:] in ("[]", "()") else inner
-        return Heading(title, title, role_of(title) or heading(title).role, inner.strip())
+        own = heading(title)
+        name = own.name if own.log or own.mark else title
+        return Heading(title, name, role_of(title) or own.role, inner.strip(), log=own.log, mark=own.mark)
+    return _marked(title) or _plain(title)
+
+
+def _marked(title: str) -> Heading | None:
+    """The title of one of several curves, or of logarithms."""
+    if role_of(title) is not None:
+        return None
+    if (marked := quantity_mark(title)) is not None:
+        stem, mark = marked
+        found = heading(stem) if stem != title else None
+        clocks = FREQUENCIES if mark.role in FREQUENCIES else {mark.role}
+        if found is not None and found.role in UNITS and found.role not in {*clocks, "time"}:
+            return replace(found, title=title, mark=mark)
+    if (taken := logarithm(title)) is not None:
+        base, inner = taken
+        found = _plain(inner)
+        if found.role in UNITS and found.role not in ("time", "temperature"):
+            return replace(found, title=title, log=base)
+    return None
+
+
+def _plain(title: str) -> Heading:
+    """A title of name and unit."""
     if (match := _BRACKETS.match(title)) and match[1]:
         return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
     if (role := role_of(title)) is not None:
@@ -195,3 +228,14 @@ def _joined(title: str) -> Heading | None:
 
 def _word(said: str) -> str:
     return {"pct": "%", "percent": "%", "c": "degC", "k": "K"}.get(said.lower(), said)
+
+
+@lru_cache(maxsize=2048)
+def plainly(found: Heading) -> Heading:
+    """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
+    if found.role is None and (marked := plain_mark(found.name)) is not None:
+        name, mark = marked
+        role = role_of(name)
+        if role in UNITS and role not in ("time", "temperature", "amplitude"):
+            return replace(found, role=role, name=name, mark=mark)
+    return found
