@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from springpot.errors import DataError
 
 from .grid import COMMENT, MISSING, Grid, is_number
+from .headings import beside, headings_of, is_remark, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI
-from .titles import Heading, heading, is_unit, plainly
+from .titles import Heading, heading, plainly
 
 _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or remarks."""
@@ -100,7 +100,9 @@ def is_dynamic(roles: set[str]) -> bool:
     return modulus and bool(roles & FREQUENCIES)
 
 
-def blocks_of(grid: Grid, path: Path, strict: bool = False, stacked: bool = False) -> tuple[list[Block], list[list[str]]]:
+def blocks_of(
+    grid: Grid, path: Path, strict: bool = False, stacked: bool = False
+) -> tuple[list[Block], list[list[str]]]:
     """The tables in a grid, and the lines below the last one.
 
     Parameters
@@ -140,7 +142,9 @@ def blocks_of(grid: Grid, path: Path, strict: bool = False, stacked: bool = Fals
             i += 1
             continue
         stop = _last_row(rows, start, rows[i])
-        headings = headings_of(rows[i], rows[i + 1 : start], len(rows[start]))
+        names, between = beside(rows[i], rows[i + 1 : start], rows[start:stop])
+        headings = headings_of(names, between, len(rows[start]))
+        above += [[cell.strip() for cell in row] for row in between if is_remark(row)]
         cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), path, strict)
         blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
         above, i, tried = [], stop, 0
@@ -163,19 +167,10 @@ def is_header(row: Sequence[str]) -> bool:
     """Whether a row names columns: at least two roles and no number."""
     if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
         return False
-    found = [heading(_unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
+    found = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
     roles = {each.role for each in found if each.role}
     # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
-    return len(roles) > 1 or (len(roles) == 1 and len({plainly(each).role for each in found} - {None}) > 2)
-
-
-def uncommented(row: Sequence[str]) -> list[str]:
-    """The cells without the sign of a comment before the first."""
-    first = row[0].strip() if row else ""
-    if not first.startswith(COMMENT):
-        return list(row)
-    bare = first.lstrip("#%!/ ")
-    return [bare, *row[1:]] if bare else list(row[1:])
+    return len(roles) > 1 or len({plainly(each).role for each in found} - {None}) > 2
 
 
 def is_data(row: Sequence[str]) -> bool:
@@ -191,7 +186,7 @@ def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
     for j in range(i + 1, min(i + 2 + _UNITS_WITHIN, len(rows))):
         if is_data(rows[j]) and not rows[j][0].strip().startswith(COMMENT):
             return j
-        if is_header(rows[j]) and not _units_in(rows[j]):
+        if is_header(rows[j]) and not units_in(rows[j]):
             return None
     return None
 
@@ -219,44 +214,6 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
 def _ends(row: Sequence[str]) -> bool:
     """Whether a row with numbers is a line above the next table, such as ``Interval:  2  17``."""
     return row[0].strip().endswith(":") or row[0].strip().startswith((*COMMENT, "["))
-
-
-def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
-    """Titles with the units from the row below them, at least `width` of them."""
-    titles = [_unquoted(cell.strip()) for cell in uncommented(names)]
-    if len(titles) > width:
-        titles = _rejoined(titles, names, width)
-    units: list[str | None] = [None] * max(len(titles), width)
-    titles += [""] * (len(units) - len(titles))
-    for row in between:
-        if (found := _units_in(row)) and len(found) <= len(units):
-            units[: len(found)] = found
-    return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
-
-
-def _unquoted(cell: str) -> str:
-    """Without quotes around it; the one of G" stays."""
-    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
-
-
-def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
-    """Names with spaces in a file that is separated by them: joined where only the whole is known."""
-    while width < len(titles) < 4 * width + 8:
-        pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
-        pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
-        if not pairs:
-            return [cell for cell in titles if cell] if len([c for c in titles if c]) == width else titles
-        i = pairs[0]
-        titles[i : i + 2] = [" ".join(titles[i : i + 2])]
-    return titles
-
-
-def _units_in(row: Sequence[str]) -> list[str]:
-    """The units in a row that holds nothing else; none for other rows."""
-    cells = [cell.strip() for cell in uncommented(row)]
-    filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
-    known = [cell for cell in filled if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)]
-    return cells if filled and len(known) >= max(1, 0.6 * len(filled)) else []
 
 
 def _rectangle(

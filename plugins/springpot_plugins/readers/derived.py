@@ -1,4 +1,4 @@
-"""Moduli from what stands in their place: complex viscosity, its parts, or compliances."""
+"""Moduli from what stands in their place: complex viscosity, its parts, compliances, or logarithms."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from springpot.measurement import known_unit
 from springpot.rheology import Real
 
+from .grid import MISSING, is_number
 from .table import Column
 from .titles import COMPLIANCE_UNITS, DAMPING_UNITS, UNITS, VISCOSITY_UNITS
 
@@ -42,6 +43,22 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         found["storage"] = _column(elastic, "storage", modulus.real)
         found["loss"] = _column(viscous, "loss", modulus.imag)
     return found
+
+
+def unlogged(column: Column, base: str) -> Column:
+    """The column itself of one that holds its logarithms, to base ``10`` or ``e``; others as they are."""
+    if not base:
+        return column
+    cells = [cell if cell.strip() in MISSING or not is_number(cell) else _power(base, cell) for cell in column.cells]
+    return replace(column, cells=cells, decimal_comma=False)
+
+
+def _power(base: str, cell: str) -> str:
+    number = float(cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e"))
+    with np.errstate(all="ignore"):
+        value = float(np.exp(number) if base == "e" else np.power(10.0, number))
+    # A mere "inf" would pass for a gap; this is refused later, with its line.
+    return repr(value) if np.isfinite(value) else "infinity"
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:

@@ -13,10 +13,10 @@ from springpot.measurement import Choice, Measurement, Part, known_unit
 from .blocks import Block, is_dynamic, lacking
 from .cleaning import bare_name, cleaned, is_blank
 from .columns import measurement_of
-from .derived import COMPLIANCES, VISCOSITIES, with_moduli
+from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
 from .joining import joined
 from .names import FREQUENCIES, rank
-from .said import ask_units, told
+from .said import ask_base, ask_units, told
 from .table import Column
 from .titles import UNITS, Heading, heading, tidy
 
@@ -115,7 +115,12 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice, path: Path) -> list[B
         return usable
     if len(picked) == 1:
         where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
-        raise DataError(f"{path}: {where}{picked[0].holds()}")
+        # Titles that are not known may still be of the columns that are missing.
+        unknown = sum(1 for each in picked[0].headings if each.title and each.role is None)
+        hint = f"; or say which, such as '{path}?2=storage[Pa],3=loss[Pa]'" if unknown > 1 else ""
+        raise DataError(
+            f"{path}: {where}{picked[0].holds()}{hint if picked[0].lacks().startswith('missing') else ''}"
+        )
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
     raise DataError(f"{path}: none of its {len(picked)} parts has frequency, storage and loss ({names:.120})")
 
@@ -148,6 +153,8 @@ def _measurement(
     block: Block, choice: Choice, path: Path, provenance: Mapping[str, str], further: bool
 ) -> Measurement:
     said = told(block.headings, choice, path)
+    if any(each.log == "?" and each.role in _MEANT for each in said.headings):
+        raise ask_base([each for each in said.headings if each.log and each.role in _MEANT], path)
     columns = _columns(block, said.headings, path)
     columns += [
         _constant(title, value, block, path) for title, value in {**block.constants, **said.constants}.items()
@@ -177,7 +184,7 @@ def _columns(block: Block, headings: Sequence[Heading], path: Path) -> list[Colu
             unit = "-"
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
-        made.append(Column(title, name, unit, column, path, block.lines, decimal_comma=True))
+        made.append(unlogged(Column(title, name, unit, column, path, block.lines, decimal_comma=True), heading_.log))
     return made
 
 

@@ -16,6 +16,7 @@ from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import Grid
 from .stated import with_stated
+from .wide import apart
 
 _LIMIT = 400_000_000
 """Bytes that a workbook may hold once it is unpacked."""
@@ -33,7 +34,7 @@ def recognises(head: bytes) -> float:
     return 0.95 if b"xl/" in head or b"[Content_Types].xml" in head else 0.3
 
 
-def _blocks(path: Path) -> list[Block]:
+def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
     """The tables of all sheets.
 
     Raises
@@ -60,7 +61,8 @@ def _blocks(path: Path) -> list[Block]:
         # Broken workbooks fail within openpyxl in many ways.
         reason = (str(error).splitlines() or [""])[0]
         raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
-    return [block for title, grid in sheets for block in _named(title, with_stated(blocks_of(grid, path)[0]))]
+    found = [(title, apart(blocks_of(grid, path, stacked=True)[0], choice)) for title, grid in sheets]
+    return [block for title, blocks in found for block in _named(title, with_stated(blocks))]
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
@@ -120,7 +122,7 @@ def read(path: Path, choice: Choice) -> Measurement:
     DataError
         One line that says what was recognised and what is missing.
     """
-    blocks = _blocks(path)
+    blocks = _blocks(path, choice)
     facts = facts_of(pairs_in(row for block in blocks for row in block.above))
     return measurement_from(blocks, choice, path, {"format": "Excel", **facts}, further=True)
 

@@ -12,14 +12,16 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, Reader
 
-from .blocks import Block, blocks_of, headings_of, is_data, is_dynamic, is_header
+from .blocks import Block, blocks_of, is_data, is_dynamic, is_header
 from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import COMMENT, Grid, grid_of, head_grid, is_number
+from .headings import headings_of
 from .names import FREQUENCIES, MODULI
 from .said import ask_columns, numbered
 from .stated import with_stated
 from .text import head_text, text_of
+from .wide import apart
 
 
 def recognises(head: bytes) -> float:
@@ -56,19 +58,19 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
-    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
-    return parts_from(with_stated(blocks))
+    blocks, _ = blocks_of(grid_of(text_of(path), path), path, stacked=True)
+    return parts_from(with_stated(apart(blocks)))
 
 
 def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
-    blocks, below = blocks_of(grid, path, strict=True)
+    blocks, below = blocks_of(grid, path, strict=True, stacked=True)
     if not blocks:
         return [_without_names(grid, path, choice)], []
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
     if rest:
         shown = " ".join(rest[0])
         raise DataError(f"{path}: '{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
-    return with_stated(blocks), pairs_in([row for block in blocks for row in block.above])
+    return with_stated(apart(blocks, choice)), pairs_in([row for block in blocks for row in block.above])
 
 
 def _without_names(grid: Grid, path: Path, choice: Choice) -> Block:

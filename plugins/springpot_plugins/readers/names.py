@@ -132,7 +132,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "dispamp",
             "displacementamp",
         ),
-        *("dynamicstrain", "shearstrain", "strain", "γ0", "gamma0", "γ", "gamma", "%strain", "strainγ"),
+        *("dynamicstrain", "shearstrain", "strain", "γ0", "gamma0", "γ", "ɣ", "gamma", "%strain", "strainγ"),
         *("amplitudededeformation", "deformationdecisaillement", "deformation", "scherdeformation"),
         *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
         *("deformaciondecizalla", "deformacionporcizalla", "deformacion", "amplitud", "ampiezza"),

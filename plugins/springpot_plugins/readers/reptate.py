@@ -8,9 +8,10 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Reader
 
-from .blocks import Block, headings_of, is_data
+from .blocks import Block, is_data
 from .dynamic import measurement_from
 from .grid import COMMENT, cells_of, lines_of, separator_in
+from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 

@@ -14,6 +14,7 @@ from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import grid_of
 from .names import fold
+from .stated import with_stated
 from .text import head_text, text_of
 
 _INTERVAL = re.compile(
@@ -50,7 +51,7 @@ def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
         number = next((value.split()[0] for key, value in said if _INTERVAL.match(f"{key}:") and value.split()), "")
         name = f"{result} interval {number or i}".strip()
         made.append(_valid(replace(block, name=name)))
-    return made, pairs
+    return with_stated(made), pairs
 
 
 def _valid(block: Block) -> Block:

@@ -10,6 +10,7 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice
 
+from .marks import logarithm
 from .names import ROLES, fold, role_of
 from .titles import USUAL, Heading, heading, is_unit
 
@@ -42,7 +43,11 @@ def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
         If there is no such column, or what is said of it is neither a unit nor a meaning.
     """
     found, constants = list(headings), {}
+    told_of: set[int] = set()
     for name, meaning in choice.columns.items():
+        if name == "log":
+            found = [_with_base(heading_, meaning, path) for heading_ in found]
+            continue
         role = name if name in ROLES else role_of(name)
         constant = _CONSTANT.match(meaning)
         if role is not None and not name.isdigit() and constant is not None:
@@ -50,7 +55,21 @@ def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
             continue
         place = _place(found, name, role, path)
         found[place] = _meant(found[place], meaning, path)
+        told_of.add(place)
+    meant = {found[place].role for place in told_of}
+    # Of two columns that seem to be one thing, the one that was named is meant.
+    found = [
+        replace(each, role=None) if each.role in meant and place not in told_of else each
+        for place, each in enumerate(found)
+    ]
     return Told(tuple(found), constants)
+
+
+def _with_base(heading_: Heading, base: str, path: Path) -> Heading:
+    """A column of logarithms whose base the user says."""
+    if base not in ("10", "e"):
+        raise DataError(f"{path}: the base of logarithms is 10 or e, not '{base:.20}'; write '{path}?log=10'")
+    return replace(heading_, log=base) if heading_.log == "?" else heading_
 
 
 def _place(headings: Sequence[Heading], name: str, role: str | None, path: Path) -> int:
@@ -70,15 +89,17 @@ def _place(headings: Sequence[Heading], name: str, role: str | None, path: Path)
 
 
 def _meant(heading_: Heading, meaning: str, path: Path) -> Heading:
+    taken = logarithm(meaning)
+    base, meaning = taken if taken and taken[0] != "?" else ("", meaning)
     match = _MEANING.match(meaning)
     name, unit = (match[1].strip(), match[2]) if match else (meaning, None)
     if match is None and is_unit(meaning) and meaning not in ROLES:
-        return replace(heading_, unit=meaning)
+        return replace(heading_, unit=meaning, log=base or heading_.log)
     role = name if name in ROLES else role_of(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
         raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {roles}, ignore")
-    return Heading(heading_.title, name, role, heading_.unit if unit is None else unit)
+    return Heading(heading_.title, name, role, heading_.unit if unit is None else unit, log=base or heading_.log)
 
 
 def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
@@ -93,6 +114,19 @@ def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
     it = "they are" if len(missing) > 1 else "it is"
     return DataError(
         f"{path}: {names} {plural} no unit; if {it} {usual}, open '{path}?{given}', or write {write} in it"
+    )
+
+
+def ask_base(headings: Iterable[Heading], path: Path) -> DataError:
+    """The question for the base of logarithms, and for the units that are missing as well."""
+    found = list(headings)
+    unsure = ", ".join(f"'{heading.title}'" for heading in found if heading.log == "?")
+    bare = [heading for heading in found if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
+    given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])
+    units = f" and units {', '.join(dict.fromkeys(USUAL[str(h.role)] for h in bare))}" if bare else ""
+    return DataError(
+        f"{path}: {unsure}: logarithms to base 10 or e? For base 10{units} open '{path}?{given}', "
+        "or write log10 or ln in it"
     )
 
 

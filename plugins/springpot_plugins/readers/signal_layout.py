@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .blocks import uncommented
 from .channels import UNITS, found_in
 from .grid import SEPARATORS, is_number, lines_of, separator_in, split_line
+from .headings import uncommented
 from .titles import is_unit
 
 _WORDS = re.compile(r"[^\W\d_eE]")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from .blocks import Block
+from .marks import stated_mark
 from .names import FREQUENCIES, role_of
 from .titles import UNITS, tidy
 
@@ -28,10 +29,25 @@ def stated_above(block: Block) -> dict[str, str]:
     """Conditions by title: ``temperature [degC]`` and the number; only those with a known unit."""
     there, found = block.roles, {}
     for row in block.above[-_NEAR:]:
-        for name, bracket, number, behind in _STATED.findall(", ".join(cell for cell in row if cell)):
-            role = role_of(name)
+        said = _said_in([cell for cell in row if cell])
+        for role in {role for role, _, _ in said}:
             taken = there & FREQUENCIES if role in FREQUENCIES else role in there
-            unit = tidy(bracket or behind)
-            if role in _ROLES and not taken and (bracket or behind) and unit in UNITS[str(role)]:
-                found[f"{role} [{unit}]"] = number.replace(",", ".")
+            told = {(unit, number) for each, unit, number in said if each == role}
+            # Two temperatures in one line are those of two curves.
+            if not taken and len(told) == 1:
+                unit, number = told.pop()
+                found[f"{role} [{unit}]"] = number
+    return found
+
+
+def _said_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
+    """Role, unit and number of each condition in a line."""
+    found = []
+    if len(cells) == 1 and (mark := stated_mark(cells[0].strip("#%/ "))).title:
+        return [(mark.role, tidy(mark.title.partition(" ")[2]), mark.value)]
+    text = "".join(f"{cell} " if cell.endswith((":", "=")) else f"{cell}, " for cell in cells)
+    for name, bracket, number, behind in _STATED.findall(text.removesuffix(", ")):
+        role, unit = role_of(name), tidy(bracket or behind)
+        if role in _ROLES and (bracket or behind) and unit in UNITS[str(role)]:
+            found.append((str(role), unit, number.replace(",", ".")))
     return found

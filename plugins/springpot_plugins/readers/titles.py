@@ -119,6 +119,7 @@ def tidy(unit: str) -> str:
     text = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", text)
     text = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", text)
     text = re.sub(r"\bsec(?:onds?)?\b", "s", text)
+    text = re.sub(r"^([mkM]?Pa)s$", r"\1 s", text)
     known = normal_unit(text)
     if known.endswith(" s^-1"):
         known = f"{known[:-5]}/s"

@@ -1,0 +1,80 @@
+"""Names and units above a table, one for each of its columns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+from .grid import COMMENT
+from .titles import Heading, heading, is_unit
+
+
+def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
+    """Titles with the units from the row below them, at least `width` of them."""
+    titles = [unquoted(cell.strip()) for cell in uncommented(names)]
+    if len(titles) > width:
+        titles = _rejoined(titles, names, width)
+    units: list[str | None] = [None] * max(len(titles), width)
+    titles += [""] * (len(units) - len(titles))
+    for row in between:
+        if (found := units_in(row)) and len(found) <= len(units):
+            units[: len(found)] = found
+    return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def unquoted(cell: str) -> str:
+    """Without quotes around it; the one of G" stays."""
+    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
+
+
+def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
+    """Names with spaces in a file that is separated by them: joined where only the whole is known."""
+    while width < len(titles) < 4 * width + 8:
+        pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
+        pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
+        if not pairs:
+            return [cell for cell in titles if cell] if len([c for c in titles if c]) == width else titles
+        i = pairs[0]
+        titles[i : i + 2] = [" ".join(titles[i : i + 2])]
+    return titles
+
+
+def units_in(row: Sequence[str]) -> list[str]:
+    """The units in a row that holds nothing else; none for other rows."""
+    cells = [cell.strip() for cell in uncommented(row)]
+    filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
+    known = [cell for cell in filled if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)]
+    return cells if filled and len(known) >= max(1, 0.6 * len(filled)) else []
+
+
+def beside(
+    names: Sequence[str], between: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]
+) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Names and units with one cell for each of the rows, where the first name is of none of them, or lacks."""
+    width = len(rows[0])
+    if len(names) == width + 1 and names[0].strip().endswith(":"):
+        # "Interval data:" stands before the names, and nothing before the numbers.
+        return names[1:], [row[1:] if row and not row[0].strip() else row for row in between]
+    if len(names) == width - 1 and all(len(row) == width for row in rows) and _are_row_names(rows):
+        return ["", *names], between
+    return names, between
+
+
+def _are_row_names(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether the first cells count the rows, as some programs do without a name above them."""
+    first = [row[0].strip().strip('"') for row in rows]
+    return len(rows) > 1 and any(first == list(map(str, range(k, k + len(rows)))) for k in (0, 1))
+
+
+def is_remark(row: Sequence[str]) -> bool:
+    """Whether a row is a line of words, rather than names or units."""
+    return sum(1 for cell in row if cell.strip()) == 1 and not units_in(row)
+
+
+def uncommented(row: Sequence[str]) -> list[str]:
+    """The cells without the sign of a comment before the first."""
+    first = row[0].strip() if row else ""
+    if not first.startswith(COMMENT):
+        return list(row)
+    bare = first.lstrip("#%!/ ")
+    return [bare, *row[1:]] if bare else list(row[1:])

@@ -1,0 +1,128 @@
+"""What a title says beside name and unit: that the column holds logarithms, and for which curve it is.
+
+``log10 G' [Pa]``, ``ln omega``; ``G' at 20 °C [Pa]``, ``tan d (1 Hz)``.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+_LOGARITHM = re.compile(r"(log[ _]?\(?10\)?|log₁₀|lg|ln|log[ _]?e(?![a-z])|log)([\s_({\[]*)(.+)\Z", re.IGNORECASE)
+_BASES = {"lg": "10", "ln": "e", "loge": "e", "log10": "10", "log₁₀": "10", "log": "?"}
+_QUANTITY = re.compile(
+    r"[\s_,;@(\[]*(?:(?<![^\W_])(?:at|bei|T|f|ω|omega)\b)?[\s=@]*(?<![^\W_])(?<![.,])([-+−]?\d{1,9}(?:[.,]\d{1,9})?)[\s_]?"
+    r"(°\s?C|℃|º\s?C|deg\s?C|C|°\s?F|kHz|mHz|Hz|rad/s)(?![^\W_])\s*[)\]]?",
+)
+_UNITS = {"C": "degC", "F": "degF"}
+_PLAIN = re.compile(r"(.*?['\w)])(?:[\s_\-.#]+|\s*\()([^\W_][\w.+-]{0,19}|\d[\d.]*)\)?\Z")
+_DERIVED = frozenset(
+    (
+        *("model", "fit", "fitted", "calc", "calculated", "theory", "pred", "predicted", "sim", "simulated"),
+        *("residual", "std", "sd", "stdev", "err", "error", "unc", "uncertainty", "min", "max", "mean", "avg"),
+        *("average", "median", "norm", "normalized", "normalised", "smooth", "smoothed", "shifted", "master"),
+        *("reduced", "ratio", "raw", "corrected", "uncorrected", "set", "target", "cmd", "command", "limit"),
+        *("ref", "reference", "slope", "index", "modulus"),
+    )
+)
+"""Words that say that a column is no further curve but another form of the same."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Which of several curves a column belongs to.
+
+    Parameters
+    ----------
+    text : str
+        As the file has it, such as ``20 °C`` or ``sample A``.
+    title : str
+        The condition that this states, such as ``temperature [degC]``; empty for a mere name.
+    value : str
+        Its number.
+    bare : bool
+        Whether a temperature is written as ``20C``, which may be a name.
+    """
+
+    text: str
+    title: str = ""
+    value: str = ""
+    bare: bool = False
+
+    @property
+    def role(self) -> str:
+        """The role of the condition."""
+        return self.title.partition(" ")[0]
+
+
+@lru_cache(maxsize=2048)
+def logarithm(title: str) -> tuple[str, str] | None:
+    """Base (``10``, ``e``, or ``?`` where it is not said) and what is within; None for other titles."""
+    match = _LOGARITHM.match(title)
+    if match is None:
+        return None
+    word = re.sub(r"[ _()]", "", match[1].lower())
+    opened, inner = match[2].strip(" _"), match[3].strip()
+    if opened:
+        inner = _without_closing(inner, opened[0])
+    return (_BASES[word], inner) if inner else None
+
+
+def _without_closing(inner: str, opened: str) -> str:
+    """What stands within the bracket, and a unit behind it: ``G') [Pa]`` as ``G' [Pa]``."""
+    closing = {"(": ")", "[": "]", "{": "}"}[opened]
+    depth = 0
+    for place, sign in enumerate(inner):
+        depth += (sign in "([{") - (sign in ")]}")
+        if depth < 0 and sign == closing:
+            return f"{inner[:place]} {inner[place + 1 :]}".strip()
+    return inner
+
+
+def of_number(text: str, unit: str, whole: str = "") -> Mark:
+    """The condition of a number with a unit."""
+    plain = unit.replace("º", "°").replace("℃", "°C").replace("°", "").replace("deg", "").strip()
+    known = _UNITS.get(plain, plain)
+    name = "temperature" if known.startswith("deg") else "omega" if known == "rad/s" else "frequency"
+    value = text.replace("−", "-").replace(",", ".").lstrip("+")
+    return Mark(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
+
+
+@lru_cache(maxsize=2048)
+def quantity_mark(title: str) -> tuple[str, Mark] | None:
+    """A title without its temperature or frequency, and these; None for other titles."""
+    match = _QUANTITY.search(title)
+    if match is None or match.start() == 0:
+        return None
+    # A bracket that holds more than the number stays with the title.
+    left, right = match[0].count("(") + match[0].count("["), match[0].count(")") + match[0].count("]")
+    if left != right:
+        return None
+    stem = f"{title[: match.start()]} {title[match.end() :].lstrip()}".strip()
+    stem = re.sub(r"\s+_|_\s+", "_", stem)
+    return stem, of_number(match[1], match[2], re.sub(r"^at\s+", "", match[0].strip(" _,;@()[]")))
+
+
+@lru_cache(maxsize=2048)
+def plain_mark(name: str) -> tuple[str, Mark] | None:
+    """A name without its last word, and this as the name of a curve: ``G'_A``; None for other names."""
+    match = _PLAIN.match(name)
+    if match is None or re.sub(r"[\d.]+$", "", match[2].lower()) in _DERIVED:
+        return None
+    return match[1], Mark(match[2])
+
+
+@lru_cache(maxsize=2048)
+def stated_mark(text: str) -> Mark:
+    """What a cell above the columns of one curve says of it: ``T = 20 °C``, ``20 °C`` or a name."""
+    match = _QUANTITY.search(f" {text}")
+    if match is not None and re.fullmatch(
+        r"\s*(?:T|temp\.?|temperatur[ea]?|température|f|freq\.?|frequency|frequenz)?\s*[=:]?\s*",
+        f" {text}"[: match.start()],
+        re.IGNORECASE,
+    ):
+        mark = of_number(match[1], match[2], text)
+        if match.end() == len(text) + 1 and not mark.bare:
+            return mark
+    return Mark(text)

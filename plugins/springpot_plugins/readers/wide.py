@@ -1,0 +1,208 @@
+"""Curves side by side in one table: storage and loss once for each temperature, frequency or sample.
+
+What makes the difference stands in the titles (``G' at 20 °C [Pa]``), in a row above them, or is not said, where the
+same titles come again. A table is taken apart only where each part is complete; otherwise it stays as it is.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+
+from springpot.measurement import Choice
+
+from .blocks import Block, is_dynamic
+from .grid import is_number
+from .marks import Mark, of_number, stated_mark
+from .names import FREQUENCIES, MODULI, ROLES, fold
+from .titles import UNITS, Heading, heading, plainly, tidy
+
+_VALUES = MODULI | {"phase", "loss_factor", "out_of_phase_viscosity", "loss_compliance", "storage_sd", "loss_sd"}
+"""What differs from curve to curve."""
+_COPY = re.compile(r"\.(\d{1,3})\Z")
+"""What programs put behind a title that comes again."""
+_SEGMENT = re.compile(r"\d{1,4}\|\d{1,6}\Z")
+_WIDEST = 2000
+
+Columns = list[tuple[int, Heading]]
+"""Columns of one curve: where they stand, and what they are."""
+
+
+def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
+    """The blocks, those with several curves side by side as one block for each.
+
+    Parameters
+    ----------
+    blocks : iterable of Block
+        The tables of a file.
+    choice : Choice, optional
+        What the user says; where it names columns by number or title, tables stay whole.
+    """
+    if choice is not None and any(key not in ROLES and key != "log" for key in choice.columns):
+        return list(blocks)
+    return [part for block in blocks for segment in _segments(block) for part in _apart(segment)]
+
+
+def _segments(block: Block) -> list[Block]:
+    """Sweeps one below the other whose rows are numbered as ``2|1``: segment and point."""
+    first = [row[0].strip() for row in block.rows]
+    if block.headings[0].role is not None or not all(map(_SEGMENT.match, first)):
+        return [block]
+    made, start = [], 0
+    for number, run in groupby(cell.partition("|")[0] for cell in first):
+        stop = start + len(list(run))
+        rows, lines = block.rows[start:stop], block.lines[start:stop]
+        made.append(replace(block, name=f"{block.name} segment {number}".strip(), rows=rows, lines=lines))
+        start = stop
+    without = [replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows]) for each in made]
+    return without if len(made) > 1 else [block]
+
+
+def _apart(block: Block) -> list[Block]:
+    headings = block.headings
+    if len(headings) > _WIDEST:
+        return [block]
+    labels = _labels(block)
+    for marked in (_by_title(headings), _by_label(headings, labels), _by_plain_title(headings), _again(headings)):
+        curves = _curves(headings, marked)
+        if curves and all(_is_complete(columns) for _, columns in curves):
+            above = block.above[:-1] if labels else block.above
+            certain = _are_temperatures([mark for mark, _ in curves])
+            return [_part(block, above, mark, columns, certain) for mark, columns in curves]
+    return [block]
+
+
+def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
+    return [(heading_, heading_.mark) for heading_ in headings]
+
+
+def _by_label(headings: Sequence[Heading], labels: Sequence[Mark | None]) -> list[tuple[Heading, Mark | None]]:
+    if not labels or any(heading_.mark for heading_ in headings):
+        return []
+    return list(zip(map(_uncopied, headings), labels, strict=True))
+
+
+def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
+    """Titles such as ``G'_A [Pa]``, if no column of moduli is without such a name."""
+    if any(heading_.role in _VALUES for heading_ in headings):
+        return []
+    found = [plainly(heading_) for heading_ in headings]
+    return [(heading_, heading_.mark) for heading_ in found]
+
+
+def _again(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
+    """Titles that come again: each time one does, the next curve begins."""
+    seen: set[str] = set()
+    made: list[tuple[Heading, Mark | None]] = []
+    number, found = 1, [_uncopied(heading_) for heading_ in headings]
+    for heading_ in found:
+        key = fold(heading_.title)
+        if key and key in seen:
+            number, seen = number + 1, set()
+        seen.add(key)
+        made.append((heading_, Mark(f"curve {number}")))
+    return made if number > 1 else []
+
+
+def _uncopied(found: Heading) -> Heading:
+    """A title without the number that programs put behind one that comes again: ``G' [Pa].1``."""
+    if found.role is None and (match := _COPY.search(found.title)):
+        plain = heading(found.title[: match.start()])
+        return found if plain.role is None else replace(plain, unit=plain.unit or found.unit)
+    return found
+
+
+def _labels(block: Block) -> list[Mark | None]:
+    """What the row above the titles says of each column; empty where it says nothing of that kind."""
+    row = block.above[-1] if block.above else []
+    if not 1 < len(row) <= len(block.headings) or (len(row) == 2 and row[0].endswith(":")):
+        return []
+    first, cells = heading(row[0]), list(row)
+    if first.role in {"temperature", *FREQUENCIES} and first.unit is not None:
+        unit = tidy(first.unit)
+        cells[0] = ""
+        if unit not in UNITS[str(first.role)] or not all(is_number(cell) for cell in cells if cell):
+            return []
+        marks = [of_number(cell, unit) if cell else None for cell in cells]
+    elif any(map(is_number, cells)):
+        return []
+    else:
+        marks = [stated_mark(cell) if cell else None for cell in cells]
+    if sum(mark is not None for mark in marks) < 2:
+        return []
+    marks += [None] * (len(block.headings) - len(marks))
+    for i in range(1, len(marks)):
+        # One cell stands for those to its right, as where cells are merged.
+        marks[i] = marks[i] or marks[i - 1]
+    return marks
+
+
+def _curves(headings: Sequence[Heading], marked: Sequence[tuple[Heading, Mark | None]]) -> list[tuple[Mark, Columns]]:
+    """The columns of each curve, with those that all share; none where there is nothing to take apart."""
+    curves: dict[str, tuple[Mark, Columns]] = {}
+    shared: Columns = []
+    for place, (heading_, mark) in enumerate(marked):
+        if mark is None:
+            shared.append((place, heading_))
+        else:
+            curves.setdefault(_key(mark), (mark, []))[1].append((place, heading_))
+    if not curves or any(heading_.role in _VALUES for _, heading_ in shared):
+        return []
+    found = list(curves.values())
+    if len(found) == 1 and not found[0][0].title:
+        return []
+    clock = _clock(found)
+    return [(mark, _with_shared(columns, shared, clock)) for mark, columns in found]
+
+
+def _key(mark: Mark) -> str:
+    return f"{mark.title}={float(mark.value):g}" if mark.title else mark.text.casefold()
+
+
+def _clock(curves: Sequence[tuple[Mark, Columns]]) -> Columns:
+    """The columns before the moduli of the first curve, for the others that have no frequency."""
+    columns = curves[0][1]
+    first = next((i for i, (_, heading_) in enumerate(columns) if heading_.role in _VALUES), 0)
+    return columns[:first]
+
+
+def _with_shared(columns: Columns, shared: Columns, clock: Columns) -> Columns:
+    roles = {heading_.role for _, heading_ in columns}
+    if not roles & FREQUENCIES and not any(heading_.role in FREQUENCIES for _, heading_ in shared):
+        shared = [*shared, *clock]
+    return [
+        *((place, heading_) for place, heading_ in shared if heading_.role not in roles or not heading_.role),
+        *columns,
+    ]
+
+
+def _is_complete(columns: Columns) -> bool:
+    """Whether the columns are a dynamic test, each role of which is there once."""
+    roles = [str(heading_.role) for _, heading_ in columns if heading_.role]
+    values = [role for role in roles if role in _VALUES or role in FREQUENCIES]
+    marks = {heading_.mark.role for _, heading_ in columns if heading_.mark and heading_.mark.title}
+    return len(values) == len(set(values)) and is_dynamic({*roles, *marks})
+
+
+def _are_temperatures(marks: Sequence[Mark]) -> bool:
+    """Whether numbers before a mere C are temperatures: where they are several, and nothing else is."""
+    return len({mark.value for mark in marks}) > 1 and all(mark.role == "temperature" for mark in marks)
+
+
+def _part(block: Block, above: list[list[str]], mark: Mark, columns: Columns, certain: bool) -> Block:
+    places = [place for place, _ in columns]
+    # A row that ends early has nothing for this curve.
+    filled = [i for i, row in enumerate(block.rows) if any(row[place].strip() for place in places)]
+    stated: Mapping[str, str] = {mark.title: mark.value} if mark.title and (certain or not mark.bare) else {}
+    name = " ".join(word for word in (block.name, mark.text) if word)
+    return replace(
+        block,
+        name=name,
+        headings=tuple(heading_ for _, heading_ in columns),
+        rows=[[block.rows[i][place] for place in places] for i in filled],
+        lines=[block.lines[i] for i in filled],
+        above=above,
+        constants={**block.constants, **stated},
+    )
