@@ -14,6 +14,7 @@ from .blocks import Block, is_dynamic, lacking
 from .cleaning import bare_name, cleaned, is_blank
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
+from .grid import is_number
 from .joining import joined
 from .names import FREQUENCIES, rank
 from .said import ask_base, ask_units, told
@@ -71,6 +72,9 @@ def measurement_from(
         return replace(parts[0], name=name, provenance={**parts[0].provenance, **said})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
+    if all(is_number(block.name) for block in chosen):
+        shown = ", ".join(block.name for block in chosen[:3])
+        note += f"; if {shown} ... are temperatures, open '{path.name}?curves=temperature[degC]'"
     return joined(parts, [block.name for block in chosen], name, path, note)
 
 

@@ -15,8 +15,9 @@ from .blocks import Block, blocks_of
 from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import Grid
+from .marks import stated_mark
 from .stated import with_stated
-from .wide import apart
+from .wide import apart, said_already
 
 _LIMIT = 400_000_000
 """Bytes that a workbook may hold once it is unpacked."""
@@ -66,7 +67,14 @@ def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
-    """Blocks called by their sheet, and numbered where it has several."""
+    """Blocks called by their sheet, and numbered where it has several; ``40 °C`` as a name is a temperature."""
+    mark = stated_mark(sheet)
+    if mark.title:
+        said = {mark.title: mark.value}
+        blocks = [
+            block if said_already(mark, block.roles) else replace(block, constants={**said, **block.constants})
+            for block in blocks
+        ]
     if len(blocks) == 1:
         return [replace(blocks[0], name=sheet)]
     return [replace(block, name=f"{sheet} {block.name or i}") for i, block in enumerate(blocks, 1)]

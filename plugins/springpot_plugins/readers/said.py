@@ -14,6 +14,9 @@ from .marks import logarithm
 from .names import ROLES, fold, role_of
 from .titles import USUAL, Heading, heading, is_unit
 
+LOG, CURVES = "log", "curves"
+WHOLE = frozenset((LOG, CURVES))
+"""What is said of a whole table rather than of a column: the base of its logarithms, by what its curves differ."""
 _CONSTANT = re.compile(r"^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\[?\s*([^\[\]]*?)\s*\]?$")
 _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
@@ -45,8 +48,8 @@ def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
     found, constants = list(headings), {}
     told_of: set[int] = set()
     for name, meaning in choice.columns.items():
-        if name == "log":
-            found = [_with_base(heading_, meaning, path) for heading_ in found]
+        if name in WHOLE:
+            found = [_with_base(each, meaning, path) for each in found] if name == LOG else found
             continue
         role = name if name in ROLES else role_of(name)
         constant = _CONSTANT.match(meaning)

@@ -17,6 +17,7 @@ from .blocks import Block, is_dynamic
 from .grid import is_number
 from .marks import Mark, of_number, stated_mark
 from .names import FREQUENCIES, MODULI, ROLES, fold
+from .said import CURVES, WHOLE
 from .titles import UNITS, Heading, heading, plainly, tidy
 
 _VALUES = MODULI | {"phase", "loss_factor", "out_of_phase_viscosity", "loss_compliance", "storage_sd", "loss_sd"}
@@ -38,11 +39,14 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
     blocks : iterable of Block
         The tables of a file.
     choice : Choice, optional
-        What the user says; where it names columns by number or title, tables stay whole.
+        What the user says; where it names columns by number or title, tables stay whole. ``curves`` says what the
+        numbers are by which curves are called.
     """
-    if choice is not None and any(key not in ROLES and key != "log" for key in choice.columns):
+    said = {} if choice is None else choice.columns
+    if any(key not in ROLES and key not in WHOLE for key in said):
         return list(blocks)
-    return [part for block in blocks for segment in _segments(block) for part in _apart(segment)]
+    title = said.get(CURVES, "")
+    return [part for block in blocks for segment in _segments(block) for part in _apart(segment, title)]
 
 
 def _segments(block: Block) -> list[Block]:
@@ -60,7 +64,7 @@ def _segments(block: Block) -> list[Block]:
     return without if len(made) > 1 else [block]
 
 
-def _apart(block: Block) -> list[Block]:
+def _apart(block: Block, title: str) -> list[Block]:
     headings = block.headings
     if len(headings) > _WIDEST:
         return [block]
@@ -70,8 +74,17 @@ def _apart(block: Block) -> list[Block]:
         if curves and all(_is_complete(columns) for _, columns in curves):
             above = block.above[:-1] if labels else block.above
             certain = _are_temperatures([mark for mark, _ in curves])
-            return [_part(block, above, mark, columns, certain) for mark, columns in curves]
+            told = [(_called(mark, title), columns) for mark, columns in curves]
+            return [_part(block, above, mark, columns, certain) for mark, columns in told]
     return [block]
+
+
+def _called(mark: Mark, title: str) -> Mark:
+    """The curve, where the user says of what its name is the number: ``temperature [degC]``."""
+    said = heading(title)
+    if not title or mark.title or not is_number(mark.text) or said.role is None or said.unit is None:
+        return mark
+    return replace(mark, title=f"{said.role} [{tidy(said.unit)}]", value=mark.text.replace(",", "."))
 
 
 def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
@@ -126,7 +139,7 @@ def _labels(block: Block) -> list[Mark | None]:
         if unit not in UNITS[str(first.role)] or not all(is_number(cell) for cell in cells if cell):
             return []
         marks = [of_number(cell, unit) if cell else None for cell in cells]
-    elif any(map(is_number, cells)):
+    elif any(map(is_number, cells)) and cells[0]:
         return []
     else:
         marks = [stated_mark(cell) if cell else None for cell in cells]
@@ -191,11 +204,18 @@ def _are_temperatures(marks: Sequence[Mark]) -> bool:
     return len({mark.value for mark in marks}) > 1 and all(mark.role == "temperature" for mark in marks)
 
 
+def said_already(mark: Mark, roles: Iterable[str]) -> bool:
+    """Whether columns of these roles say what a name says."""
+    return bool((FREQUENCIES if mark.role in FREQUENCIES else {mark.role}) & set(roles))
+
+
 def _part(block: Block, above: list[list[str]], mark: Mark, columns: Columns, certain: bool) -> Block:
     places = [place for place, _ in columns]
     # A row that ends early has nothing for this curve.
     filled = [i for i, row in enumerate(block.rows) if any(row[place].strip() for place in places)]
-    stated: Mapping[str, str] = {mark.title: mark.value} if mark.title and (certain or not mark.bare) else {}
+    roles = {str(heading_.role) for _, heading_ in columns}
+    known = mark.title and (certain or not mark.bare) and not said_already(mark, roles)
+    stated: Mapping[str, str] = {mark.title: mark.value} if known else {}
     name = " ".join(word for word in (block.name, mark.text) if word)
     return replace(
         block,

@@ -49,6 +49,14 @@ def test_a_curve_for_each_temperature_beside_one_frequency(folder, titles):
     assert set(second.conditions["temperature"]) == {40.0}
 
 
+def test_numbers_above_curves_are_names_until_the_user_says_more(folder):
+    text = f",20,,40,\nf [Hz],Gp [Pa],Gpp [Pa],Gp [Pa],Gpp [Pa]\n{NUMBERS}\n,,,,\n"
+    found = folder.open(text)
+    is_both(found)
+    assert found.provenance["note parts"].endswith("?curves=temperature[degC]'")
+    is_both(folder.open(text, "?curves=temperature[degC]"), (20.0, 40.0))
+
+
 def test_moduli_first_then_temperatures(folder):
     columns = (HERTZ, STIFFNESS.real, WARM.real, STIFFNESS.imag, WARM.imag)
     is_both(
@@ -134,6 +142,20 @@ def test_curves_side_by_side_in_a_workbook(folder):
     book.active.append(["f [Hz]", "G' [Pa]", "G'' [Pa]", "G' [Pa]", "G'' [Pa]"])
     for row in zip(*PAIR, strict=True):
         book.active.append([float(value) for value in row])
+    stream = io.BytesIO()
+    book.save(stream)
+    is_both(folder.open(stream.getvalue(), name="book.xlsx"), (20.0, 40.0))
+
+
+def test_sheets_that_are_called_by_their_temperature(folder):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, values in (("20 °C", STIFFNESS), ("T = 40 °C", WARM)):
+        sheet = book.create_sheet(title)
+        sheet.append(["f [Hz]", "G' [Pa]", "G'' [Pa]"])
+        for row in zip(HERTZ, values.real, values.imag, strict=True):
+            sheet.append([float(value) for value in row])
     stream = io.BytesIO()
     book.save(stream)
     is_both(folder.open(stream.getvalue(), name="book.xlsx"), (20.0, 40.0))
