@@ -135,7 +135,9 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
     best = max(scored, default=(0.0, 0, None), key=lambda entry: entry[:2])
     if best[2] is None or not best[0] > 0:
         names = ", ".join(reader.name for reader in known) or "none"
-        raise DataError(f"{path}: no reader recognises this file (readers: {names})")
+        markup = read_head(path).lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
+        hint = "HTML or XML, save it as .xlsx or CSV" if markup else "it takes columns with names above numbers"
+        raise DataError(f"{path}: no reader recognises this file: {hint} (readers: {names})")
     return best[2]
 
 

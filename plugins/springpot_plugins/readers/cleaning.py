@@ -18,6 +18,7 @@ from .titles import heading
 
 _THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
 _POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
+_BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
@@ -51,7 +52,10 @@ def _present(column: Column) -> NDArray[np.bool_]:
 
 
 def _without_thousands(column: Column) -> Column:
-    """Numbers such as 1,234.5, where all commas are plainly those of thousands, without them; or 1.234,5."""
+    """Numbers such as 1,234.5, where all commas are plainly those of thousands, without them; 1.234,5; 1 234,5."""
+    parted = [cell for cell in column.cells if len(cell.split()) > 1]
+    if parted and all(map(_BLANKS.match, parted)):
+        column = replace(column, cells=["".join(cell.split()) for cell in column.cells])
     for sign, pattern in ((",", _THOUSANDS), (".", _POINTS)):
         marked = [cell for cell in column.cells if sign in cell]
         if marked and any({",", "."} <= set(cell) for cell in marked) and all(map(pattern.match, marked)):

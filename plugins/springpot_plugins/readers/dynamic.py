@@ -74,7 +74,7 @@ def measurement_from(
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
     if all(is_number(block.name) for block in chosen):
         shown = ", ".join(block.name for block in chosen[:3])
-        note += f"; if {shown} ... are temperatures, open '{path.name}?curves=temperature[degC]'"
+        note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
     return joined(parts, [block.name for block in chosen], name, path, note)
 
 

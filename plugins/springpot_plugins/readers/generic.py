@@ -17,6 +17,7 @@ from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import COMMENT, Grid, grid_of, head_grid, is_number
 from .headings import headings_of
+from .lying import lying
 from .names import FREQUENCIES, MODULI
 from .said import ask_columns, numbered
 from .stated import with_stated
@@ -58,12 +59,15 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
-    blocks, _ = blocks_of(grid_of(text_of(path), path), path, stacked=True)
+    grid = grid_of(text_of(path), path)
+    blocks, _ = blocks_of(grid, path, stacked=True)
     return parts_from(with_stated(apart(blocks)))
 
 
 def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
     blocks, below = blocks_of(grid, path, strict=True, stacked=True)
+    if not blocks and (turned := lying(grid)) is not None:
+        blocks, below = blocks_of(turned, path, strict=True)
     if not blocks:
         return [_without_names(grid, path, choice)], []
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]

@@ -19,7 +19,16 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
     for row in between:
         if (found := units_in(row)) and len(found) <= len(units):
             units[: len(found)] = found
+        elif len(row) == len(titles):
+            titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
     return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def _in_two_rows(titles: list[str], below: Sequence[str]) -> list[str]:
+    """Names that go on in the next row, ``Storage`` and ``modulus``, where more is known of the whole."""
+    whole = [f"{title} {more}".strip() for title, more in zip(titles, below, strict=False)]
+    known = [sum(1 for title in each if heading(title).role) for each in (titles, whole)]
+    return whole if len(whole) == len(titles) and known[1] > known[0] else titles
 
 
 def unquoted(cell: str) -> str:

@@ -45,11 +45,13 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: 
     notes = {"note parts": note}
     if dropped:
         notes["note columns"] = f"not in every part, or in other units, left out: {', '.join(dropped)}"
+    counted = [part.repeat for part in parts if part.repeat is not None]
     return Measurement(
         omega=np.concatenate([part.omega for part in parts]),
         stiffness=np.concatenate([part.stiffness for part in parts]),
         sd=_together(parts, lambda part: part.sd),
         conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
+        repeat=None if len(counted) < len(parts) else np.concatenate(counted),
         units=replace(parts[0].units, amplitude=amplitude if "amplitude" in common else "-"),
         name=name,
         provenance={**parts[0].provenance, **notes},

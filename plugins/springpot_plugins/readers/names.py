@@ -191,6 +191,9 @@ def fold(name: str) -> str:
 
 _ROLE_OF = {fold(name): role for role, names in reversed(NAMES.items()) for name in names}
 _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
+_MEANS = ("mean", "avg")
+AVERAGED = MODULI | {"phase", "loss_factor"}
+"""What may be the mean of several measurements: ``G'_mean``."""
 _FURTHER = re.compile(r"\((?:[^()]*)\)$")
 
 
@@ -205,6 +208,9 @@ def role_of(name: str) -> str | None:
     folded = fold(name)
     if folded in _ROLE_OF:
         return _ROLE_OF[folded]
+    if folded.endswith(_MEANS):
+        stem = _ROLE_OF.get(folded.removesuffix("mean").removesuffix("avg"))
+        return stem if stem in AVERAGED else None
     # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.
     if " " in name and len(name) < 100:
         words, _, last = name.rpartition(" ")

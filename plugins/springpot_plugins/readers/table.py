@@ -15,6 +15,7 @@ from springpot.errors import DataError
 from springpot.rheology import Real
 
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
+_EXPONENT = re.compile(r"(\d\.?)[dD]([-+]?\d+\s*)\Z")
 _COMMENT = re.compile(r"^#+\s*([\w][\w .-]{0,40}?)\s*:\s+(.*)$")
 
 
@@ -95,8 +96,9 @@ class Column:
 
 
 def _number(cell: str) -> float:
+    """A number, also with the minus of typesetting or the exponent of Fortran: −40, 1.0D+03."""
     try:
-        return float(cell)
+        return float(_EXPONENT.sub(r"\1e\2", cell.replace("−", "-")))
     except ValueError:
         return np.nan
 

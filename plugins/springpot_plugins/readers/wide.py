@@ -82,7 +82,11 @@ def _apart(block: Block, title: str) -> list[Block]:
 def _called(mark: Mark, title: str) -> Mark:
     """The curve, where the user says of what its name is the number: ``temperature [degC]``."""
     said = heading(title)
-    if not title or mark.title or not is_number(mark.text) or said.role is None or said.unit is None:
+    if not title or mark.title or not is_number(mark.text) or said.role is None:
+        return mark
+    if said.role == "repeat":
+        return replace(mark, title="repeat", value=mark.text)
+    if said.unit is None:
         return mark
     return replace(mark, title=f"{said.role} [{tidy(said.unit)}]", value=mark.text.replace(",", "."))
 

@@ -53,7 +53,7 @@ def test_numbers_above_curves_are_names_until_the_user_says_more(folder):
     text = f",20,,40,\nf [Hz],Gp [Pa],Gpp [Pa],Gp [Pa],Gpp [Pa]\n{NUMBERS}\n,,,,\n"
     found = folder.open(text)
     is_both(found)
-    assert found.provenance["note parts"].endswith("?curves=temperature[degC]'")
+    assert found.provenance["note parts"].endswith("?curves=temperature[degC]' or '?curves=repeat'")
     is_both(folder.open(text, "?curves=temperature[degC]"), (20.0, 40.0))
 
 
