@@ -195,7 +195,6 @@ def test_fixture_and_specimen_inertia_are_one_class_while_waves_are_long(effect)
     )
 
 
-@pytest.mark.xfail(strict=False, reason="a filter within 2 of the best BIC is left out for its small prior")
 def test_a_small_delay_and_a_small_filter_are_one_class():
     one_class(
         springpot.diagnose(hidden(KELVIN, SWEEP, "time-delay", 60.0, just=True), KELVIN.name),

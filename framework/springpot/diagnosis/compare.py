@@ -19,6 +19,7 @@ from .overtones import overtones
 from .refit import Refit, refit
 from .result import Error, Where
 from .where import where
+from .words import times
 
 SCHEMA = "springpot.comparison/1"
 STARTS = 4
@@ -63,7 +64,7 @@ class Judgement:
     @property
     def says(self) -> str:
         """The judgement in one sentence."""
-        ratio = f"error {self.error.relative_rms / self.error.noise_floor:.2g} x the noise floor"
+        ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
         if not self.fails:
             return f"{ratio}; nothing is left but noise"
         if not self.where:

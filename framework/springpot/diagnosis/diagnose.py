@@ -9,7 +9,7 @@ import numpy as np
 
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
-from springpot.rheology import Effect, Model
+from springpot.rheology import Effect, Model, Real
 
 from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
@@ -20,6 +20,7 @@ from .search import Search
 from .settle import settled
 from .validation import validation
 from .where import periodic, where
+from .words import times
 
 LIBRARY_ALARM = 0.01
 """Chance of a false alarm granted to the scan of the library."""
@@ -33,6 +34,10 @@ REMAINDER = 0.005
 """Share of the misfit that named effects may leave and still be the verdict."""
 MOST_POINTS = 1500
 """Points that are diagnosed at most; of more, evenly many of every sweep are taken."""
+NOISY = 1.2
+"""Error over noise floor below which only the pattern of a misfit tells it from noise."""
+RIVAL = 1e-3
+"""Chance, beside that of the leading effect, from which another is worth a measurement."""
 FEWEST_SPARE = 4
 """Degrees of freedom below which data cannot be judged."""
 
@@ -82,11 +87,17 @@ def diagnose(
     return examine(measurement, model, library, rng).diagnosis
 
 
-def examine(measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator) -> Case:
-    """As `diagnose`, with the fits and scans behind the answer."""
+def examine(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    seeds: Sequence[Real] = (),
+) -> Case:
+    """As `diagnose`, with the fits and scans behind the answer, and with starts (p,) known from a smaller model."""
     require_conditions(model, measurement)
     measured, measurement = len(measurement), thinned(measurement)
-    found, outliers = settled(measurement, model, library, rng)
+    found, outliers = settled(measurement, model, library, rng, seeds)
     base = found.base
     probabilities = posterior(found)
     verdict = _verdict(found, probabilities)
@@ -141,8 +152,10 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
         return None
     chances = rivals_of(found, probabilities, leading(found, probabilities))
     first, *others = sorted(chances, key=lambda name: -chances[name])
+    if not others or chances[others[0]] < RIVAL * chances[first]:
+        return None
     best = best_with(found)
-    return next_experiment(best[first], best[others[0]], (first, others[0])) if others else None
+    return next_experiment(best[first], best[others[0]], (first, others[0]))
 
 
 def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:
@@ -159,7 +172,7 @@ def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterato
         yield f"repeats differ by more than chance ({found.repeats.kind}): drift or a disturbance common to a sweep"
     if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
         ratio = found.best.relative_rms / found.best.floor
-        yield f"the best model found, {found.best.model}, still leaves structure ({ratio:.2g} x the noise floor)"
+        yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
     yield from validation(found)
 
 
@@ -198,11 +211,12 @@ def _all_but_explained(found: Search) -> bool:
 
 
 def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]]) -> str:
-    error = f"the error is {ratio:.2g} x the noise floor"
+    error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
         return f"{error}; missing is {' or '.join(groups[0])}"
     if verdict == "unexplained":
-        return f"{error}; something is missing that no effect of the library explains"
+        pattern = ", but no pattern of noise" if ratio < NOISY else ""
+        return f"{error}{pattern}; something is missing that no effect of the library explains"
     return f"{error}; these data cannot tell whether something is missing"

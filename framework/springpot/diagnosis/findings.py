@@ -13,9 +13,10 @@ from scipy.stats import chi2, f, norm, t
 
 from springpot.rheology import Real
 
-from .frame import Frame, orthonormal
+from .frame import Frame
 from .noise import Source, robust_variance
 from .sweeps import sweeps_of
+from .words import times
 
 ALARM = 0.05
 """Chance that any of the tests on a fit without fault gives an alarm."""
@@ -95,12 +96,12 @@ def _lack_of_fit(frame: Frame, source: Source) -> Iterator[Finding]:
         value = float(np.sum((frame.smooth.T @ frame.rest) ** 2))
         scatter = float(frame.rough @ frame.rough) / rough
         ratio = value / slow / max(scatter, 1e-300)
-        words = f"slow structure in the residual is {_times(np.sqrt(ratio))} what point-to-point scatter leaves"
+        words = f"slow structure in the residual is {times(np.sqrt(ratio))} what point-to-point scatter leaves"
         yield Finding("lack of fit", ratio, float(f.sf(ratio, slow, rough)), False, words)
         return
     value = float(frame.rest @ frame.rest)
     words = (
-        f"the residual is {_times(np.sqrt(value / free))} what the noise leaves "
+        f"the residual is {times(np.sqrt(value / free))} what the noise leaves "
         f"(chi-square {value:.4g} on {free} degrees of freedom)"
     )
     yield Finding("lack of fit", value, _tail(value, free, frame.scale_dof), False, words)
@@ -115,7 +116,7 @@ def _parts(frame: Frame) -> Iterator[Finding]:
         free = max(float(n - np.sum(taken[rows])), 1.0)
         value = float(np.sum(frame.rest[rows] ** 2))
         ratio = float(np.sqrt(value / free))
-        words = f"{word} alone is {_times(ratio)} what its noise leaves"
+        words = f"{word} alone is {times(ratio)} what its noise leaves"
         yield Finding(f"{word} alone", ratio, _tail(value, free, frame.scale_dof), False, words)
 
 
@@ -198,7 +199,7 @@ def _trends(frame: Frame) -> Iterator[Finding]:
         x = np.log(column) if name == "amplitude" and np.all(column > 0) else column
         x = (x - np.mean(x)) / np.ptp(x)
         lines = frame.whiten(np.array([x, 1j * x]) * frame.model_stiffness).T
-        basis = orthonormal(frame.project(lines), 1e-3)
+        basis = frame.beyond(lines, 1e-3)
         value = float(np.sum((basis.T @ frame.rest) ** 2))
         size, phase = ((off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x)))
         words = (
@@ -215,7 +216,7 @@ def _outliers(frame: Frame) -> Iterator[Finding]:
     if frame.rough_dof < 10:
         return
     n = len(frame.measurement)
-    left = 1.0 - np.sum(frame.absorbed**2, axis=1) - np.sum(frame.smooth**2, axis=1)
+    left = 1.0 - np.sum(frame.absorbed**2, axis=1) - np.sum(frame.structured**2, axis=1)
     scale = np.sqrt(np.maximum(left, 0.05) * robust_variance(frame.rough, frame.rough_dof, frame.measurement.omega))
     size = np.abs(frame.rough) / scale
     each = 2.0 * t.sf(size, frame.rough_dof)
@@ -240,7 +241,7 @@ def _hum(frame: Frame) -> Iterator[Finding]:
         return
     ratio = float(np.mean(off[near] ** 2)) / max(float(np.mean(off[~near] ** 2)), 1e-300)
     places = ", ".join(sorted({f"{x:.3g}" for x in frequency[here][near[: len(here)]]}, key=float)[:4])
-    words = f"at multiples of the mains ({places} Hz) points stand off {_times(np.sqrt(ratio))} as far as others"
+    words = f"at multiples of the mains ({places} Hz) points stand off {times(np.sqrt(ratio))} as far as others"
     yield Finding("mains frequency", ratio, float(f.sf(ratio, count, others)), False, words)
 
 
@@ -259,7 +260,3 @@ def _points(frame: Frame, rows: NDArray[np.int64]) -> str:
     return (
         f"{'a single point stands' if len(rows) == 1 else 'single points stand'} out at {', '.join(hertz)}{more}{hum}"
     )
-
-
-def _times(ratio: float) -> str:
-    return f"{ratio:.2g} x"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
 import numpy as np
+from scipy.stats import f
 
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Real
 
+from .frame import Frame
 from .noise import (
     Averaged,
     Noise,
@@ -23,15 +26,22 @@ from .noise import (
     robust_variance,
 )
 from .refit import Refit, refit
+from .sweeps import sweeps_of
 
 ROUNDS = 2
 SHARPER = 0.7
 """The noise is estimated anew where the scatter about the best model is less than this share of the estimate."""
+DIFFERENCES = 0.5
+"""Degrees of freedom that a second difference is worth: neighbouring ones share points."""
+ENOUGH_NEIGHBOURS = 8
+"""Degrees of freedom below which second differences say too little."""
+FASTER = 1e-3
+"""Chance that second differences vary by so much less than the scatter if that is noise."""
 FEWEST = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
 
 
-def fitted_to_floor(model: Model, measurement: Measurement) -> Refit:
+def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
     """Fit `model` to the averaged data, in units of a noise floor found on the way.
 
     Repeats tell the noise best; given standard deviations are checked against the data's own scatter; without
@@ -43,18 +53,21 @@ def fitted_to_floor(model: Model, measurement: Measurement) -> Refit:
         The user's model; it need not be right.
     measurement : Measurement
         The data.
+    seeds : sequence of ndarray, shape (p,)
+        Starts worth trying beside those read off the data.
     """
     data = average_repeats(measurement)
     repeated = noise_of_repeats(data)
     if repeated is not None:
-        return refit(model, data, repeated, starts=16)
-    return _estimated(model, data) if data.mean.sd is None else _given(model, data, data.mean.sd)
+        return refit(model, data, repeated, seeds, starts=16)
+    if data.mean.sd is None:
+        return _estimated(model, data, seeds)
+    return _given(model, data, data.mean.sd, seeds)
 
 
-def _given(model: Model, data: Averaged, sd: Complex) -> Refit:
-    first = refit(model, data, Noise(sd, inf, "given"), starts=16)
-    frame = first.frame()
-    noise = checked(first.noise, frame.rough, frame.rough_dof, data.mean.omega)
+def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
+    first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=16)
+    noise = checked(first.noise, *_scatter(first.frame()))
     if noise is first.noise:
         return first
     return refit(model, data, noise, [first.theta], starts=4)
@@ -68,21 +81,37 @@ def as_given(base: Refit) -> Refit:
 
 def borne_out(best: Refit) -> bool:
     """Whether the scatter about a good model is as large as its noise says."""
-    frame = best.frame()
+    variance, dof = _scatter(best.frame())
+    return variance < plausible(dof)[1]
+
+
+def _scatter(frame: Frame) -> tuple[float, float]:
+    """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
+
+    A ripple too fast for the slow curves would pass for scatter, but neighbours along a sweep share most of it:
+    where their second differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these
+    tell the noise.
+    """
     dof = max(frame.rough_dof, 1)
-    return robust_variance(frame.rough, dof, frame.measurement.omega) < plausible(dof)[1]
+    whole = robust_variance(frame.rough, dof, frame.measurement.omega)
+    lines = [sweep.rows for sweep in sweeps_of(frame.measurement) if len(sweep.rows) >= 3]
+    parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
+    bend = np.concatenate([np.zeros(0), *(np.diff(part, 2) for part in parts)])
+    efficient = DIFFERENCES * len(bend)
+    if efficient < ENOUGH_NEIGHBOURS:
+        return whole, float(dof)
+    near = float(np.mean(bend**2)) / 6.0 / (1.0 - frame.absorbed.shape[1] / frame.size)
+    return (near, efficient) if near < whole * f.ppf(FASTER, efficient, dof) else (whole, float(dof))
 
 
-def _estimated(model: Model, data: Averaged) -> Refit:
+def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
-    found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), starts=16)
+    found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
     for _ in range(ROUNDS):
         shaped = refit(model, data, _shaped(found), [found.theta], starts=2)
-        frame = shaped.frame()
-        dof = max(frame.rough_dof, 1)
-        scale = float(np.sqrt(robust_variance(frame.rough, dof, data.mean.omega)))
-        sd = at_least_rounding(scale * shaped.noise.sd, data.mean)
-        noise = replace(shaped.noise, sd=sd, dof=float(dof))
+        variance, dof = _scatter(shaped.frame())
+        sd = at_least_rounding(float(np.sqrt(variance)) * shaped.noise.sd, data.mean)
+        noise = replace(shaped.noise, sd=sd, dof=dof)
         found = refit(model, data, noise, [shaped.theta], starts=2)
     return found
 

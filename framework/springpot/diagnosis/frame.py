@@ -12,7 +12,7 @@ from springpot.identification import weighted
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
-from .sweeps import slow_shapes
+from .sweeps import shared_shapes, slow_shapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +71,16 @@ class Frame:
         """Columns (2n, m) without what the fitted parameters can follow."""
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
+    def beyond(self, columns: Real, least: float = 1e-6) -> Real:
+        """Orthonormal basis (2n, q) of what the fitted parameters cannot follow of some columns (2n, m).
+
+        A column of which less than the share `least` is left is one that they can follow: the rest is rounding.
+        """
+        size = np.linalg.norm(columns, axis=0)
+        columns = columns[:, size > 0] / size[size > 0]
+        left = self.project(columns)
+        return orthonormal(left[:, np.linalg.norm(left, axis=0) > least], least)
+
     @cached_property
     def smooth(self) -> Real:
         """Orthonormal basis of slow structure that the parameters cannot follow, shape (2n, q).
@@ -78,19 +88,33 @@ class Frame:
         Polynomials along each sweep, in magnitude and in phase: what a missing effect looks like,
         whichever it is.
         """
-        shapes = slow_shapes(self.measurement)
-        columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
-        return orthonormal(self.project(np.concatenate(columns).T), 1e-6)
+        return self.beyond(self._relative(slow_shapes(self.measurement)))
+
+    @cached_property
+    def shared(self) -> Real:
+        """Orthonormal basis (2n, q) of what is alike in all sweeps at a frequency and is not slow."""
+        columns = self._relative(shared_shapes(self.measurement))
+        return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
+
+    @cached_property
+    def structured(self) -> Real:
+        """Orthonormal basis (2n, q) of all that would be no noise: slow along a sweep, or alike in all of them."""
+        return np.concatenate([self.smooth, self.shared], axis=1)
 
     @cached_property
     def rough(self) -> Real:
-        """Residual (2n,) that neither the parameters nor slow structure can follow: noise, if all is well."""
-        return self.rest - self.smooth @ (self.smooth.T @ self.rest)
+        """Residual (2n,) that neither the parameters nor structure can follow: noise, if all is well."""
+        return self.rest - self.structured @ (self.structured.T @ self.rest)
 
     @property
     def rough_dof(self) -> int:
         """Degrees of freedom of `rough`."""
-        return self.size - int(self.absorbed.shape[1]) - int(self.smooth.shape[1])
+        return self.size - int(self.absorbed.shape[1]) - int(self.structured.shape[1])
+
+    def _relative(self, shapes: Real) -> Real:
+        """Shapes (m, n) as changes of magnitude and of phase, whitened, as columns (2n, 2m)."""
+        columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
+        return np.concatenate(columns).T
 
 
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
@@ -17,6 +18,7 @@ from .diagnose import Case, examine
 from .display import draw, html_of_ladder
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
+from .search import scan_effects
 
 CLEAR = 1e-3
 """Chance of a false alarm below which an effect is accepted without asking."""
@@ -141,7 +143,7 @@ def discover(
         if effect is None:
             break
         predicted = _predicted(case, effect)
-        previous, case = case, examine(measurement, case.found.base.model + effect, library, rng)
+        previous, case = case, _grown(measurement, case, effect, library, rng)
         steps.append(replace(_step(case, effect.name, predicted, previous), alike=_alike(previous, effect)))
     if accept is None:
         steps = _explained(steps)
@@ -149,6 +151,17 @@ def discover(
     if accept is None and len(steps) > 2:
         case, steps = _pruned(measurement, case, steps, library, rng)
     return Ladder(measurement.name, tuple(steps), case.diagnosis.verdict, case.diagnosis)
+
+
+def _grown(
+    measurement: Measurement, case: Case, effect: Effect, library: Sequence[Effect], rng: np.random.Generator
+) -> Case:
+    """The next rung, fitted also from the smaller model with the effect as the scan saw it: it cannot do worse."""
+    base = case.found.base
+    require_conditions(base.model + effect, measurement)
+    seeds = [start for score in scan_effects(base, case.found.frame, [effect]).scores for start in score.starts]
+    seeds += [grown.refit.theta for grown in case.found.grown if grown.names == (effect.name,)]
+    return examine(measurement, base.model + effect, library, rng, seeds)
 
 
 def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:

@@ -243,27 +243,24 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     return Noise(best_shape(averaged.mean, scatter) / np.sqrt(scatter.dof + 1.0), dof, "repeats")
 
 
-def checked(noise: Noise, rough: Real, rough_dof: int, omega: Real) -> Noise:
+def checked(noise: Noise, variance: float, dof: float) -> Noise:
     """Noise as stated, with a word of doubt where the data's own scatter disagrees; too small noise is rescaled.
 
     Parameters
     ----------
     noise : Noise
         As given.
-    rough : ndarray, shape (2n,)
-        Whitened residual that neither the model nor slow structure follows; scatter if all is well.
-    rough_dof : int
+    variance : float
+        Of the whitened scatter that neither the model nor structure follows; one if all is well.
+    dof : float
         Its degrees of freedom.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
     """
-    if rough_dof < 10:
+    if dof < 10:
         return noise
-    ratio = robust_variance(rough, rough_dof, omega)
-    low, high = plausible(rough_dof)
-    if low < ratio < high:
+    low, high = plausible(dof)
+    if low < variance < high:
         return noise
-    factor = float(np.sqrt(ratio))
+    factor = float(np.sqrt(variance))
     if factor < 1.0:
         doubt = (
             f"the given standard deviations are {1 / factor:.2g} times the data's own scatter: "
@@ -274,10 +271,10 @@ def checked(noise: Noise, rough: Real, rough_dof: int, omega: Real) -> Noise:
         f"the given standard deviations look too small: the data scatter {factor:.2g} times as much; "
         "the scatter is used instead"
     )
-    return replace(noise.scaled(factor), dof=float(rough_dof), source="estimated", doubt=doubt)
+    return replace(noise.scaled(factor), dof=dof, source="estimated", doubt=doubt)
 
 
-def plausible(dof: int) -> tuple[float, float]:
+def plausible(dof: float) -> tuple[float, float]:
     """Least and largest variance of whitened scatter that standard deviations of the right size leave."""
     low, high = chi2.ppf([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
     return float(low), float(high)

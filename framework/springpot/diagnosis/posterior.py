@@ -112,10 +112,15 @@ def _evidence(found: Search, grown: Grown) -> float:
 
 
 def _unknown_evidence(found: Search) -> float:
-    """The same for slow structure of any kind on top of the base model: costly, as it has many parameters."""
+    """The same for structure of any kind on top of the base model: costly, as it has many parameters."""
     frame = found.frame
-    likelihood = found.base.noise.log_likelihood(float(frame.rough @ frame.rough), frame.size)
-    return _discounted(found, likelihood, int(frame.smooth.shape[1]), 1)
+    whole = float(frame.rest @ frame.rest)
+    evidence = []
+    for basis in (frame.smooth, frame.structured):
+        left = whole - float(np.sum((basis.T @ frame.rest) ** 2))
+        likelihood = found.base.noise.log_likelihood(left, frame.size)
+        evidence.append(_discounted(found, likelihood, int(basis.shape[1]), 1))
+    return max(evidence)
 
 
 def _discounted(found: Search, log_likelihood: float, spent: int, effects: int) -> float:

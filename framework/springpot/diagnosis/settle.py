@@ -9,7 +9,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.rheology import Effect, Model
+from springpot.rheology import Effect, Model, Real
 
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
 from .outliers import Outlier, are_outliers, described, outlying, without
@@ -29,7 +29,13 @@ class Settled(NamedTuple):
     outliers: list[Outlier]
 
 
-def settled(measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator) -> Settled:
+def settled(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    seeds: Sequence[Real] = (),
+) -> Settled:
     """Search for what is missing, without outliers and in units of a noise that the best model bears out.
 
     Parameters
@@ -42,26 +48,34 @@ def settled(measurement: Measurement, model: Model, library: Sequence[Effect], r
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
+    seeds : sequence of ndarray, shape (p,)
+        Starts worth trying beside those read off the data.
 
     Raises
     ------
     DataError
         If there are too few data to judge the model.
     """
-    found = _searched(measurement, model, library, rng)
+    found = _searched(measurement, model, library, rng, seeds)
     if min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS or found.base.data.mean is not measurement:
         return Settled(found, [])
     rows = outlying(found.frame)
     if len(rows) == 0:
         return Settled(found, [])
-    reduced = _searched(without(measurement, rows), model, library, rng)
+    reduced = _searched(without(measurement, rows), model, library, rng, seeds)
     if not are_outliers(found, reduced, len(rows)):
         return Settled(found, [])
     return Settled(reduced, described(reduced.base.frame_of(measurement), rows))
 
 
-def _searched(measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator) -> Search:
-    base = fitted_to_floor(model, measurement)
+def _searched(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    seeds: Sequence[Real],
+) -> Search:
+    base = fitted_to_floor(model, measurement, seeds)
     _require_enough(base, measurement)
     if base.noise.overruled:
         # Structure that a sweep is too short to show as such looks like scatter, until its effect is found.

@@ -109,6 +109,7 @@ def _chances(values: Real) -> Real:
 def _statistics(frame: Frame, sample: Real) -> dict[str, Real]:
     found = {
         "slow": np.sum((sample @ frame.smooth) ** 2, axis=1),
+        "shared": np.sum((sample @ frame.shared) ** 2, axis=1),
         "common": np.sum((sample @ _common(frame)) ** 2, axis=1),
         "runs": _runs(frame, sample, _along_frequency(frame)),
         "ripple": _ripple(frame, sample),
@@ -127,7 +128,7 @@ def _common(frame: Frame) -> Real:
     degrees = len(shapes) // max(1, len(sweeps_of(frame.measurement)))
     pooled = np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])
     columns = [frame.whiten(factor * frame.model_stiffness * pooled) for factor in (1.0, 1.0j)]
-    return orthonormal(frame.project(np.concatenate(columns).T), 1e-6)
+    return frame.beyond(np.concatenate(columns).T)
 
 
 def _local(frame: Frame) -> Real:

@@ -17,6 +17,10 @@ ALONG: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": 
 """Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
 
 
+FEWEST_ALIKE = 3
+"""Sweeps in which a residual must be alike to count as structure rather than as noise."""
+MOST_SHARED = 60
+"""Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
 DRIFT = 1.0
 """Kelvin by which temperatures differ at least if they were chosen."""
 
@@ -88,3 +92,17 @@ def slow_shapes(measurement: Measurement) -> Real:
             shape[rows] = polynomial
             shapes.append(shape)
     return np.array(shapes)
+
+
+def shared_shapes(measurement: Measurement) -> Real:
+    """For each frequency of several sweeps a shape (m, n) that is one there in all of them and zero elsewhere.
+
+    What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however rough it is. None
+    where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are so many that neighbours tell more.
+    """
+    distinct, which = np.unique(np.round(np.log(measurement.omega), 4), return_inverse=True)
+    if len(distinct) > MOST_SHARED:
+        return np.zeros((0, len(measurement)))
+    together = which.ravel() == np.arange(len(distinct))[:, None]
+    shared: Real = together[together.sum(axis=1) >= FEWEST_ALIKE].astype(np.float64)
+    return shared

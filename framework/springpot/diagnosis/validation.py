@@ -12,7 +12,10 @@ from .noise import Averaged, Noise, Scatter
 from .refit import Refit, refit
 from .search import Search
 from .sweeps import temperatures_differ
+from .words import times
 
+BETTER = 0.98
+"""Share of an error from which on a smaller one is better."""
 FOLDS = 4
 """Values left out at most, each by itself."""
 
@@ -33,10 +36,10 @@ def validation(found: Search) -> Iterator[str]:
         if not folds:
             continue
         old, new = (left_out_error(fitted, folds) for fitted in (found.base, found.best))
-        word = "predicts it better" if new < old else "does not predict it better"
+        word = "predicts it better" if new < BETTER * old else "does not predict it better"
         yield (
             f"leaving out one {name} at a time, {found.best.model} {word}: "
-            f"{new:.2g} x the noise instead of {old:.2g} x"
+            f"{times(new)} the noise instead of {times(old)}"
         )
 
 

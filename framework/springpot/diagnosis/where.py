@@ -141,6 +141,8 @@ def _range(low: float, high: float, frequency: Real) -> str:
         return f"below {high:.3g} Hz"
     if high >= most / 1.001:
         return f"above {low:.3g} Hz"
+    if f"{low:.3g}" == f"{high:.3g}":
+        return f"at {low:.3g} Hz"
     return f"between {low:.3g} and {high:.3g} Hz"
 
 

@@ -159,8 +159,15 @@ def changes_text(step: Step) -> str:
     """What accepting an effect did to the parameters there before."""
     if not step.accepted or not step.changed:
         return ""
-    moved = ", ".join(f"{name} by a factor of {number(ratio, 3)}" for name, ratio in step.changed.items())
+    moved = ", ".join(f"{name} {change(ratio)}" for name, ratio in step.changed.items())
     return f"{accepted_name(step)} changed {moved}"
+
+
+def change(ratio: float) -> str:
+    """How much a parameter moved: in per cent, or as a factor where that reads better."""
+    if 0.5 < ratio < 2.0:
+        return f"by {'+' if ratio > 1.0 else '-'}{percent(abs(ratio - 1.0), 2)}"
+    return f"by a factor of {number(ratio, 3)}"
 
 
 def doubt_text(step: Step) -> str:

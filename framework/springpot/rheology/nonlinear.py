@@ -90,7 +90,7 @@ def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
     """F |v|^a sgn(v): F is the force at a speed of one amplitude unit per second, a = 2 an orifice."""
     free = (
         Parameter(force, "F", FORCE),
-        Parameter(exponent, "a", PURE, 0.0, 2.0, "linear", 0.5),
+        Parameter(exponent, "a", PURE, 0.0, 3.0, "linear", 0.5),
     )
     return Formula(free, _power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third)
 

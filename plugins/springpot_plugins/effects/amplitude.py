@@ -56,7 +56,7 @@ EFFECTS = (
         "a damper force that goes as the cube of the speed: loss as omega^3 and amplitude squared",
         Layer.MOVING_PARTS,
         "Elliott, Tehrani and Langley 2015, doi:10.1098/rsta.2014.0402",
-        prior=0.1,
+        prior=0.2,
     ),
     Effect(
         "dead-zone",
@@ -90,7 +90,7 @@ EFFECTS = (
         "the material softens or stiffens with amplitude squared by the same fraction at all frequencies",
         citation="Hyun and Wilhelm 2009, Macromolecules 42, 411",
         aliases=("maos",),
-        prior=0.05,
+        prior=0.1,
     ),
     Effect(
         "self-heating",
@@ -109,6 +109,6 @@ EFFECTS = (
         Layer.SIGNAL,
         GELB,
         ("play",),
-        prior=0.05,
+        prior=0.1,
     ),
 )

@@ -54,6 +54,6 @@ EFFECTS = (
         "one more retardation time: a step in storage compliance and a bump in loss compliance at omega = 1/tau",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
-        prior=0.1,
+        prior=0.2,
     ),
 )

@@ -52,7 +52,7 @@ EFFECTS = (
         "one channel has a low-pass filter that the other lacks: phase error as omega, gain error as its square",
         Layer.SIGNAL,
         "1 / (1 + s tau), elementary",
-        prior=0.05,
+        prior=0.1,
     ),
     Effect(
         "fixture-resonance",
@@ -72,7 +72,7 @@ EFFECTS = (
         "the drive leaks into the force signal: a fixed force of fixed phase, the larger the smaller the amplitude",
         Layer.SIGNAL,
         "F exp(i phi) / X, elementary",
-        prior=0.05,
+        prior=0.1,
     ),
     Effect(
         "frequency-error",
@@ -82,6 +82,6 @@ EFFECTS = (
         Layer.SIGNAL,
         "ln(1 + e), elementary",
         ("clock-error",),
-        prior=0.05,
+        prior=0.1,
     ),
 )

@@ -23,6 +23,6 @@ EFFECTS = (
         "a shear wave in the specimen, force taken at its fixed end: storage grows with omega squared, then ripples",
         Layer.SPECIMEN,
         SCHRAG,
-        prior=0.1,
+        prior=0.2,
     ),
 )

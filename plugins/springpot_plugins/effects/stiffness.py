@@ -55,7 +55,7 @@ EFFECTS = (
         "fluid that seeps through the specimen stiffens it above omega = 1/tau, with a slope of one half",
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
-        prior=0.05,
+        prior=0.1,
     ),
     Effect(
         "hysteretic-loss",
@@ -83,6 +83,6 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics, section 24",
         ("stokes-layer",),
-        prior=0.05,
+        prior=0.1,
     ),
 )

@@ -51,7 +51,7 @@ EFFECTS = (
         entropic_spring("k"),
         "a rubber network beside the model, stiffer in proportion to the absolute temperature",
         citation="Treloar, The Physics of Rubber Elasticity, 1975",
-        prior=0.1,
+        prior=0.2,
     ),
     Effect(
         "arrhenius-dashpot",
@@ -61,7 +61,7 @@ EFFECTS = (
         Layer.SPECIMEN,
         "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         ("second-activation",),
-        prior=0.1,
+        prior=0.2,
     ),
     Effect(
         "rig-drag",
@@ -70,6 +70,6 @@ EFFECTS = (
         "viscous drag of the rig, which the specimen's temperature does not change",
         Layer.DEVICE,
         FERRY,
-        prior=0.1,
+        prior=0.2,
     ),
 )
