@@ -13,6 +13,7 @@ from springpot.rheology import Effect, Model, Real
 
 from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
+from .imitators import imitators
 from .outliers import Outlier
 from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
 from .result import Diagnosis, Error, NextExperiment, Verdict, Where
@@ -117,7 +118,7 @@ def examine(
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
         next_experiment=_next_experiment(found, probabilities) if groups else None,
-        notes=tuple(_notes(found, measured, outliers)),
+        notes=(*_notes(found, measured, outliers), *(imitators(found, library) if verdict == "unexplained" else ())),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,

@@ -1,0 +1,68 @@
+"""What errs alike at one frequency in sweep after sweep, or in neighbours along one, is no noise."""
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, WARM, design, exact, measured
+
+import springpot
+from springpot.diagnosis.words import times
+
+SWEEPS = design(14, 0.1, 100.0, temperatures=(0.0, 15.0, 30.0, 45.0))
+DENSE = design(60, 0.1, 100.0)
+NOISE = 0.005
+
+
+def rippled(at, base, waves, size=0.02, **given):
+    """A periodic gain error along ln omega, the same in all sweeps."""
+    x = np.log(at.omega / at.omega.min()) / np.log(at.omega.max() / at.omega.min())
+    return measured(at, exact(base, at) * (1.0 + size * np.cos(2.0 * np.pi * waves * x)), level=NOISE, **given)
+
+
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize("waves", [4.0, 6.5])
+def test_a_ripple_in_all_sweeps_is_not_taken_for_noise(waves, known):
+    diagnosis = springpot.diagnose(rippled(SWEEPS, WARM, waves, known=known), WARM.name)
+    assert diagnosis.verdict == "unexplained"
+    assert diagnosis.error.noise_source == ("given" if known else "estimated")
+    assert diagnosis.error.noise_floor == pytest.approx(NOISE * np.sqrt(2.0), rel=0.25)
+
+
+def test_given_deviations_are_not_overruled_by_a_ripple_of_neighbours():
+    diagnosis = springpot.diagnose(rippled(DENSE, KELVIN, 6.0, known=True), KELVIN.name)
+    assert diagnosis.error.noise_source == "given"
+    assert diagnosis.verdict == "unexplained"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_independent_noise_in_all_sweeps_stays_noise(seed):
+    data = measured(SWEEPS, exact(WARM, SWEEPS), seed, level=NOISE, known=False)
+    diagnosis = springpot.diagnose(data, WARM.name)
+    assert diagnosis.verdict == "adequate"
+    assert diagnosis.error.noise_floor == pytest.approx(NOISE * np.sqrt(2.0), rel=0.25)
+
+
+def frame_resonance(at, base, stiffness=3000.0, hertz=12.0, zeta=0.05):
+    r = at.omega / (2.0 * np.pi * hertz)
+    return 1.0 / (1.0 / exact(base, at) + 1.0 / (stiffness * (1.0 - r**2 + 2j * zeta * r)))
+
+
+def test_a_resonance_of_the_frame_is_only_hinted_at():
+    data = measured(DENSE, frame_resonance(DENSE, KELVIN), level=NOISE)
+    diagnosis = springpot.diagnose(data, KELVIN.name)
+    assert diagnosis.verdict == "unexplained"
+    hint = next(note for note in diagnosis.notes if note.startswith("frame-resonance near "))
+    assert float(hint.split()[2]) == pytest.approx(12.0, rel=0.05)
+    assert "frame-resonance" not in [candidate.effect for candidate in diagnosis.candidates]
+
+
+def test_an_accepted_effect_never_raises_the_error():
+    """The rung starts from the smaller model, where this effect is a narrow valley that cold starts miss."""
+    data = measured(DENSE, frame_resonance(DENSE, KELVIN), level=NOISE)
+    before, after = springpot.discover(data, KELVIN.name, accept=["frame-resonance"]).steps
+    assert after.relative_rms < before.relative_rms
+    assert after.relative_rms == pytest.approx(after.noise_floor, rel=0.15)
+
+
+@pytest.mark.parametrize(("ratio", "words"), [(1.04, "1 x"), (3.14, "3.1 x"), (99.4, "99 x"), (151.0, "151 x")])
+def test_ratios_never_show_a_power_of_ten(ratio, words):
+    assert times(ratio) == words
