@@ -23,9 +23,9 @@ from .validation import validation
 from .where import periodic, where
 from .words import times
 
-LIBRARY_ALARM = 0.01
+LIBRARY_ALARM = 0.006
 """Chance of a false alarm granted to the scan of the library."""
-STRUCTURE_ALARM = 0.008
+STRUCTURE_ALARM = 0.005
 """Chance of a false alarm granted to the test for structure of any kind."""
 REPEATS_ALARM = 0.002
 """Chance of a false alarm granted to the test of the repeats' scatter."""

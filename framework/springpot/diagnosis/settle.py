@@ -13,11 +13,15 @@ from springpot.rheology import Effect, Model, Real
 
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
 from .outliers import Outlier, are_outliers, described, outlying, without
-from .refit import Refit
+from .refit import Refit, refit
 from .search import Search, search
 
 SUSPICIOUS = 0.01
 """Chance of a false alarm below which it is asked whether single points raise it."""
+TOLD = 3
+"""Grown models whose parameters are tried for the model alone."""
+BETTER = 0.5
+"""Gain in log-likelihood from which a fit has found another minimum."""
 DECISIVE = 10.0
 """Drop of the information criterion from which the best model is trusted to tell the noise."""
 
@@ -57,6 +61,8 @@ def settled(
         If there are too few data to judge the model.
     """
     found = _searched(measurement, model, library, rng, seeds)
+    if (start := better_start(found)) is not None:
+        found = _searched(measurement, model, library, rng, [*seeds, start])
     if min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS or found.base.data.mean is not measurement:
         return Settled(found, [])
     rows = outlying(found.frame)
@@ -66,6 +72,28 @@ def settled(
     if not are_outliers(found, reduced, len(rows)):
         return Settled(found, [])
     return Settled(reduced, described(reduced.base.frame_of(measurement), rows))
+
+
+def better_start(found: Search) -> Real | None:
+    """Parameters (p,) from which the user's model fits better than it did, read off the grown models.
+
+    A grown model that fits far better has either found what is missing or left a local minimum behind; then the
+    model alone fits as well from there, and nothing is missing at all.
+
+    Parameters
+    ----------
+    found : Search
+        A finished search.
+    """
+    base = found.base
+    if min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS:
+        return None
+    seeds = []
+    for grown in found.grown[:TOLD]:
+        values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
+        seeds.append(np.array([values[name] for name in base.model.names]))
+    again = refit(base.model, base.data, base.noise, seeds, starts=0)
+    return again.theta if again.log_likelihood > base.log_likelihood + BETTER else None
 
 
 def _searched(
