@@ -83,7 +83,7 @@ def show(found: Identification, figure: Path | None) -> None:
         print()
         _show_parameters("search form", result["search_parameters"])
     objective = result["objective"]
-    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms)")
+    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms){_beside_floor(found)}")
     print(f"objective   {objective['name']}, {number(objective['value'])}")
     spent = f"{result['evaluations']} evaluations in {seconds(result['seconds'])}"
     print(f"optimiser   {result['optimiser']}, {result['status']}, {spent}")
@@ -91,6 +91,19 @@ def show(found: Identification, figure: Path | None) -> None:
         print(f"note        {note}")
     if figure is not None:
         print(f"figure      {figure}")
+
+
+def _beside_floor(found: Identification) -> str:
+    """The error as a multiple of what noise alone leaves, where the data are enough to tell."""
+    from springpot.diagnosis.diagnose import FEWEST_SPARE, thinned
+    from springpot.diagnosis.floor import fitted_to_floor
+    from springpot.report.numbers import number, percent
+
+    fitted = fitted_to_floor(found.model, thinned(found.measurement), [found.theta])
+    if fitted.fit.dof < FEWEST_SPARE or not fitted.floor > 0.0:
+        return ""
+    ratio = number(found.relative_rms / fitted.floor, 2)
+    return f", {ratio} x the noise floor of {percent(fitted.floor, 2)} ({fitted.noise.source})"
 
 
 def _show_parameters(heading: str, parameters: dict[str, dict[str, Any]]) -> None:

@@ -52,7 +52,7 @@ EFFECTS = (
         "diffusion",
         parallel,
         diffusion("k", "tau"),
-        "fluid that seeps through the specimen stiffens it above omega = 1/tau, with a slope of one half",
+        "fluid that seeps through the specimen stiffens it above omega = 1/tau: a step that levels off as omega^-1/2",
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
         prior=0.1,
