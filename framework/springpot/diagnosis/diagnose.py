@@ -39,6 +39,8 @@ NOISY = 1.2
 """Error over noise floor below which only the pattern of a misfit tells it from noise."""
 RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
+NOTHING_LEFT = 10.0
+"""Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
 FEWEST_SPARE = 4
 """Degrees of freedom below which data cannot be judged."""
 
@@ -206,9 +208,9 @@ def _all_but_explained(found: Search) -> bool:
     Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
     """
     spare = found.base.fit.dof
-    excess = [refit.rss / spare - 1.0 for refit in (found.base, found.best)]
+    excess = [refit.rss - spare for refit in (found.base, found.best)]
     small = found.best.relative_rms < 2.0 * found.best.floor
-    return excess[0] > 1.0 and excess[1] < REMAINDER * excess[0] and small
+    return excess[0] > spare and excess[1] < max(REMAINDER * excess[0], NOTHING_LEFT) and small
 
 
 def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]]) -> str:

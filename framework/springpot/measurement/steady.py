@@ -14,6 +14,8 @@ from .record import Record
 EXCERPT = 1 << 17
 """Samples from which the frequency is first read."""
 QUARTERS = 4
+MOST = 1 << 16
+"""Quarters of periods in which a record is looked at; in longer ones, of several periods: memory stays the same."""
 TOLERANCE = 0.02
 """Displacement amplitudes that differ by less, relative, belong to one steady part."""
 
@@ -108,10 +110,10 @@ def steady_part(record: Record, omega: float) -> Steady:
     """
     begin, end = float(record.time[0]), float(record.time[-1])
     whole = Steady(begin, np.nextafter(end, np.inf))
-    quarter = 2 * np.pi / omega / QUARTERS
-    if record.span < 2 * QUARTERS * quarter:
+    quarter = _quarter(record, omega)
+    if record.span < 4 * np.pi / omega:
         return Steady(whole.start, whole.stop, ("fewer than two cycles: the whole record was used",))
-    moved, force, spread = _demodulated(record, omega)
+    moved, force, spread = _demodulated(record, omega, quarter)
     size = np.abs(moved)
     if not np.nanmax(size, initial=0.0) > 0:
         return whole
@@ -128,8 +130,14 @@ def steady_part(record: Record, omega: float) -> Steady:
     return Steady(whole.start, whole.stop, ("the amplitude never settles: the whole record was used",))
 
 
-def _demodulated(record: Record, omega: float) -> tuple[Complex, Complex, Real]:
-    """First-harmonic amplitudes of both channels over one period, every quarter of a period.
+def _quarter(record: Record, omega: float) -> float:
+    """A quarter of a period in seconds, or of as many periods as make a long record no more than `MOST` quarters."""
+    quarter = 2 * np.pi / omega / QUARTERS
+    return float(quarter * max(1, np.ceil(record.span / quarter / MOST)))
+
+
+def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex, Complex, Real]:
+    """First-harmonic amplitudes of both channels over four quarters, from each quarter on.
 
     Returns
     -------
@@ -139,18 +147,20 @@ def _demodulated(record: Record, omega: float) -> tuple[Complex, Complex, Real]:
         Standard deviation of the displacement amplitude.
     """
     begin = float(record.time[0])
-    bins = int(record.span * omega / (2 * np.pi) * QUARTERS) + 1
+    bins = int(record.span / quarter) + 1
     # Sums over each quarter of (1, cos, sin) by itself, by the channels, and of the squared displacement.
     sums, origin = np.zeros((bins, 16)), None
     for time, both in record.blocks():
         origin = both[0] if origin is None else origin
         phase = omega * (time - begin)
-        which = np.minimum((phase * (QUARTERS / (2 * np.pi))).astype(int), bins - 1)
+        which = np.minimum(((time - begin) / quarter).astype(int), bins - 1)
         c, s = np.cos(phase), np.sin(phase)
         q, u = (both - origin).T
         terms = (None, c, s, c, c * c, c * s, s, c * s, s * s, q, q * c, q * s, u, u * c, u * s, q * q)
+        # A block holds few of the quarters of a long record.
+        low, high = (int(which[0]), int(which[-1]) + 1) if len(which) else (0, 0)
         for column, term in enumerate(terms):
-            sums[:, column] += np.bincount(which, term, bins)
+            sums[low:high, column] += np.bincount(which - low, term, high - low)
     rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
     normal, right = rolled[:, :9].reshape(-1, 3, 3), np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
     # A period with gaps leaves cosine and sine alike: it tells nothing.
