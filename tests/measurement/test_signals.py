@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from springpot.errors import DataError
-from springpot.measurement import Signals, harmonics_of, measurement_from_signals
+from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
 
 STIFFNESS = 300.0 + 120.0j
 
@@ -172,6 +172,19 @@ def test_long_records_are_worked_on_in_blocks(rng):
     found = harmonics_of(*signals(rng, n=300_000, cycles=900.4, noise=0.01))
     assert found.stiffness == pytest.approx(STIFFNESS, rel=1e-3)
     assert abs(found.stiffness - STIFFNESS) < 5 * abs(found.sd)
+
+
+def test_a_record_of_many_periods_is_looked_at_more_coarsely(rng, monkeypatch):
+    t, q, u = signals(rng, n=60_000, cycles=3000.0, noise=0.001)
+    rest = t < 0.2 * t[-1]
+    q, u = np.where(rest, 0.3, q), np.where(rest, 5.0, u)
+    fine = harmonics_of(t, q, u)
+    monkeypatch.setattr(steady, "MOST", 256)
+    found = harmonics_of(t, q, u)
+    assert found.start > 0.2 * t[-1]
+    assert found.cycles == pytest.approx(fine.cycles, rel=0.03)
+    assert found.omega == pytest.approx(5.0, rel=1e-6)
+    assert found.stiffness == pytest.approx(STIFFNESS, rel=1e-3)
 
 
 def test_a_measurement_of_several_tests_keeps_units_names_and_harmonics():
