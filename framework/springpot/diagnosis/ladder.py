@@ -138,7 +138,7 @@ def discover(
     case = examine(measurement, model, library, rng)
     steps = [_step(case, None, None)]
     wanted = list(accept) if accept is not None else None
-    while len(steps) <= LONGEST if wanted is None else wanted:
+    while _open(steps) if wanted is None else wanted:
         effect = wanted.pop(0) if wanted else _decisive(case, library) if wanted is None else None
         if effect is None:
             break
@@ -151,6 +151,13 @@ def discover(
     if accept is None and len(steps) > 2:
         case, steps = _pruned(measurement, case, steps, library, rng)
     return Ladder(measurement.name, tuple(steps), case.diagnosis.verdict, case.diagnosis)
+
+
+def _open(steps: Sequence[Step]) -> bool:
+    """Whether further rungs could count: see `_explained`."""
+    verdicts = [step.case.diagnosis.verdict for step in steps]
+    beyond = len(verdicts) - 1 - verdicts.index("unexplained") if "unexplained" in verdicts else 0
+    return len(steps) <= LONGEST and beyond < HIDDEN
 
 
 def _grown(

@@ -15,7 +15,7 @@ from springpot.rheology import Complex, Real
 from .fit import Basis, Fit, refined_frequency
 from .measurement import Measurement
 from .record import Record, Signals, in_order
-from .steady import Steady, coarse_frequency, steady_part
+from .steady import Steady, coarse_frequency, excerpt_span, steady_part
 from .transient import fit_with_transient, unsteady_cycles
 from .units import (
     ANGLE_UNITS,
@@ -26,6 +26,9 @@ from .units import (
     TORQUE_UNITS,
     Units,
 )
+
+LONGER = 4.0
+"""Ratio of neighbouring lengths; a fraction of a cycle over one of them is less than half a cycle over the next."""
 
 __all__ = ["Harmonics", "Signals", "harmonics_of", "measurement_from_signals"]
 
@@ -186,7 +189,7 @@ def _basis(
     basis = Basis(omega, part.start, part.stop, 1 if refine else affordable)
     if refine:
         # The first harmonic alone leads to the frequency from farther away than all of them together.
-        basis, sd = refined_frequency(record, basis)
+        basis, sd = refined_frequency(record, replace(basis, omega=_nested(record, basis)))
         basis = replace(basis, harmonics=affordable)
         basis, sd = refined_frequency(record, basis)
     if not 0.3 * omega < basis.omega < 3 * omega:
@@ -199,6 +202,16 @@ def _basis(
         cycles = (basis.stop - basis.start) * basis.omega / (2 * np.pi)
         raise DataError(f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s; at least one is needed")
     return basis, sd
+
+
+def _nested(record: Record, basis: Basis) -> float:
+    """The frequency refined over longer and longer parts: over all of a long record the first guess is cycles off."""
+    whole, middle = basis.stop - basis.start, 0.5 * (basis.start + basis.stop)
+    length, omega = excerpt_span(record, basis.omega), basis.omega
+    while length < 0.5 * whole:
+        part = replace(basis, omega=omega, start=middle - 0.5 * length, stop=middle + 0.5 * length)
+        omega, length = refined_frequency(record, part)[0].omega, LONGER * length
+    return omega
 
 
 def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> int:

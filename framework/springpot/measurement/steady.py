@@ -13,6 +13,8 @@ from .record import Record
 
 EXCERPT = 1 << 17
 """Samples from which the frequency is first read."""
+CYCLES = 16
+"""From which a frequency can be refined in any case."""
 QUARTERS = 4
 MOST = 1 << 16
 """Quarters of periods in which a record is looked at; in longer ones, of several periods: memory stays the same."""
@@ -52,6 +54,11 @@ def coarse_frequency(record: Record) -> float:
         # Sampled so finely that the excerpt holds no few cycles: every k-th sample of the whole shows them.
         omega, _ = _peak(record, slice(None, None, -(-n // EXCERPT)))
     return omega
+
+
+def excerpt_span(record: Record, omega: float) -> float:
+    """Seconds over which `coarse_frequency` is good to a fraction of a cycle, at least some cycles."""
+    return max(record.span * min(1.0, EXCERPT / len(record.time)), CYCLES * 2 * np.pi / omega)
 
 
 def _peak(record: Record, rows: slice) -> tuple[float, float]:
