@@ -174,6 +174,16 @@ def test_long_records_are_worked_on_in_blocks(rng):
     assert abs(found.stiffness - STIFFNESS) < 5 * abs(found.sd)
 
 
+@pytest.mark.parametrize("cycles", [4321.7, 5091.3, 5737.9])
+def test_the_frequency_of_a_record_far_longer_than_what_it_is_first_read_from(cycles, rng, monkeypatch):
+    monkeypatch.setattr(steady, "EXCERPT", 256)
+    found = harmonics_of(*signals(rng, n=100_000, cycles=cycles, noise=0.01))
+    assert found.omega == pytest.approx(5.0, rel=1e-7)
+    assert found.amplitude == pytest.approx(2.0, rel=1e-3)
+    assert found.cycles > 0.98 * cycles
+    assert not found.notes
+
+
 def test_a_record_of_many_periods_is_looked_at_more_coarsely(rng, monkeypatch):
     t, q, u = signals(rng, n=60_000, cycles=3000.0, noise=0.001)
     rest = t < 0.2 * t[-1]
