@@ -33,20 +33,20 @@ def candidates_of(
     group_of = {name: tuple(group) for group in groups for name in group}
     alone = {grown.names[0]: grown.refit for grown in reversed(found.grown) if len(grown.effects) == 1}
     best, chances = best_with(found), probabilities.effects
+    leader = leading(found, probabilities) if chances else ""
+    likeliest = max(probabilities.together, key=lambda names: probabilities.together[names], default=())
+    partners = {name for name in likeliest if name != leader}
+    beside = next((grown.refit for grown in found.grown if tuple(sorted(grown.names)) == likeliest), None)
     rows = []
     for score in found.scan.scores:
         name = score.influence.effect.name
-        refit = alone.get(name, best.get(name))
+        # An effect that only shows beside the leading one is told as it is there.
+        refit = beside if name in partners else alone.get(name, best.get(name))
         least = LIKELY if groups and name in groups[0] else BESIDE
         missing = verdict == "effect-missing" and chances.get(name, 0.0) > least
         word = _effect_verdict(found, score, best.get(name), missing)
         rows.append(_candidate(found, score, refit, chances.get(name, 0.0), group_of.get(name, (name,)), word))
-    leader = leading(found, probabilities) if chances else ""
-    likeliest = max(probabilities.together, key=lambda names: probabilities.together[names], default=())
-    rows = [
-        replace(row, says=f"beside {leader}: {row.says}") if row.effect in likeliest and row.effect != leader else row
-        for row in rows
-    ]
+    rows = [replace(row, says=f"beside {leader}: {row.says}") if row.effect in partners else row for row in rows]
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
     return rows
 

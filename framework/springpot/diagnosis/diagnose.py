@@ -158,7 +158,8 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
     if not others or chances[others[0]] < RIVAL * chances[first]:
         return None
     best = best_with(found)
-    return next_experiment(best[first], best[others[0]], (first, others[0]))
+    second = others[0]
+    return next_experiment(best[first], best[second], (first, second), (chances[first], chances[second]))
 
 
 def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:

@@ -1,0 +1,90 @@
+"""The suggested measurement: what it promises is what a fit to old and new points leaves."""
+
+import numpy as np
+import pytest
+from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
+
+import springpot
+from springpot.diagnosis import examine
+from springpot.diagnosis.actions import actions
+from springpot.diagnosis.experiment import promise
+from springpot.diagnosis.posterior import best_with
+from springpot.diagnosis.separation import Clash
+from springpot.measurement import Measurement
+from springpot.registry import plugins
+
+
+def explained(effect, at=SWEEP, chi2=200.0):
+    """The case, and the best fitted model with each effect."""
+    library = list(plugins().items("effect"))
+    case = examine(
+        hidden(KELVIN, at, effect, chi2), springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)
+    )
+    return case, best_with(case.found)
+
+
+def upwards(measurement):
+    return next(action for action in actions(measurement) if "upwards" in action.says)
+
+
+def refitted(truth, rival, action):
+    """The same separation from a fit of the rival to noise-free old and new points, by the identification layer."""
+    old = truth.fit.measurement
+    new = truth.model.stiffness(truth.theta, action.points)
+    level = np.median(truth.noise.sd.real / np.abs(truth.stiffness))
+    sd = np.concatenate([truth.noise.sd, level * np.abs(new) * (1 + 1j)])
+    omega = np.concatenate([old.omega, np.exp(action.points.log_omega)])
+    both = Measurement(omega, np.concatenate([truth.stiffness, new]), sd=sd, units=old.units)
+    fit = springpot.identify(both, rival.model, objective="weighted")
+    off = rival.model.stiffness(fit.theta, both.points) - both.stiffness
+    return np.sqrt(np.sum((off.real / sd.real) ** 2 + (off.imag / sd.imag) ** 2))
+
+
+def test_the_fitted_separation_is_that_of_an_independent_fit():
+    case, best = explained("inertia")
+    action = upwards(case.found.base.fit.measurement)
+    for truth, rival in (("inertia", "specimen-inertia"), ("specimen-inertia", "inertia")):
+        promised = Clash(best[truth], best[rival], action).fitted()
+        assert promised == pytest.approx(refitted(best[truth], best[rival], action), rel=0.05)
+        assert promised > 5.0
+
+
+def test_a_rival_far_from_its_parameters_follows_further_than_its_slopes_tell():
+    case, best = explained("time-delay")
+    clash = Clash(best["time-delay"], best["fixture-resonance"], upwards(case.found.base.fit.measurement))
+    assert clash.fitted() < 0.7 * clash.linear
+    assert clash.fitted() == pytest.approx(refitted(clash.truth, clash.rival, clash.action), rel=0.05)
+
+
+def test_a_model_that_holds_another_follows_it_everywhere():
+    """Friction is a power-law damper of exponent 0: no measurement can rule the larger one out."""
+    case, best = explained("friction", AMPLITUDES, 3000.0)
+    friction, power = best["friction"], best["power-law-damper"]
+    for action in actions(case.found.base.fit.measurement):
+        assert Clash(friction, power, action).fitted() < 1.5
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "says"),
+    [
+        ((20.0, 9.0), "it separates a from b by 9 sigma"),
+        ((2.0, 3.0), "it separates a from b by 2 sigma"),
+        ((0.3, 150.0), "if b is right it rules out a by 150 sigma; if not, b stays possible"),
+    ],
+)
+def test_who_is_right_decides_what_the_measurement_shows(sigmas, says):
+    assert promise(("a", "b"), sigmas) == says
+
+
+def test_a_certain_answer_asks_for_nothing():
+    diagnosis = springpot.diagnose(hidden(KELVIN, SWEEP, "phase-error", 3000.0, just=True), KELVIN.name)
+    assert diagnosis.best.alike == ("phase-error",)
+    assert diagnosis.next_experiment is None
+
+
+def test_a_strain_has_no_unit_in_the_advice():
+    at = design(6, 0.3, 30.0, amplitudes=(0.01, 0.03))
+    data = measured(at, KELVIN.stiffness(KELVIN.truth, at))
+    strain = Measurement(data.omega, data.stiffness, conditions=data.conditions, units=springpot.Units("kPa", "-"))
+    says = [action.says for action in actions(strain) if "amplitude" in action.says]
+    assert says == ["measure a sweep at the amplitude 0.09", "measure a sweep at the amplitude 0.00333"]
