@@ -35,6 +35,8 @@ CHOICES = (
     Choice("", {"1": "omega[rad/s]", "2": "storage[Pa]", "3": "loss[Pa]"}),
     Choice("2-3", {"frequency": "Hz", "storage": "MPa"}),
     Choice("", {"frequency": "1 [Hz]"}),
+    Choice("", {"log": "10", "storage": "Pa", "loss": "Pa"}),
+    Choice("", {"curves": "temperature[degC]", "storage": "Pa", "loss": "Pa"}),
     Choice("", {"1": "time[s]", "2": "displacement[mm]", "3": "force[N]"}),
 )
 SHEET = "xl/worksheets/sheet1.xml"
@@ -82,6 +84,10 @@ def seeds() -> dict[str, list[bytes]]:
             samples.moduli(" ").encode(),
             samples.table(r"$\omega$ [rad/s];J' [1/MPa];J'' [1/MPa]", ";").encode(),
             samples.table("f in Hz;G' in Pa;G\" in Pa", ";", ",").encode("latin-1"),
+            *(text.partition("\n")[2].encode() for text in SHEETS),
+            samples.table("log ω,log G',ln G''").encode(),
+            b"f [Hz],0.1,1,10\nG' [Pa],1 000,2 000,3\nG'' [Pa],1.0D+02,2,3\n",
+            b"T = 20 C\nSeg,Storage,Loss,f [Hz]\n,modulus [Pa],modulus [Pa]\n1|1,1,2,3\n40 \xc2\xb0C\n2|2,7,8,9\n",
         ],
     }
 
