@@ -14,6 +14,7 @@ from .frame import Frame
 from .noise import robust_variance
 from .result import Where
 from .search import Search
+from .sweeps import sweeps_of
 
 RARE = 1e-4
 """Chance that the largest of all points is held to stand out where all is noise."""
@@ -77,6 +78,15 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
     return np.zeros(0, dtype=np.int64)
+
+
+def may_be_effects(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
+    """Whether what makes rows stand out may be physics: neighbours in a sweep, or an end where an effect begins."""
+    for sweep in sweeps_of(measurement):
+        places = np.flatnonzero(np.isin(sweep.rows, rows))
+        if np.any(np.diff(places) == 1) or np.any(np.isin(places, (0, len(sweep.rows) - 1))):
+            return True
+    return False
 
 
 def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]) -> tuple[int, float]:

@@ -12,7 +12,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model, Real
 
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
-from .outliers import Outlier, are_outliers, described, outlying, without
+from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, without
 from .refit import Refit, refit
 from .search import Search, search
 
@@ -69,7 +69,8 @@ def settled(
     if len(rows) == 0:
         return Settled(found, [])
     reduced = _searched(without(measurement, rows), model, library, rng, seeds)
-    if not are_outliers(found, reduced, len(rows)):
+    missing = min(reduced.scan.p_value, reduced.structure.p_value) < SUSPICIOUS
+    if (missing and may_be_effects(measurement, rows)) or not are_outliers(found, reduced, len(rows)):
         return Settled(found, [])
     return Settled(reduced, described(reduced.base.frame_of(measurement), rows))
 
