@@ -8,7 +8,7 @@ from springpot.registry import Fault, plugins
 KEYS = {
     "models": {"name", "aliases", "summary", "citation", "parameters", "search_parameters", "needs", "drawing"},
     "effects": {
-        "name", "aliases", "summary", "plane", "layer", "needs", "parameters", "citation", "approximate",
+        "name", "aliases", "summary", "equation", "plane", "layer", "needs", "parameters", "citation", "approximate",
     },
     "optimisers": {"name", "summary", "citation", "global", "gradient", "batched", "stochastic", "options"},
     "datasets": {

@@ -71,6 +71,7 @@ def effect(item: Effect) -> dict[str, Any]:
         "name": item.name,
         "aliases": list(item.aliases),
         "summary": item.summary,
+        "equation": f"K_m = {item.equation}" if item.equation else "",
         "plane": item.plane,
         "layer": item.layer.name.lower().replace("_", " "),
         "needs": sorted(item.needs),

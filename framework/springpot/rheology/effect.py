@@ -66,6 +66,9 @@ class Effect:
     prior : float
         How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
         less for rarer physics, 0 for what is never proposed because its own shape can imitate anything local.
+    equation : str
+        What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i omega, the
+        amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Effect:
     approximate: str = ""
     absent_at: float | None = None
     prior: float = 1.0
+    equation: str = ""
 
     @property
     def vanishes_at(self) -> float:

@@ -31,6 +31,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         GELB,
         ("coulomb-friction",),
+        equation="K + i * 4 * F / (pi * X)",
     ),
     Effect(
         "elasto-sliding",
@@ -40,6 +41,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Jenkin 1922; Iwan 1966, doi:10.1115/1.3625199",
         ("jenkins",),
+        equation="K + k / pi * (b - sin(2 * b) / 2 + i * sin(b)^2), b = arccos(1 - 2 * min(F / (k * X), 1))",
     ),
     Effect(
         "power-law-damper",
@@ -48,6 +50,7 @@ EFFECTS = (
         "a damper force that goes as a power of the speed: loss as omega^a, amplitude^(a-1), no storage",
         Layer.MOVING_PARTS,
         "Elliott, Tehrani and Langley 2015, doi:10.1098/rsta.2014.0402",
+        equation="K + i * F * g * omega^a * X^(a - 1), g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)",
     ),
     Effect(
         "cubic-damping",
@@ -57,6 +60,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Elliott, Tehrani and Langley 2015, doi:10.1098/rsta.2014.0402",
         prior=0.2,
+        equation="K + i * 3 / 4 * c3 * omega^3 * X^2",
     ),
     Effect(
         "dead-zone",
@@ -66,6 +70,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         GELB,
         ("bump-stop", "gap"),
+        equation="K + k * (1 - 2 / pi * (arcsin(r) + r * sqrt(1 - r^2))), r = min(b / X, 1)",
     ),
     Effect(
         "cubic-stiffness",
@@ -74,6 +79,7 @@ EFFECTS = (
         "stiffening or softening with the square of the amplitude, the same at all frequencies",
         citation="Nayfeh and Mook, Nonlinear Oscillations, 1979",
         aliases=("duffing",),
+        equation="K + 3 / 4 * k3 * X^2",
     ),
     Effect(
         "payne",
@@ -82,6 +88,7 @@ EFFECTS = (
         "a filler network breaks up: storage falls with amplitude while the loss passes through a peak",
         citation="Kraus 1984, J. Appl. Polym. Sci. Appl. Polym. Symp. 39, 75",
         aliases=("kraus",),
+        equation="K + k * (1 + 2 * i * h * u) / (1 + u^2), u = (X / Xc)^m",
     ),
     Effect(
         "intrinsic-nonlinearity",
@@ -91,6 +98,7 @@ EFFECTS = (
         citation="Hyun and Wilhelm 2009, Macromolecules 42, 411",
         aliases=("maos",),
         prior=0.1,
+        equation="K * (1 + q * X^2)",
     ),
     Effect(
         "self-heating",
@@ -100,6 +108,7 @@ EFFECTS = (
         Layer.SPECIMEN,
         "first order in the power omega K'' X^2 / 2 at steady temperature",
         approximate="first order: the power is that of the unheated specimen",
+        equation="K(omega * exp(-s * P)), P = omega * imag(K(omega)) * X^2 / 2",
     ),
     Effect(
         "backlash",
@@ -110,5 +119,6 @@ EFFECTS = (
         GELB,
         ("play",),
         prior=0.1,
+        equation="K * (1 - (a - sin(2 * a) / 2 + i * sin(a)^2) / pi), a = arccos(1 - 2 * min(b / X, 1))",
     ),
 )

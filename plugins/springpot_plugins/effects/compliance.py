@@ -22,6 +22,7 @@ EFFECTS = (
         Layer.MOUNTING,
         "Liu et al. 2011, Rheologica Acta 50, 537",
         ("mounting-compliance", "instrument-compliance"),
+        equation="1 / (1 / K + 1 / k)",
     ),
     Effect(
         "frame-resonance",
@@ -31,6 +32,7 @@ EFFECTS = (
         Layer.MOUNTING,
         "Ewins, Modal Testing, 2000",
         prior=0.0,
+        equation="1 / (1 / K + 1 / (k * (1 - r^2 + 2 * i * zeta * r))), r = omega / omega_r",
     ),
     Effect(
         "series-dashpot",
@@ -39,6 +41,7 @@ EFFECTS = (
         "the specimen slips or flows as a whole: stiffness is lost towards low frequency",
         citation="Yoshimura and Prud'homme 1988, J. Rheol. 32, 53",
         aliases=("slip", "wall-slip", "flow"),
+        equation="1 / (1 / K + 1 / (c * s))",
     ),
     Effect(
         "series-springpot",
@@ -46,6 +49,7 @@ EFFECTS = (
         springpot("c", "alpha"),
         "a further broad creep in series: the compliance grows as a power of 1/omega",
         citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
+        equation="1 / (1 / K + 1 / (c * s^alpha))",
     ),
     Effect(
         "retardation-mode",
@@ -55,5 +59,6 @@ EFFECTS = (
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
         prior=0.2,
+        equation="1 / (1 / K + 1 / (k * (1 + s * tau)))",
     ),
 )

@@ -27,6 +27,7 @@ EFFECTS = (
         "force and displacement are sampled at different instants: a phase error that grows as omega",
         Layer.SIGNAL,
         "exp(-s tau), elementary",
+        equation="K * exp(-s * tau)",
     ),
     Effect(
         "phase-error",
@@ -35,6 +36,7 @@ EFFECTS = (
         "the phase is wrong by the same angle at all frequencies, which no causal material does",
         Layer.SIGNAL,
         "exp(i phi), elementary",
+        equation="K * exp(i * phi)",
     ),
     Effect(
         "gain-error",
@@ -44,6 +46,7 @@ EFFECTS = (
         Layer.SIGNAL,
         "1 + g, elementary",
         ("area-error", "calibration-error"),
+        equation="K * (1 + g)",
     ),
     Effect(
         "filter-mismatch",
@@ -53,6 +56,7 @@ EFFECTS = (
         Layer.SIGNAL,
         "1 / (1 + s tau), elementary",
         prior=0.1,
+        equation="K / (1 + s * tau) if tau > 0 else K * (1 - s * tau)",
     ),
     Effect(
         "fixture-resonance",
@@ -64,6 +68,7 @@ EFFECTS = (
         ("transducer-resonance",),
         absent_at=inf,
         prior=0.3,
+        equation="K / (1 - r^2 + 2 * i * zeta * r), r = omega / omega_r",
     ),
     Effect(
         "crosstalk",
@@ -73,6 +78,7 @@ EFFECTS = (
         Layer.SIGNAL,
         "F exp(i phi) / X, elementary",
         prior=0.1,
+        equation="K + F * exp(i * phi) / X",
     ),
     Effect(
         "frequency-error",
@@ -83,5 +89,6 @@ EFFECTS = (
         "ln(1 + e), elementary",
         ("clock-error",),
         prior=0.1,
+        equation="K(omega * (1 + e))",
     ),
 )

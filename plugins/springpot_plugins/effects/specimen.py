@@ -15,6 +15,7 @@ EFFECTS = (
         Layer.SPECIMEN,
         SCHRAG,
         prior=0.5,
+        equation="K * z / tan(z), z = omega * sqrt(m / K)",
     ),
     Effect(
         "specimen-inertia-fixed",
@@ -24,5 +25,6 @@ EFFECTS = (
         Layer.SPECIMEN,
         SCHRAG,
         prior=0.2,
+        equation="K * z / sin(z), z = omega * sqrt(m / K)",
     ),
 )

@@ -24,6 +24,7 @@ EFFECTS = (
         "a spring beside the model carries a share of the force that is the same at all frequencies",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("equilibrium-spring", "bearing-spring", "gas-spring"),
+        equation="K + k",
     ),
     Effect(
         "parallel-dashpot",
@@ -32,6 +33,7 @@ EFFECTS = (
         "viscous drag beside the model adds a loss that grows as omega and moves with the material's temperature",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("solvent-dashpot", "bearing-drag"),
+        equation="K + c * s",
     ),
     Effect(
         "parallel-springpot",
@@ -39,6 +41,7 @@ EFFECTS = (
         springpot("c", "alpha"),
         "a further broad relaxation beside the model: storage and loss grow as the same power of omega",
         citation="Schiessel et al. 1995, doi:10.1088/0305-4470/28/23/012",
+        equation="K + c * s^alpha",
     ),
     Effect(
         "relaxation-mode",
@@ -47,6 +50,7 @@ EFFECTS = (
         "one more relaxation time: a step in storage and a bump in loss at omega = 1/tau",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("maxwell-branch",),
+        equation="K + k * s * tau / (1 + s * tau)",
     ),
     Effect(
         "diffusion",
@@ -56,6 +60,7 @@ EFFECTS = (
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
         prior=0.1,
+        equation="K + k * (1 - tanh(q) / q), q = sqrt(s * tau)",
     ),
     Effect(
         "hysteretic-loss",
@@ -65,6 +70,7 @@ EFFECTS = (
         citation="Crandall 1970, J. Sound Vib. 11, 3",
         aliases=("structural-damping",),
         prior=0.5,
+        equation="K + i * h",
     ),
     Effect(
         "inertia",
@@ -74,6 +80,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Krieger 1990, J. Rheol. 34, 471",
         ("fixture-mass", "inerter", "instrument-inertia"),
+        equation="K - m * omega^2",
     ),
     Effect(
         "basset",
@@ -84,5 +91,6 @@ EFFECTS = (
         "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics, section 24",
         ("stokes-layer",),
         prior=0.1,
+        equation="K + c * s^(3 / 2)",
     ),
 )

@@ -27,6 +27,7 @@ EFFECTS = (
         Layer.TEMPERATURE,
         FERRY,
         ("arrhenius",),
+        equation="K(omega * exp(Ea / R * (1 / T - 1 / Tr)))",
     ),
     Effect(
         "wlf-shift",
@@ -36,6 +37,7 @@ EFFECTS = (
         Layer.TEMPERATURE,
         "Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008",
         ("wlf",),
+        equation="K(omega * 10^(-C1 * (T - Tr) / (C2 + T - Tr)))",
     ),
     Effect(
         "vertical-shift",
@@ -44,6 +46,7 @@ EFFECTS = (
         "all moduli change with a power of the absolute temperature, the same at all frequencies",
         Layer.TEMPERATURE,
         FERRY,
+        equation="K * (T / Tr)^n",
     ),
     Effect(
         "entropic-spring",
@@ -52,6 +55,7 @@ EFFECTS = (
         "a rubber network beside the model, stiffer in proportion to the absolute temperature",
         citation="Treloar, The Physics of Rubber Elasticity, 1975",
         prior=0.2,
+        equation="K + k * T / Tr",
     ),
     Effect(
         "arrhenius-dashpot",
@@ -62,6 +66,7 @@ EFFECTS = (
         "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         ("second-activation",),
         prior=0.2,
+        equation="K + c * s * exp(Ea / R * (1 / T - 1 / Tr))",
     ),
     Effect(
         "rig-drag",
@@ -71,5 +76,6 @@ EFFECTS = (
         Layer.DEVICE,
         FERRY,
         prior=0.2,
+        equation="K + c * s",
     ),
 )

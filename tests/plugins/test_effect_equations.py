@@ -1,0 +1,76 @@
+"""The equation that an effect is listed with is the one it computes."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.special import gamma
+
+import springpot
+from springpot.registry import plugins
+from springpot.rheology import Points
+
+OMEGA = 2.0 * np.pi * np.geomspace(0.1, 100.0, 9)
+AMPLITUDE = np.geomspace(0.2, 4.0, 9)
+TEMPERATURE = np.linspace(270.0, 330.0, 9)
+REFERENCE = 295.0
+MODEL = springpot.parse_model("fractional-maxwell")
+THETA = np.array([400.0, 60.0, 0.5])
+VALUES = {
+    "k": 120.0,
+    "c": 3.0,
+    "m": 2e-3,
+    "F": 30.0,
+    "tau": 0.02,
+    "k3": 5.0,
+    "c3": 1e-3,
+    "h": 0.4,
+    "Xc": 1.1,
+    "b": 0.6,
+}
+VALUES |= {"q": 0.03, "s": 1e-6, "phi": 0.1, "g": 0.2, "e": 0.05, "Ea": 40.0, "C1": 5.0, "C2": 120.0, "n": 1.2}
+VALUES |= {"b": 0.6, "alpha": 0.3, "a": 0.7, "zeta": 0.1, "omega_r": 300.0}
+OWN = {("payne", "m"): 0.6, ("hysteretic-loss", "h"): 12.0, ("basset", "c"): 0.02}
+EFFECTS = sorted(plugins().items("effect"), key=lambda effect: effect.name)
+
+
+def modelled(omega):
+    return MODEL.stiffness(THETA, omega)
+
+
+class Stiffness(np.ndarray):
+    """K at the measured frequencies, and K(omega) where it is called."""
+
+    def __call__(self, omega):
+        return modelled(omega)
+
+
+def evaluated(equation, values):
+    """The equation read as arithmetic; definitions follow it after commas."""
+    names = {
+        name: getattr(np, name) for name in ["exp", "sin", "tan", "tanh", "sqrt", "arcsin", "arccos", "imag", "pi"]
+    }
+    names |= {"gamma": gamma, "min": np.minimum, "i": 1j, "s": 1j * OMEGA, "omega": OMEGA}
+    names |= {"R": 8.31446261815324e-3}
+    names |= {"K": modelled(OMEGA).view(Stiffness), "X": AMPLITUDE, "T": TEMPERATURE, "Tr": REFERENCE, **values}
+    whole, *definitions = re.split(r", (\w+) = ", equation.replace("^", "**"))
+    for name, meaning in zip(definitions[::2], definitions[1::2], strict=True):
+        names[name] = eval(meaning, {}, names)
+    return np.asarray(eval(whole, {}, names))
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_the_equation_is_what_the_effect_computes(effect):
+    grown = MODEL + effect
+    own = {p.name: OWN.get((effect.name, p.name), VALUES[p.name]) for p in effect.element.parameters}
+    theta = dict(zip(MODEL.names, THETA, strict=True)) | {f"{effect.name}.{name}": own[name] for name in own}
+    at = Points(np.log(OMEGA), AMPLITUDE, TEMPERATURE, REFERENCE)
+    computed = grown.stiffness(np.array([theta[name] for name in grown.names]), at)
+    np.testing.assert_allclose(evaluated(effect.equation, own), computed, rtol=1e-10, atol=1e-10)
+
+
+def test_a_negative_delay_of_a_filter_sits_in_the_other_channel():
+    effect = next(effect for effect in EFFECTS if effect.name == "filter-mismatch")
+    grown = MODEL + effect
+    computed = grown.stiffness(np.array([*THETA, -0.02]), Points(np.log(OMEGA)))
+    np.testing.assert_allclose(evaluated(effect.equation, {"tau": -0.02}), computed, rtol=1e-10)
