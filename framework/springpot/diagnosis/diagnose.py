@@ -16,7 +16,7 @@ from .experiment import next_experiment
 from .imitators import imitators
 from .outliers import Outlier
 from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
-from .result import Diagnosis, Error, NextExperiment, Verdict, Where
+from .result import Candidate, Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
 from .validation import validation
@@ -115,7 +115,7 @@ def examine(
         model=model,
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
-        says=_sentence(verdict, base.relative_rms / base.floor, groups),
+        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked),
         where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
@@ -214,12 +214,14 @@ def _all_but_explained(found: Search) -> bool:
     return excess[0] > spare and excess[1] < max(REMAINDER * excess[0], NOTHING_LEFT) and small
 
 
-def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]]) -> str:
+def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]], ranked: Sequence[Candidate]) -> str:
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        return f"{error}; missing is {' or '.join(groups[0])}"
+        others = [each.effect for each in ranked if each.verdict == "missing" and each.effect not in groups[0]]
+        beside = f", and beside it {' and '.join(others)}" if others else ""
+        return f"{error}; missing is {' or '.join(groups[0])}{beside}"
     if verdict == "unexplained":
         pattern = ", but no pattern of noise" if ratio < NOISY else ""
         return f"{error}{pattern}; something is missing that no effect of the library explains"

@@ -53,6 +53,9 @@ class Measurement:
         Where the data come from.
     labels : mapping of str to ndarray of str, shape (n,)
         Columns of words beside the frequency, such as the specimen or the file.
+    reference : float, optional
+        Temperature in kelvin at which shift factors are one, for rows taken from a larger measurement; by default the
+        measured temperature nearest to the median.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class Measurement:
     name: str = "measurement"
     provenance: Mapping[str, str] = field(default_factory=dict)
     labels: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
+    reference: float | None = None
 
     def __repr__(self) -> str:
         low, high = self.frequency.min(), self.frequency.max()
@@ -109,6 +113,7 @@ class Measurement:
             self.name,
             dict(self.provenance),
             dict(self.labels),
+            self.reference,
         )
         return Measurement, (self.omega, self.stiffness, self.sd, *plain)
 
@@ -137,8 +142,10 @@ class Measurement:
 
     @cached_property
     def reference_temperature(self) -> float:
-        """Measured temperature nearest to the median, in kelvin: where a shift factor is one."""
+        """Where a shift factor is one, in kelvin: `reference`, or the measured temperature nearest to the median."""
         temperature = self.conditions.get("temperature")
+        if self.reference is not None:
+            return self.reference
         if temperature is None:
             return 293.15
         return float(np.sort(temperature)[(len(temperature) - 1) // 2]) + KELVIN
@@ -155,7 +162,12 @@ class Measurement:
         )
 
     def subset(self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None) -> Measurement:
-        """The rows chosen by a mask or by indices."""
+        """The rows chosen by a mask or by indices.
+
+        With a `name` they are data of their own. Without one they stay part of these: parameters that refer to the
+        reference temperature mean the same for both.
+        """
+        keeps = name is None and "temperature" in self.conditions
         return replace(
             self,
             omega=self.omega[rows],
@@ -166,6 +178,7 @@ class Measurement:
             repeat=None if self.repeat is None else self.repeat[rows],
             harmonics=None if self.harmonics is None else self.harmonics[rows],
             name=self.name if name is None else name,
+            reference=self.reference_temperature if keeps else None,
         )
 
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
