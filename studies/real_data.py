@@ -42,7 +42,10 @@ def run(one: RealSet, folder: Path) -> bool:
         answers.append(answer(one, data, ladder))
         print(f"{one.name}: {ladder.diagnosis.says}", flush=True)
     if one.accept:
-        answers.append(answer(one, data, discover(data, one.models[-1], accept=one.accept), given=True))
+        given = discover(data, one.models[-1], accept=one.accept)
+        answers.append(answer(one, data, given, given=True))
+        # Where nothing was accepted there is no after.
+        ladder = given if len(ladder.steps) == 1 else ladder
     save(answers, folder)
     if one.drawn and can_draw(folder):
         draw(ladder, folder / f"{one.name}.png")

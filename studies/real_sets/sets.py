@@ -87,6 +87,7 @@ SETS = (
         ("fractional-maxwell-ab", "1s2p1d"),
         "seven temperatures, shifted in practice by WLF",
         "is the temperature found, and is anything left?",
+        accept=("wlf-shift",),
     ),
     RealSet(
         "elastomer",
@@ -131,6 +132,7 @@ SETS = (
         ("fractional-maxwell-ab", "huet"),
         "thermorheologically simple to first order; compliance at the cold end",
         "are shift and compliance told apart?",
+        accept=("wlf-shift",),
     ),
     RealSet(
         "friction-damper",
