@@ -26,6 +26,8 @@ DECISIVE = 10.0
 """Drop of the information criterion from which an effect is accepted without asking."""
 HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
+REMAINDER = 0.02
+"""Share of a misfit that accepted effects may leave and still be kept though the rest is unexplained."""
 LONGEST = 6
 """Effects accepted at most."""
 
@@ -185,17 +187,21 @@ def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
 
 
 def _explained(steps: list[Step]) -> list[Step]:
-    """The rungs up to the first that no effect explains, unless a few more led to a model that is complete.
+    """The rungs up to the first that no effect explains, unless a few more led to a model that is all but complete.
 
     Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
-    have only been fitted to what is no effect of the library.
+    have only been fitted to what is no effect of the library. But what takes away nearly all of the misfit, such as
+    the shift of a spectrum that no model follows to the noise, stays; the rest is still called unexplained.
     """
     verdicts = [step.case.diagnosis.verdict for step in steps]
     if "unexplained" not in verdicts:
         return steps
     first = verdicts.index("unexplained")
-    complete = verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= HIDDEN
-    return steps if complete else steps[: first + 1]
+    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= HIDDEN:
+        return steps
+    misfit = [step.relative_rms**2 - step.noise_floor**2 for step in steps[first:]]
+    nearly = [i for i, left in enumerate(misfit) if left < REMAINDER * misfit[0]]
+    return steps[: first + 1 + (nearly[0] if nearly else 0)]
 
 
 def _predicted(case: Case, effect: Effect) -> float | None:
