@@ -29,18 +29,18 @@ def draw(rows: list[Row], strata: list[tuple[str, float, float, list[Figure]]], 
 
 
 def _power(axis: Any, strata: list[tuple[str, float, float, list[Figure]]]) -> None:
-    marks = {"sweep": "-o", "field": "--s", "signals": ":^"}
-    for design in dict.fromkeys(s[0] for s in strata):
+    # Signals are too few for a curve: their bars would only hide the others.
+    for design, mark in {"sweep": "-o", "field": "--s"}.items():
         here = [s for s in strata if s[0] == design]
         middle = [np.sqrt(low * min(high, 3.0 * low)) for _, low, high, _ in here]
         for i, colour in enumerate(("tab:grey", "tab:blue", "tab:orange")):
             cells = [cells[i] for *_, cells in here]
+            if not cells:
+                continue
             values = np.array([c.value for c in cells])
             errors = [values - [c.low for c in cells], np.array([c.high for c in cells]) - values]
             label = f"{cells[0].name}, {design}"
-            axis.errorbar(
-                middle, values, np.abs(errors), fmt=marks[design], color=colour, label=label, capsize=2, ms=4
-            )
+            axis.errorbar(middle, values, np.abs(errors), fmt=mark, color=colour, label=label, capsize=2, ms=4)
     axis.set(xscale="log", xlabel="noise-free chi-square left by the base model", ylabel="share", ylim=(0, 1.02))
     axis.legend(fontsize=7)
     axis.set_title("One hidden effect")
