@@ -33,7 +33,7 @@ SHARPER = 0.7
 """The noise is estimated anew where the scatter about the best model is less than this share of the estimate."""
 DIFFERENCES = 0.5
 """Degrees of freedom that a second difference is worth: neighbouring ones share points."""
-ENOUGH_NEIGHBOURS = 8
+ENOUGH_NEIGHBOURS = 10
 """Degrees of freedom below which second differences say too little."""
 FASTER = 1e-3
 """Chance that second differences vary by so much less than the scatter if that is noise."""

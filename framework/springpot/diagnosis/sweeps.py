@@ -101,7 +101,7 @@ def shared_shapes(measurement: Measurement) -> Real:
     where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are so many that neighbours tell more.
     """
     distinct, which = np.unique(np.round(np.log(measurement.omega), 4), return_inverse=True)
-    if len(distinct) > MOST_SHARED:
+    if len(distinct) > MOST_SHARED or len(sweeps_of(measurement)) < FEWEST_ALIKE:
         return np.zeros((0, len(measurement)))
     together = which.ravel() == np.arange(len(distinct))[:, None]
     shared: Real = together[together.sum(axis=1) >= FEWEST_ALIKE].astype(np.float64)
