@@ -31,9 +31,9 @@ def test_discovery_says_what_an_accepted_effect_may_be_as_well(springpot):
 
 
 def test_large_numbers_are_written_out():
-    from springpot.diagnosis.experiment import _plain
+    from springpot.diagnosis.words import plain
 
-    assert [_plain(value, 2) for value in (890.4, 12.0, 0.05, 1234.0, 3e7)] == ["890", "12", "0.05", "1200", "3e+07"]
+    assert [plain(value, 2) for value in (890.4, 12.0, 0.05, 1234.0, 3e7)] == ["890", "12", "0.05", "1200", "3e+07"]
 
 
 def test_tables_of_a_run_are_named_once(springpot, tmp_path):
