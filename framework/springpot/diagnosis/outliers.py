@@ -15,6 +15,7 @@ from .noise import robust_variance
 from .result import Where
 from .search import Search
 from .sweeps import sweeps_of
+from .words import plain
 
 RARE = 1e-4
 """Chance that the largest of all points is held to stand out where all is noise."""
@@ -48,11 +49,11 @@ class Outlier:
     @property
     def place(self) -> Where:
         """As a place at which the model fails."""
-        says = f"a single point at {self.frequency:.3g} Hz stands out by {self.size:.2g} sd"
+        says = f"a single point at {self.frequency:.3g} Hz stands out by {plain(self.size, 2)} sd"
         return Where("stiffness", "single point", self.frequency, self.frequency, abs(self.relative), says)
 
     def __str__(self) -> str:
-        return f"{self.frequency:.3g} Hz ({100 * abs(self.relative):.2g} % of |K|, {self.size:.2g} sd)"
+        return f"{self.frequency:.3g} Hz ({100 * abs(self.relative):.2g} % of |K|, {plain(self.size, 2)} sd)"
 
 
 def outlying(frame: Frame) -> NDArray[np.int64]:
