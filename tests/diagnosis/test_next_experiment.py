@@ -7,7 +7,7 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
-from springpot.diagnosis.experiment import promise
+from springpot.diagnosis.experiment import next_experiment, promise
 from springpot.diagnosis.posterior import best_with
 from springpot.diagnosis.separation import Clash
 from springpot.measurement import Measurement
@@ -64,11 +64,22 @@ def test_a_model_that_holds_another_follows_it_everywhere():
         assert Clash(friction, power, action).fitted() < 1.5
 
 
+def test_where_nothing_can_be_ruled_out_the_advice_says_so_and_names_what_would_teach_most():
+    _, best = explained("friction", AMPLITUDES, 3000.0)
+    advice = next_experiment(best["friction"], best["friction"], ("friction", "friction too"), (0.5, 0.5))
+    assert advice.says.startswith(
+        "no single measurement rules out friction or friction too; most would be learnt so: "
+    )
+    assert advice.expected_separation_sigma < 1e-3
+    assert advice.action
+
+
 @pytest.mark.parametrize(
     ("sigmas", "says"),
     [
         ((20.0, 9.0), "it separates a from b by 9 sigma"),
         ((2.0, 3.0), "it separates a from b by 2 sigma"),
+        ((4.0, 0.3), "if a is right it speaks against b by 4 sigma; if not, a stays possible"),
         ((0.3, 150.0), "if b is right it rules out a by 150 sigma; if not, b stays possible"),
     ],
 )

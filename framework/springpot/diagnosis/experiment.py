@@ -15,6 +15,8 @@ from .words import plain
 
 TRIED = 3
 """Actions that are fitted in earnest at most."""
+TELLING = 1.0
+"""Separation below which a measurement rules nothing out."""
 SETTLED = 5.0
 """Separation in standard deviations that settles the matter."""
 Pair = tuple[float, float]
@@ -45,10 +47,16 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
     best = max(tried, key=lambda action: worth(fitted[action], action))
-    sigma = _expected(shares, fitted[best])
-    if max(fitted[best]) < 1.0:
-        return NextExperiment(f"no single further measurement here tells {names[0]} from {names[1]}", names, sigma)
-    return NextExperiment(f"{best.says}: {promise(names, fitted[best])}", names, sigma, best.action)
+    if max(fitted[best]) < TELLING:
+        # A rival that follows everywhere still pays for its further parameter, the more the better that is known.
+        best = tried[0]
+    return NextExperiment(_says(best, names, fitted[best]), names, _expected(shares, fitted[best]), best.action)
+
+
+def _says(action: Action, names: tuple[str, str], sigmas: Pair) -> str:
+    if max(sigmas) < TELLING:
+        return f"no single measurement rules out {names[0]} or {names[1]}; most would be learnt so: {action.says}"
+    return f"{action.says}: {promise(names, sigmas)}"
 
 
 def _both(clashes: tuple[Clash, Clash], kind: str) -> Pair:
@@ -68,9 +76,10 @@ def _enough(sigma: float) -> float:
 def promise(names: tuple[str, str], sigmas: Pair) -> str:
     """What the measurement will show if the first or the second of two explanations holds."""
     less, more = sorted(range(2), key=lambda i: sigmas[i])
-    if sigmas[less] >= SETTLED or sigmas[more] < SETTLED:
+    if sigmas[less] >= SETTLED or 2.0 * sigmas[less] >= sigmas[more]:
         return f"it separates {names[0]} from {names[1]} by {plain(sigmas[less], 2)} sigma"
+    verb = "rules out" if sigmas[more] >= SETTLED else "speaks against"
     return (
-        f"if {names[more]} is right it rules out {names[less]} by {plain(sigmas[more], 2)} sigma; "
+        f"if {names[more]} is right it {verb} {names[less]} by {plain(sigmas[more], 2)} sigma; "
         f"if not, {names[more]} stays possible"
     )
