@@ -19,6 +19,9 @@ MODEL = "fractional-zener"
 BUSY = 1.15
 """What other work on the machine may add to a ratio before a test fails; the goals are those without it."""
 
+DRIFT = 0.03
+"""Share by which the speed of a busy machine changes between two measurements of it."""
+
 
 def least(calls, turns, clock=process_time):
     """Least duration of each call, taken in turns."""
@@ -46,7 +49,8 @@ def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
     bare, recorded, clamping = 1e6 / chunk * least(calls, 400, perf_counter)
     with capsys.disabled():
         print(f"\nobjective {bare:.2f} us, recorded {recorded:.2f} us, clamping {clamping:.2f} us")
-    assert recorded - bare <= 2.5 * BUSY * clamping
+    # The difference of two durations is uncertain by a share of each, however short it is itself.
+    assert recorded - bare <= 2.5 * BUSY * clamping + DRIFT * bare
     assert recorded <= 1.1 * BUSY * bare
 
 
