@@ -8,6 +8,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+from patience import patient
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "identification"))
 
@@ -51,6 +52,7 @@ def seconds(call, repeats):
     return float(np.median(spent))
 
 
+@patient
 def test_single_fits_take_less_time_than_scipy_from_random_starts():
     native, plain = {}, {}
     for name in TRUTHS:
@@ -63,6 +65,7 @@ def test_single_fits_take_less_time_than_scipy_from_random_starts():
 
 
 @pytest.mark.parametrize("name", FOUR)
+@patient
 def test_a_batch_is_ten_times_faster_and_succeeds_more_often(name, rng):
     model, theta, stiffness = random_truths(name, 1000, rng)
     few = 25
@@ -79,6 +82,7 @@ def test_a_batch_is_ten_times_faster_and_succeeds_more_often(name, rng):
     assert exact.mean() >= np.mean(np.max(np.abs(plain / theta[:few] - 1.0), axis=1) < 1e-6)
 
 
+@patient
 def test_a_batch_costs_less_than_its_fits_one_by_one(rng):
     model, _, stiffness = random_truths("fractional-maxwell", 400, rng)
     measured = noisy(stiffness, 0.01, rng)

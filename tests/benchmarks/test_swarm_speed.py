@@ -6,6 +6,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+from patience import patient
 
 from paper_problems import artificial
 from springpot.identification import run_batch
@@ -49,6 +50,7 @@ def seconds(call):
 
 
 @pytest.mark.parametrize("name", MODELS)
+@patient
 def test_fifty_runs_take_at_most_a_tenth_of_pyswarms(name, theirs, capsys):
     problem = artificial(name)
     ours(problem, 1), theirs(problem, 1)

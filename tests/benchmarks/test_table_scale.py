@@ -7,6 +7,7 @@ from pathlib import Path
 from time import process_time
 
 import pytest
+from patience import patient
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 
@@ -36,6 +37,7 @@ def seconds(path: Path, names: tuple[str, ...]) -> float:
 
 
 @pytest.mark.slow
+@patient
 def test_store_and_tables_grow_linearly(stores, capsys):
     sizes = {n: path.stat().st_size / n for n, path in stores.items()}
     summary = {n: seconds(path, ("summary",)) for n, path in stores.items()}
