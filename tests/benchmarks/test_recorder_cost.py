@@ -53,9 +53,7 @@ def test_the_recorder_costs_little_more_than_the_clamping_it_does(capsys):
 
     free_alone, alone, recorded, clamping, bare = 1e6 / chunk * least([repeated(f) for f in calls], 400, perf_counter)
     with capsys.disabled():
-        print(
-            f"\nrecorder {alone:.2f} us, clamping {clamping:.2f} us; objective {bare:.2f} us, recorded {recorded:.2f} us"
-        )
+        print(f"\nrecorder {alone:.2f} us, clamping {clamping:.2f}, objective {bare:.2f}, recorded {recorded:.2f}")
     assert alone - free_alone <= 2.5 * BUSY * clamping
     assert recorded <= 1.1 * BUSY * bare
 
