@@ -46,12 +46,22 @@ def frame_resonance(at, base, stiffness=3000.0, hertz=12.0, zeta=0.05):
     return 1.0 / (1.0 / exact(base, at) + 1.0 / (stiffness * (1.0 - r**2 + 2j * zeta * r)))
 
 
-def test_a_resonance_of_the_frame_is_only_hinted_at():
+def test_a_resonance_of_the_frame_is_named_but_never_certain():
     data = measured(DENSE, frame_resonance(DENSE, KELVIN), level=NOISE)
     diagnosis = springpot.diagnose(data, KELVIN.name)
-    assert diagnosis.verdict == "unexplained"
-    hint = next(note for note in diagnosis.notes if note.startswith("frame-resonance near "))
-    assert float(hint.split()[2]) == pytest.approx(12.0, rel=0.05)
+    assert diagnosis.verdict == "effect-missing"
+    best = diagnosis.best
+    assert best.effect == "frame-resonance"
+    assert best.parameters["omega_r"].value == pytest.approx(2.0 * np.pi * 12.0, rel=0.05)
+    assert 0.5 < best.probability < 0.9
+    assert best.probability + diagnosis.evidence["unknown"] == pytest.approx(1.0, abs=0.05)
+    assert any("other narrow features" in note for note in diagnosis.notes)
+
+
+def test_a_resonance_is_not_tried_where_a_common_effect_explains_all():
+    truth = exact(KELVIN, DENSE) - 0.02 * DENSE.omega**2
+    diagnosis = springpot.diagnose(measured(DENSE, truth, level=NOISE), KELVIN.name)
+    assert diagnosis.best.effect == "inertia"
     assert "frame-resonance" not in [candidate.effect for candidate in diagnosis.candidates]
 
 

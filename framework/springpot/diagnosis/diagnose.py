@@ -13,7 +13,6 @@ from springpot.rheology import Effect, Model, Real
 
 from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
-from .imitators import imitators
 from .outliers import Outlier
 from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
 from .result import Candidate, Diagnosis, Error, NextExperiment, Verdict, Where
@@ -41,6 +40,8 @@ RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
 NOTHING_LEFT = 10.0
 """Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
+WORTH_A_WORD = 0.03
+"""Probability from which narrow features of unknown origin are told of."""
 FEWEST_SPARE = 4
 """Degrees of freedom below which data cannot be judged."""
 
@@ -120,14 +121,14 @@ def examine(
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
         next_experiment=_next_experiment(found, probabilities) if groups else None,
-        notes=(*_notes(found, measured, outliers), *(imitators(found, library) if verdict == "unexplained" else ())),
+        notes=tuple(_notes(found, probabilities, measured, outliers)),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,
             "p_left": found.left.p_value,
             "p_repeats": found.repeats.p_value,
             "nothing": probabilities.nothing,
-            "unknown": probabilities.unknown,
+            "unknown": probabilities.unknown + probabilities.narrow,
         },
     )
     return Case(found, probabilities, diagnosis)
@@ -162,7 +163,7 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
     return next_experiment(best[first], best[second], (first, second), (chances[first], chances[second]))
 
 
-def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:
+def _notes(found: Search, probabilities: Posterior, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:
     """What else the user should know."""
     if outliers:
         places = ", ".join(map(str, outliers))
@@ -177,6 +178,9 @@ def _notes(found: Search, measured: int, outliers: Sequence[Outlier]) -> Iterato
     if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
         ratio = found.best.relative_rms / found.best.floor
         yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
+    if probabilities.narrow > WORTH_A_WORD:
+        share = f"{100 * probabilities.narrow:.0f} %"
+        yield f"a resonance has a shape that other narrow features share; {share} of the probability is left to those"
     yield from validation(found)
 
 

@@ -14,7 +14,7 @@ from .harmonics import harmonic_evidence
 from .refit import Refit
 from .search import Grown, Search
 
-CREDIBLE = 0.97
+CREDIBLE = 0.95
 """A class holds at least this share of the probability of all explanations."""
 CLOSE = 0.35
 """Curves this close (root mean square, in units of the noise) are one curve for these data."""
@@ -23,11 +23,11 @@ UNKNOWN_SIZE = float(np.log(10.0 * np.log(10.0) / np.sqrt(2.0 * np.pi)))
 UNKNOWN_SIGN = float(np.log(2.0))
 """Cost of a size that may be positive or negative."""
 MOST_UNKNOWN = 1.0 - 1e-12
-TWIN = 0.03
-"""Share of the probability from which a rival with the same curve joins the first class."""
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
 """Prior weight of two missing effects against one, spread over the pairs."""
+OTHER_NARROW = 0.3
+"""Share of a narrow effect's probability that goes to narrow features of another origin."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,14 @@ class Posterior:
         That something is missing which no effect of the library explains.
     together : dict of tuple of str to float
         For each set of effects (names in order), that it is just what is missing.
+    narrow : float
+        That a narrow feature is missing which only looks like an effect of the library.
     """
 
     nothing: float
     unknown: float
     together: dict[tuple[str, ...], float]
+    narrow: float = 0.0
 
     @property
     def effects(self) -> dict[str, float]:
@@ -60,7 +63,8 @@ class Posterior:
     def without_unknown(self) -> Posterior:
         """The same, taking for granted that the library explains what is missing."""
         known = max(1.0 - self.unknown, 1e-300)
-        return Posterior(self.nothing / known, 0.0, {names: p / known for names, p in self.together.items()})
+        together = {names: p / known for names, p in self.together.items()}
+        return Posterior(self.nothing / known, 0.0, together, self.narrow / known)
 
 
 def posterior(found: Search) -> Posterior:
@@ -84,7 +88,11 @@ def posterior(found: Search) -> Posterior:
     odds = float(np.exp(np.clip(logs[1] - known.max() - np.log(np.sum(np.exp(known - known.max()))), -700, 700)))
     unknown = min(odds / (1.0 + odds), MOST_UNKNOWN)
     weights *= 1.0 - unknown
-    return Posterior(float(weights[0]), unknown, dict(zip(names, weights[1:].tolist(), strict=True)))
+    together = dict(zip(names, weights[1:].tolist(), strict=True))
+    imitators = {effect.name for grown in found.grown for effect in grown.effects if effect.narrow}
+    doubted = {key: OTHER_NARROW * p for key, p in together.items() if imitators & set(key)}
+    together = {key: p - doubted.get(key, 0.0) for key, p in together.items()}
+    return Posterior(float(weights[0]), unknown, together, sum(doubted.values()))
 
 
 def _distinct(grown: Sequence[Grown]) -> list[Grown]:
@@ -137,8 +145,8 @@ def distance(frame: Frame, first: Refit, second: Refit) -> float:
 def classes(found: Search, probabilities: Posterior) -> list[list[str]]:
     """Effects that these data cannot tell apart, the likeliest class first.
 
-    The first class is the smallest set of rivals that holds nearly all of their probability, with those whose fitted
-    curve is the leader's and that need no more parameters; the rest are grouped by their curves.
+    The first class is the smallest set of rivals that holds nearly all of their probability; the rest are grouped by
+    their curves.
     """
     best = best_with(found)
     ranked = sorted(best, key=lambda name: -probabilities.effects.get(name, 0.0))
@@ -149,12 +157,7 @@ def classes(found: Search, probabilities: Posterior) -> list[list[str]]:
     total, covered = sum(chances.values()), 0.0
     first: list[str] = []
     for name in sorted(chances, key=lambda name: -chances[name]):
-        twin = (
-            chances[name] > TWIN * total
-            and len(best[name].theta) <= len(best[leader].theta)
-            and distance(found.frame, best[leader], best[name]) < CLOSE
-        )
-        if covered < CREDIBLE * total or twin:
+        if covered < CREDIBLE * total:
             first.append(name)
         covered += chances[name]
     return [first, *_grouped(found, [name for name in ranked if name not in first])]

@@ -28,7 +28,7 @@ TOGETHER = 8
 """Pairs refitted that explain the residual only together."""
 LEFT_OVER = 1e-2
 """Chance of a false alarm at which something is held to be left over."""
-RARE = 0.3
+COMMON = 1.0
 """Prior weight below which an effect alone is not taken for an answer before pairs of common ones are tried."""
 
 
@@ -105,7 +105,11 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     rng : numpy.random.Generator
         For simulated noise.
     """
-    effects = [effect for effect in usable(library, base.fit.measurement) if _fits(base, base.model + effect)]
+    effects = [
+        effect
+        for effect in held(library, base.fit.measurement)
+        if not effect.narrow and _fits(base, base.model + effect)
+    ]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
     found = Search(base, frame, scanned, structure(frame, rng))
@@ -116,15 +120,28 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     if found.grown and min(scanned.p_value, found.structure.p_value) < 5 * LEFT_OVER:
         found.left = structure(found.best.frame(), rng)
         if found.left.p_value < LEFT_OVER * 20 or _strained(found):
-            _seek_pairs(found, effects, rng)
+            _seek_pairs(found, [*effects, *_try_narrow(found, library)], rng)
     return found
+
+
+def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
+    """Let effects that can imitate any narrow feature compete, now that no common effect explains the data."""
+    base = found.base
+    effects = [
+        effect for effect in held(library, base.fit.measurement) if effect.narrow and _fits(base, base.model + effect)
+    ]
+    scores = scan_effects(base, found.frame, effects).scores
+    found.scan.scores.extend(scores)
+    found.grown += [_grow(base, (), score) for score in scores]
+    _sort(found)
+    return effects
 
 
 def _strained(found: Search) -> bool:
     """Whether the best single effect is a rare one, or one with so many parameters that it may stand for two."""
     best = found.grown[0]
     spent = len(best.refit.theta) - len(found.base.theta)
-    return spent > 1 or any(effect.prior < RARE for effect in best.effects)
+    return spent > 1 or any(effect.prior < COMMON for effect in best.effects)
 
 
 def _fits(base: Refit, model: Model) -> bool:
@@ -132,10 +149,10 @@ def _fits(base: Refit, model: Model) -> bool:
     return len(model.names) <= 2 * len(base.fit.measurement)
 
 
-def usable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
+def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
     """Effects whose conditions these data hold; a temperature that only drifts is none."""
-    held = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
-    return [effect for effect in library if effect.prior > 0 and effect.needs <= held]
+    columns = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
+    return [effect for effect in library if effect.needs <= columns]
 
 
 def scan_effects(

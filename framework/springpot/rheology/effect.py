@@ -65,7 +65,10 @@ class Effect:
         by default infinity in series and zero elsewhere.
     prior : float
         How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
-        less for rarer physics, 0 for what is never proposed because its own shape can imitate anything local.
+        less for rarer physics.
+    narrow : bool
+        Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only where common ones do
+        not explain the data, and some of its probability is left to what the library does not know.
     equation : str
         What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i omega, the
         amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.
@@ -81,6 +84,7 @@ class Effect:
     approximate: str = ""
     absent_at: float | None = None
     prior: float = 1.0
+    narrow: bool = False
     equation: str = ""
 
     @property

@@ -13,6 +13,8 @@ from .points import Points
 
 RADIAN = Dimension(label="rad")
 DAMPING_RATIO = Parameter("zeta", "ζ", lower=1e-4, upper=1.0, scale="linear", typical=0.05)
+STRUCTURAL_DAMPING = Parameter("zeta", "ζ", lower=1e-4, upper=0.3, scale="linear", typical=0.05)
+"""Of steel frames and their joints, even on rubber mounts; above, it would be no resonance but a mode."""
 
 
 def _maxwell(at: Points, k: Any, tau: Any) -> Any:
@@ -73,7 +75,7 @@ def _frame(at: Points, k: Any, omega_r: Any, zeta: Any) -> Any:
 
 def resonant_frame(k: str = "k") -> Formula:
     """A frame with its own resonance, K = k (1 - r^2 + 2 i zeta r), r = omega / omega_r."""
-    return Formula((stiffness(k), resonance(), DAMPING_RATIO), _frame, kind="frame")
+    return Formula((stiffness(k), resonance(), STRUCTURAL_DAMPING), _frame, kind="frame")
 
 
 def resonance(name: str = "omega_r") -> Parameter:

@@ -31,7 +31,7 @@ EFFECTS = (
         "the frame gives way with a resonance of its own at a fixed frequency",
         Layer.MOUNTING,
         "Ewins, Modal Testing, 2000",
-        prior=0.0,
+        narrow=True,
         equation="1 / (1 / K + 1 / (k * (1 - r^2 + 2 * i * zeta * r))), r = omega / omega_r",
     ),
     Effect(
@@ -58,7 +58,7 @@ EFFECTS = (
         "one more retardation time: a step in storage compliance and a bump in loss compliance at omega = 1/tau",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
-        prior=0.2,
+        prior=0.5,
         equation="1 / (1 / K + 1 / (k * (1 + s * tau)))",
     ),
 )

@@ -14,7 +14,6 @@ EFFECTS = (
         "a shear wave in the specimen, force taken where it is moved: storage falls as omega squared, then ripples",
         Layer.SPECIMEN,
         SCHRAG,
-        prior=0.5,
         equation="K * z / tan(z), z = omega * sqrt(m / K)",
     ),
     Effect(
@@ -24,7 +23,7 @@ EFFECTS = (
         "a shear wave in the specimen, force taken at its fixed end: storage grows with omega squared, then ripples",
         Layer.SPECIMEN,
         SCHRAG,
-        prior=0.2,
+        prior=0.5,
         equation="K * z / sin(z), z = omega * sqrt(m / K)",
     ),
 )
