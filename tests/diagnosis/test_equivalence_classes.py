@@ -54,9 +54,6 @@ def test_friction_at_one_amplitude_is_a_hysteretic_loss(effect):
     assert 4.0 * force / (np.pi * 0.5) == pytest.approx(loss, rel=1e-2)
 
 
-@pytest.mark.xfail(
-    strict=False, reason="crosstalk of any phase fits as well, yet is put into a class without friction"
-)
 def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
     stiffness = exact(KELVIN, ONE_AMPLITUDE) + 12.0j
     diagnosis = springpot.diagnose(measured(ONE_AMPLITUDE, stiffness), KELVIN.name)

@@ -14,6 +14,8 @@ from .words import plain
 
 POINTS = 20
 """Points of a new sweep."""
+STEP = 20.0
+"""Kelvin by which the range of temperatures is widened at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +66,8 @@ def actions(measurement: Measurement) -> Iterator[Action]:
             yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
     temperature = measurement.conditions.get("temperature")
     if temperature is not None:
-        for step in (20.0, -20.0):
-            new = float((temperature.max() if step > 0 else temperature.min()) + step)
+        step = max(STEP, 0.5 * float(np.ptp(temperature)))
+        for new in (float(temperature.max()) + step, float(temperature.min()) - step):
             where = replace(_at(omega, typical), temperature=np.full(POINTS, new + KELVIN))
             yield Action(
                 f"measure a sweep at {new:.3g} degC", where, 1.5, action=_omega(omega) | {"temperature": [new]}

@@ -14,7 +14,7 @@ from springpot.rheology import Effect, Model, Real
 from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
 from .outliers import Outlier
-from .posterior import Posterior, best_with, classes, leading, posterior, rivals_of
+from .posterior import Posterior, classes, explanations, leading, posterior, rivals_of
 from .result import Candidate, Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
@@ -158,9 +158,8 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
     first, *others = sorted(chances, key=lambda name: -chances[name])
     if not others or chances[others[0]] < RIVAL * chances[first]:
         return None
-    best = best_with(found)
-    second = others[0]
-    return next_experiment(best[first], best[second], (first, second), (chances[first], chances[second]))
+    fits, second = explanations(found, probabilities), others[0]
+    return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
 
 
 def _notes(found: Search, probabilities: Posterior, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:

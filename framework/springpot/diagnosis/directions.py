@@ -12,6 +12,10 @@ from springpot.rheology import Complex, Effect, Model, Parameter, Real
 
 DECADES = 5.0
 """How far below and above the natural size of the data the size of an effect is tried."""
+BEYOND = 0.7
+"""Decades beyond the measured times and amplitudes to which an effect's own are tried."""
+EDGE = 1e-3
+"""Share of its range within which a bounded parameter counts as at its bound."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +108,33 @@ def _reach(parameter: Parameter, window: Window) -> float:
     if unit.stiffness:
         return DECADES
     if unit.time and isinstance(unit.time, int | float):
-        return 0.5 * abs(unit.time) * window.time_decades + 0.7
+        return 0.5 * abs(unit.time) * window.time_decades + BEYOND
     if unit.amplitude:
-        return 0.5 * abs(unit.amplitude) * window.amplitude_decades + 0.7
+        return 0.5 * abs(unit.amplitude) * window.amplitude_decades + BEYOND
     return 1.5
+
+
+def shows(parameter: Parameter, value: float, window: Window) -> bool:
+    """Whether a parameter lies where the data would show it, not so far off that its effect has become a simpler one.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        One of an effect's own.
+    value : float
+        Its value.
+    window : Window
+        Where and how far the data reach.
+    """
+    unit = parameter.unit
+    if parameter.scale == "linear":
+        room = EDGE * (parameter.upper - parameter.lower)
+        return parameter.lower + room < value < parameter.upper - room
+    if isinstance(unit.time, str) or value <= 0.0:
+        return False
+    natural = window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
+    reach = _reach(parameter, window) if not unit.stiffness else 1.0 + BEYOND
+    return bool(abs(np.log10(value / (natural * parameter.typical))) < reach - BEYOND)
 
 
 def _low_discrepancy(count: int, dimension: int) -> Real:

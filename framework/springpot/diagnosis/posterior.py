@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.identification import Uncertainty
 from springpot.rheology import Real
 
+from .directions import Window, shows
 from .frame import Frame
 from .harmonics import harmonic_evidence
 from .refit import Refit
@@ -23,6 +25,8 @@ UNKNOWN_SIZE = float(np.log(10.0 * np.log(10.0) / np.sqrt(2.0 * np.pi)))
 UNKNOWN_SIGN = float(np.log(2.0))
 """Cost of a size that may be positive or negative."""
 MOST_UNKNOWN = 1.0 - 1e-12
+VAGUE = 10.0
+"""Square of the relative width within which a parameter other than a size is known beforehand."""
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
 """Prior weight of two missing effects against one, spread over the pairs."""
@@ -109,14 +113,34 @@ def _evidence(found: Search, grown: Grown) -> float:
     """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
 
     What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
-    size is of unknown order of magnitude, and of unknown sign where physics allows both; its other parameters are
-    known the better, the more the effect explains: to a relative width of one over the square root of the drop in
-    chi-square (MacKay 1992, doi:10.1162/neco.1992.4.3.415).
+    size is of unknown order of magnitude, and of unknown sign where physics allows both; its parameters are known the
+    better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
+    (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
     """
     spent = len(grown.refit.theta) - len(found.base.theta)
     cost = UNKNOWN_SIGN * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
     explained = _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
-    return explained + harmonic_evidence(grown.refit) - cost
+    return explained + harmonic_evidence(grown.refit) - cost + _refund(found, grown)
+
+
+def _refund(found: Search, grown: Grown) -> float:
+    """What is charged too much for parameters, sizes apart, that the data hardly determine.
+
+    Those that have gone beyond what the data show pay all the same: there a richer effect has become a simpler one.
+    """
+    refit, window = grown.refit, Window.of(grown.refit.fit.measurement)
+    drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
+    known = np.diag(Uncertainty(refit.fit, absolute=True).covariance)
+    sizes = {(each.name, each.element.parameters[0].name) for each in grown.effects}
+    refund = 0.0
+    for parameter, value, variance in zip(refit.model.parameters, refit.theta, known, strict=True):
+        owner, _, short = parameter.name.rpartition(".")
+        old = parameter.name in found.base.model.names or (owner.partition("#")[0], short) in sizes
+        if old or variance == 0.0 or not shows(parameter, float(value), window):
+            continue
+        width = 1.0 if parameter.scale == "log" else parameter.upper - parameter.lower
+        refund += 0.5 * float(np.log1p(drop) - np.log1p(min(drop, VAGUE * width**2 / variance)))
+    return refund
 
 
 def _unknown_evidence(found: Search) -> float:
@@ -190,6 +214,15 @@ def rivals_of(found: Search, probabilities: Posterior, leader: str) -> dict[str,
         elif len(names) < len(best):
             chances[names[0]] = chances.get(names[0], 0.0) + (weight if names[0] not in partners else 0.0)
     return chances
+
+
+def explanations(found: Search, probabilities: Posterior) -> dict[str, Refit]:
+    """For each effect, the likeliest of the fitted models that have it."""
+    chosen: dict[str, Refit] = {}
+    for grown in sorted(_distinct(found.grown), key=lambda one: -probabilities.together[tuple(sorted(one.names))]):
+        for name in grown.names:
+            chosen.setdefault(name, grown.refit)
+    return chosen
 
 
 def best_with(found: Search) -> dict[str, Refit]:

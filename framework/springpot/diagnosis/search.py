@@ -28,6 +28,8 @@ TOGETHER = 8
 """Pairs refitted that explain the residual only together."""
 LEFT_OVER = 1e-2
 """Chance of a false alarm at which something is held to be left over."""
+RESOLVED = 3.0
+"""Points over which a narrow effect must spread at least."""
 COMMON = 1.0
 """Prior weight below which an effect alone is not taken for an answer before pairs of common ones are tried."""
 
@@ -130,11 +132,22 @@ def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
     effects = [
         effect for effect in held(library, base.fit.measurement) if effect.narrow and _fits(base, base.model + effect)
     ]
-    scores = scan_effects(base, found.frame, effects).scores
-    found.scan.scores.extend(scores)
-    found.grown += [_grow(base, (), score) for score in scores]
+    for score in scan_effects(base, found.frame, effects).scores:
+        grown = _grow(base, (), score)
+        if _resolved(found, grown.refit):
+            found.scan.scores.append(score)
+            found.grown.append(grown)
+        else:
+            effects.remove(score.influence.effect)
     _sort(found)
     return effects
+
+
+def _resolved(found: Search, grown: Refit) -> bool:
+    """Whether a narrow effect changes K at several points: at a single one it is no more than an outlier."""
+    change = found.frame.whiten(grown.stiffness - found.base.stiffness).reshape(2, -1)
+    size = np.hypot(*change)
+    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2))
 
 
 def _strained(found: Search) -> bool:
@@ -189,7 +202,8 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
     ]
     for first in found.grown[:BEAM]:
         frame = first.refit.frame()
-        seconds = scan_effects(first.refit, frame, effects).scores[:SECONDS]
+        others = [effect for effect in effects if not (effect.narrow and any(one.narrow for one in first.effects))]
+        seconds = scan_effects(first.refit, frame, others).scores[:SECONDS]
         pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
     found.grown += pairs
     _sort(found)

@@ -85,11 +85,16 @@ class Clash:
         """K of the truth at old and new points (n,), and their weights."""
         new = self._evaluated(self.truth, self.truth.theta)[0]
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
-        relative = complex(np.median(noise.real / size), np.median(noise.imag / size))
+        relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
         floor = np.abs(new) if self.action.scale else np.full(len(new), float(np.median(size)))
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
+
+    def _quieter(self) -> float:
+        """How much smaller the new amplitude is than the usual one: at worst the noise is a force of fixed size."""
+        usual, new = self.truth.fit.measurement.points.amplitude, self.action.points.amplitude
+        return 1.0 if usual is None or new is None else max(1.0, float(np.median(usual) / np.median(new)))
 
     def _seen(self, theta: Real) -> tuple[Real, Real]:
         """Whitened difference of truth and rival at old and new points (2n,), and the rival's slopes (p, 2n)."""
