@@ -1,0 +1,116 @@
+"""What an explanation pays for its parameters, and what it leaves to others that look the same."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, exact, hidden, measured
+
+import springpot
+from springpot.diagnosis import examine
+from springpot.diagnosis.actions import actions
+from springpot.diagnosis.directions import Window, shows
+from springpot.diagnosis.experiment import _frugality
+from springpot.diagnosis.posterior import Posterior, explanations, posterior
+from springpot.diagnosis.separation import Clash
+from springpot.registry import plugins
+
+WARM = design(8, temperatures=(15.0, 25.0, 35.0))
+NARROW = design(60, 0.1, 100.0)
+
+
+def examined(data, model=KELVIN.name):
+    library = list(plugins().items("effect"))
+    return examine(data, springpot.parse_model(model), library, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
+def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):
+    """Over 20 K the free volume's second constant is anyone's guess: neither law may be called unlikely for it."""
+    chances = examined(hidden(KELVIN, WARM, effect, 3000.0)).probabilities.effects
+    assert chances["arrhenius-shift"] + chances["wlf-shift"] > 0.9
+    assert min(chances["arrhenius-shift"], chances["wlf-shift"]) > 0.05
+
+
+def test_a_richer_effect_that_has_become_a_simpler_one_pays_all_the_same():
+    chances = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0)).probabilities.effects
+    assert chances["friction"] > 0.8
+    assert chances["elasto-sliding"] < 0.1
+
+
+def parameter(model, name):
+    return next(p for p in springpot.parse_model(model).parameters if p.name == name)
+
+
+def test_a_time_shows_within_the_measured_ones():
+    window = Window.of(measured(SWEEP, exact(KELVIN, SWEEP)))
+    tau = parameter("kelvin + relaxation-mode", "relaxation-mode.tau")
+    fastest, slowest = 1.0 / SWEEP.omega.max(), 1.0 / SWEEP.omega.min()
+    assert [shows(tau, x, window) for x in (fastest / 10, 2 * fastest, slowest / 2, slowest * 10)] == [
+        False, True, True, False,
+    ]  # fmt: skip
+
+
+def test_an_order_shows_away_from_its_bounds():
+    window = Window.of(measured(SWEEP, exact(KELVIN, SWEEP)))
+    alpha = parameter("kelvin + parallel-springpot", "parallel-springpot.alpha")
+    assert [shows(alpha, x, window) for x in (0.0, 0.5, 1.0)] == [False, True, False]
+
+
+def resonant(at, hertz=12.0, zeta=0.05, stiffness=3000.0):
+    r = at.omega / (2.0 * np.pi * hertz)
+    return 1.0 / (1.0 / exact(KELVIN, at) + 1.0 / (stiffness * (1.0 - r**2 + 2j * zeta * r)))
+
+
+def test_chances_with_those_of_other_narrow_features_are_one():
+    case = examined(measured(NARROW, resonant(NARROW), level=0.003))
+    chances = case.probabilities
+    assert chances.together[("frame-resonance",)] == pytest.approx(7.0 / 3.0 * chances.narrow, rel=1e-3)
+    for each in (posterior(case.found), chances):
+        assert each.nothing + each.unknown + each.narrow + sum(each.together.values()) == pytest.approx(1.0)
+
+
+def test_what_is_known_for_granted_keeps_the_share_of_narrow_features():
+    chances = Posterior(0.1, 0.5, {("a",): 0.28}, 0.12).without_unknown()
+    assert (chances.nothing, chances.unknown, chances.narrow) == pytest.approx((0.2, 0.0, 0.24))
+
+
+@pytest.mark.parametrize("row", [20, 35])
+def test_one_wrong_point_is_no_resonance(row):
+    data = measured(NARROW, exact(KELVIN, NARROW), seed=2)
+    stiffness = data.stiffness.copy()
+    stiffness[row] *= 1.2 - 0.1j
+    diagnosis = springpot.diagnose(replace(data, stiffness=stiffness), KELVIN.name)
+    assert diagnosis.verdict != "effect-missing"
+    assert any("set aside" in note for note in diagnosis.notes)
+
+
+def test_the_likeliest_explanations_are_compared_not_those_of_best_fit():
+    case = examined(hidden(KELVIN, SWEEP, "inertia", 300.0))
+    chosen, together = explanations(case.found, case.probabilities), case.probabilities.together
+    for name, refit in chosen.items():
+        likeliest = max((names for names in together if name in names), key=lambda names: together[names])
+        assert len(refit.model.effects) == len(likeliest)
+
+
+def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
+    case = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0))
+    found = explanations(case.found, case.probabilities)
+    plan = [a for a in actions(case.found.base.fit.measurement) if "amplitude" in a.action]
+    smaller = min(plan, key=lambda a: a.action["amplitude"][0])
+    usual = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 0.75)))
+    tiny = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 1e-9)))
+    clashes = [Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)]
+    assert clashes[0]._quieter() == 1.0
+    assert clashes[1]._quieter() == pytest.approx(0.75e9)
+
+
+def test_more_data_speak_for_the_smaller_of_two_models_that_nothing_else_separates():
+    case = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0))
+    found = explanations(case.found, case.probabilities)
+    measurement = case.found.base.fit.measurement
+    again = next(action for action in actions(measurement) if action.repeats == 4)
+    paid = np.sqrt(np.log(5.0))
+    assert _frugality(found["friction"], found["power-law-damper"], again) == pytest.approx((paid, 0.0))
+    assert _frugality(found["power-law-damper"], found["friction"], again) == pytest.approx((0.0, paid))
+    assert _frugality(found["friction"], found["hysteretic-loss"], again) == (0.0, 0.0)
