@@ -10,10 +10,10 @@ import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
 from springpot.diagnosis.directions import Window, shows
-from springpot.diagnosis.experiment import _frugality
 from springpot.diagnosis.posterior import Posterior, explanations, posterior
 from springpot.diagnosis.separation import Clash
 from springpot.registry import plugins
+from springpot.report.answers import doubt_text
 
 WARM = design(8, temperatures=(15.0, 25.0, 35.0))
 NARROW = design(60, 0.1, 100.0)
@@ -62,17 +62,32 @@ def resonant(at, hertz=12.0, zeta=0.05, stiffness=3000.0):
     return 1.0 / (1.0 / exact(KELVIN, at) + 1.0 / (stiffness * (1.0 - r**2 + 2j * zeta * r)))
 
 
-def test_chances_with_those_of_other_narrow_features_are_one():
+def test_what_looks_like_a_resonance_may_be_another_narrow_feature():
     case = examined(measured(NARROW, resonant(NARROW), level=0.003))
-    chances = case.probabilities
-    assert chances.together[("frame-resonance",)] == pytest.approx(7.0 / 3.0 * chances.narrow, rel=1e-3)
-    for each in (posterior(case.found), chances):
-        assert each.nothing + each.unknown + each.narrow + sum(each.together.values()) == pytest.approx(1.0)
+    for each in (posterior(case.found), case.probabilities):
+        assert each.nothing + each.unknown + sum(each.together.values()) == pytest.approx(1.0)
+        assert each.effects["frame-resonance"] == pytest.approx(7.0 / 3.0 * each.narrow)
 
 
-def test_what_is_known_for_granted_keeps_the_share_of_narrow_features():
-    chances = Posterior(0.1, 0.5, {("a",): 0.28}, 0.12).without_unknown()
-    assert (chances.nothing, chances.unknown, chances.narrow) == pytest.approx((0.2, 0.0, 0.24))
+def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
+    chances = Posterior(0.0, 0.2, {("a", "b"): 0.8}, frozenset({"b"})).without_unknown()
+    assert chances.effects == pytest.approx({"a": 1.0, "b": 0.7})
+    assert chances.narrow == pytest.approx(0.3)
+
+
+def test_a_mass_beside_a_resonance_is_as_sure_as_without():
+    truth = resonant(NARROW) - 0.02 * NARROW.omega**2
+    diagnosis = springpot.diagnose(measured(NARROW, truth, level=0.003), KELVIN.name)
+    found = {c.effect: c for c in diagnosis.candidates if c.verdict == "missing"}
+    assert {"inertia", "frame-resonance"} <= set(found)
+    assert found["inertia"].probability > 0.9 > found["frame-resonance"].probability
+    assert diagnosis.says.endswith("or another narrow feature")
+
+
+def test_a_rung_of_a_resonance_says_that_it_may_be_something_else():
+    data = measured(NARROW, resonant(NARROW), level=0.003)
+    step = springpot.discover(data, KELVIN.name, accept=["frame-resonance"]).steps[-1]
+    assert "another narrow feature" in doubt_text(step)
 
 
 @pytest.mark.parametrize("row", [20, 35])
@@ -103,14 +118,3 @@ def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     clashes = [Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)]
     assert clashes[0]._quieter() == 1.0
     assert clashes[1]._quieter() == pytest.approx(0.75e9)
-
-
-def test_more_data_speak_for_the_smaller_of_two_models_that_nothing_else_separates():
-    case = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0))
-    found = explanations(case.found, case.probabilities)
-    measurement = case.found.base.fit.measurement
-    again = next(action for action in actions(measurement) if action.repeats == 4)
-    paid = np.sqrt(np.log(5.0))
-    assert _frugality(found["friction"], found["power-law-damper"], again) == pytest.approx((paid, 0.0))
-    assert _frugality(found["power-law-damper"], found["friction"], again) == pytest.approx((0.0, paid))
-    assert _frugality(found["friction"], found["hysteretic-loss"], again) == (0.0, 0.0)

@@ -14,8 +14,10 @@ from .words import plain
 
 POINTS = 20
 """Points of a new sweep."""
-STEP = 20.0
-"""Kelvin by which the range of temperatures is widened at least."""
+STEPS = (20.0, 40.0)
+"""Kelvin by which the range of temperatures is widened at least and at most."""
+COLDEST = -180.0
+"""Temperature in degC that liquid nitrogen reaches in a test chamber."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +68,8 @@ def actions(measurement: Measurement) -> Iterator[Action]:
             yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
     temperature = measurement.conditions.get("temperature")
     if temperature is not None:
-        step = max(STEP, 0.5 * float(np.ptp(temperature)))
-        for new in (float(temperature.max()) + step, float(temperature.min()) - step):
+        step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
+        for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
             where = replace(_at(omega, typical), temperature=np.full(POINTS, new + KELVIN))
             yield Action(
                 f"measure a sweep at {new:.3g} degC", where, 1.5, action=_omega(omega) | {"temperature": [new]}

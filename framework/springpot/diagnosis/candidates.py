@@ -43,7 +43,7 @@ def candidates_of(
         # An effect that only shows beside the leading one is told as it is there.
         refit = beside if name in partners else alone.get(name, best.get(name))
         least = LIKELY if groups and name in groups[0] else BESIDE
-        missing = verdict == "effect-missing" and chances.get(name, 0.0) > least
+        missing = verdict == "effect-missing" and chances.get(name, 0.0) > least * probabilities.trust(name)
         word = _effect_verdict(found, score, best.get(name), missing)
         rows.append(_candidate(found, score, refit, chances.get(name, 0.0), group_of.get(name, (name,)), word))
     rows = [replace(row, says=f"beside {leader}: {row.says}") if row.effect in partners else row for row in rows]

@@ -116,7 +116,7 @@ def examine(
         model=model,
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
-        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked),
+        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked, probabilities.narrow),
         where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
@@ -179,7 +179,11 @@ def _notes(found: Search, probabilities: Posterior, measured: int, outliers: Seq
         yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
     if probabilities.narrow > WORTH_A_WORD:
         share = f"{100 * probabilities.narrow:.0f} %"
-        yield f"a resonance has a shape that other narrow features share; {share} of the probability is left to those"
+        names = " and ".join(sorted(probabilities.imitators))
+        yield (
+            f"other narrow features, such as an interference, look like {names}: "
+            f"{share} of the probability is left to them"
+        )
     yield from validation(found)
 
 
@@ -217,14 +221,17 @@ def _all_but_explained(found: Search) -> bool:
     return excess[0] > spare and excess[1] < max(REMAINDER * excess[0], NOTHING_LEFT) and small
 
 
-def _sentence(verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]], ranked: Sequence[Candidate]) -> str:
+def _sentence(
+    verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]], ranked: Sequence[Candidate], narrow: float
+) -> str:
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
         others = [each.effect for each in ranked if each.verdict == "missing" and each.effect not in groups[0]]
         beside = f", and beside it {' and '.join(others)}" if others else ""
-        return f"{error}; missing is {' or '.join(groups[0])}{beside}"
+        other = " or another narrow feature" if narrow > WORTH_A_WORD else ""
+        return f"{error}; missing is {' or '.join(groups[0])}{beside}{other}"
     if verdict == "unexplained":
         pattern = ", but no pattern of noise" if ratio < NOISY else ""
         return f"{error}{pattern}; something is missing that no effect of the library explains"

@@ -7,8 +7,6 @@ in earnest, since a rival far from its old parameters can follow much better tha
 
 from __future__ import annotations
 
-import numpy as np
-
 from .actions import Action, actions
 from .refit import Refit
 from .result import NextExperiment
@@ -43,14 +41,13 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
         return Clash(first, second, action), Clash(second, first, action)
 
     def worth(sigmas: Pair, action: Action) -> float:
-        frugal = _frugality(first, second, action)
-        return _expected(shares, (_enough(sigmas[0], frugal[0]), _enough(sigmas[1], frugal[1]))) / action.effort
+        return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
     linear = {action: _both(clashes(action), "linear") for action in actions(first.fit.measurement)}
     tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
     best = max(tried, key=lambda action: worth(fitted[action], action))
-    if max(fitted[best]) < TELLING:
+    if max(max(sigmas) for sigmas in fitted.values()) < TELLING:
         # A rival that follows everywhere still pays for its further parameter, the more the better that is known.
         best = tried[0]
     return NextExperiment(_says(best, names, fitted[best]), names, _expected(shares, fitted[best]), best.action)
@@ -71,20 +68,9 @@ def _expected(shares: Pair, sigmas: Pair) -> float:
     return shares[0] * sigmas[0] + shares[1] * sigmas[1]
 
 
-def _enough(sigma: float, frugal: float) -> float:
-    """Worth of a separation and of what it pays to be the smaller model; more than enough is worth no more."""
-    return float(min(np.hypot(sigma, frugal), 3.0 * SETTLED))
-
-
-def _frugality(first: Refit, second: Refit, action: Action) -> Pair:
-    """What further data tell for either explanation, if it holds and is the smaller one, in standard deviations.
-
-    A larger model follows a smaller one everywhere, but each of its further parameters costs it half the logarithm of
-    what the data tell, and that grows with their number.
-    """
-    spare = len(second.theta) - len(first.theta)
-    more = np.log1p(action.repeats * len(action.points.log_omega) / len(first.fit.measurement))
-    return float(np.sqrt(max(spare, 0) * more)), float(np.sqrt(max(-spare, 0) * more))
+def _enough(sigma: float) -> float:
+    """More than enough separation is worth no more."""
+    return min(sigma, 3.0 * SETTLED)
 
 
 def promise(names: tuple[str, str], sigmas: Pair) -> str:

@@ -16,7 +16,7 @@ from .harmonics import harmonic_evidence
 from .refit import Refit
 from .search import Grown, Search
 
-CREDIBLE = 0.95
+CREDIBLE = 0.93
 """A class holds at least this share of the probability of all explanations."""
 CLOSE = 0.35
 """Curves this close (root mean square, in units of the noise) are one curve for these data."""
@@ -46,14 +46,14 @@ class Posterior:
         That something is missing which no effect of the library explains.
     together : dict of tuple of str to float
         For each set of effects (names in order), that it is just what is missing.
-    narrow : float
-        That a narrow feature is missing which only looks like an effect of the library.
+    imitators : frozenset of str
+        Effects whose place something else as narrow may hold.
     """
 
     nothing: float
     unknown: float
     together: dict[tuple[str, ...], float]
-    narrow: float = 0.0
+    imitators: frozenset[str] = frozenset()
 
     @property
     def effects(self) -> dict[str, float]:
@@ -61,14 +61,24 @@ class Posterior:
         found: dict[str, float] = {}
         for names, weight in self.together.items():
             for name in set(names):
-                found[name] = found.get(name, 0.0) + weight
+                found[name] = found.get(name, 0.0) + weight * self.trust(name)
         return found
+
+    @property
+    def narrow(self) -> float:
+        """That something narrow is missing which only looks like an effect of the library."""
+        held = sum(weight for names, weight in self.together.items() if self.imitators & set(names))
+        return OTHER_NARROW * held
+
+    def trust(self, name: str) -> float:
+        """Chance that what looks like an effect is that effect."""
+        return 1.0 - OTHER_NARROW if name in self.imitators else 1.0
 
     def without_unknown(self) -> Posterior:
         """The same, taking for granted that the library explains what is missing."""
         known = max(1.0 - self.unknown, 1e-300)
         together = {names: p / known for names, p in self.together.items()}
-        return Posterior(self.nothing / known, 0.0, together, self.narrow / known)
+        return Posterior(self.nothing / known, 0.0, together, self.imitators)
 
 
 def posterior(found: Search) -> Posterior:
@@ -93,10 +103,8 @@ def posterior(found: Search) -> Posterior:
     unknown = min(odds / (1.0 + odds), MOST_UNKNOWN)
     weights *= 1.0 - unknown
     together = dict(zip(names, weights[1:].tolist(), strict=True))
-    imitators = {effect.name for grown in found.grown for effect in grown.effects if effect.narrow}
-    doubted = {key: OTHER_NARROW * p for key, p in together.items() if imitators & set(key)}
-    together = {key: p - doubted.get(key, 0.0) for key, p in together.items()}
-    return Posterior(float(weights[0]), unknown, together, sum(doubted.values()))
+    imitators = frozenset(effect.name for grown in found.grown for effect in grown.effects if effect.narrow)
+    return Posterior(float(weights[0]), unknown, together, imitators)
 
 
 def _distinct(grown: Sequence[Grown]) -> list[Grown]:
@@ -126,21 +134,23 @@ def _evidence(found: Search, grown: Grown) -> float:
 def _refund(found: Search, grown: Grown) -> float:
     """What is charged too much for parameters, sizes apart, that the data hardly determine.
 
-    Those that have gone beyond what the data show pay all the same: there a richer effect has become a simpler one.
+    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect.
     """
     refit, window = grown.refit, Window.of(grown.refit.fit.measurement)
-    drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
-    known = np.diag(Uncertainty(refit.fit, absolute=True).covariance)
     sizes = {(each.name, each.element.parameters[0].name) for each in grown.effects}
-    refund = 0.0
-    for parameter, value, variance in zip(refit.model.parameters, refit.theta, known, strict=True):
+    mine: dict[str, list[int]] = {}
+    for i, parameter in enumerate(refit.model.parameters):
         owner, _, short = parameter.name.rpartition(".")
-        old = parameter.name in found.base.model.names or (owner.partition("#")[0], short) in sizes
-        if old or variance == 0.0 or not shows(parameter, float(value), window):
-            continue
-        width = 1.0 if parameter.scale == "log" else parameter.upper - parameter.lower
-        refund += 0.5 * float(np.log1p(drop) - np.log1p(min(drop, VAGUE * width**2 / variance)))
-    return refund
+        if parameter.name not in found.base.model.names and (owner.partition("#")[0], short) not in sizes:
+            mine.setdefault(owner, []).append(i)
+    parameters, theta = refit.model.parameters, refit.theta
+    shown = [rows for rows in mine.values() if all(shows(parameters[i], float(theta[i]), window) for i in rows)]
+    if not shown:
+        return 0.0
+    drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
+    variance = np.diag(Uncertainty(refit.fit, absolute=True).covariance)[np.concatenate(shown)]
+    needed = np.minimum(drop, VAGUE / np.where(variance > 0.0, variance, 1e-300))
+    return 0.5 * float(np.sum(np.log1p(drop) - np.log1p(needed)))
 
 
 def _unknown_evidence(found: Search) -> float:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,7 +113,9 @@ class Scan:
     threshold: float
 
 
-def scan(frame: Frame, influences: Sequence[Influence], rng: np.random.Generator | None) -> Scan:
+def scan(
+    frame: Frame, influences: Sequence[Influence], rng: np.random.Generator | None, threshold: float = inf
+) -> Scan:
     """Score all effects at a fit.
 
     Parameters
@@ -123,10 +126,12 @@ def scan(frame: Frame, influences: Sequence[Influence], rng: np.random.Generator
         What each effect could change.
     rng : numpy.random.Generator or None
         For the simulated noise; without it there are scores but no chances.
+    threshold : float
+        Score that noise alone exceeds with a chance of 1 %, where that is known already.
     """
     tried = [Directions.of(frame, influence) for influence in influences]
     simulated = np.zeros(0) if rng is None else _simulated_maxima(frame, tried, rng)
-    threshold = float(np.quantile(simulated, 0.99)) if len(simulated) else np.inf
+    threshold = float(np.quantile(simulated, 0.99)) if len(simulated) else threshold
     scores = [
         _score(frame, influence, directions, threshold)
         for influence, directions in zip(influences, tried, strict=True)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
-from .directions import influence
+from .directions import EDGE, influence
 from .frame import Frame
 from .pairs import best_pairs
 from .refit import Refit, refit
@@ -127,27 +128,36 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
 
 
 def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
-    """Let effects that can imitate any narrow feature compete, now that no common effect explains the data."""
+    """Let effects that can imitate any narrow feature compete, now that no simple common effect explains the data."""
     base = found.base
-    effects = [
-        effect for effect in held(library, base.fit.measurement) if effect.narrow and _fits(base, base.model + effect)
-    ]
-    for score in scan_effects(base, found.frame, effects).scores:
-        grown = _grow(base, (), score)
-        if _resolved(found, grown.refit):
-            found.scan.scores.append(score)
-            found.grown.append(grown)
-        else:
-            effects.remove(score.influence.effect)
+    present = {effect.name for effect in base.model.effects}
+    effects = []
+    for effect in held(library, base.fit.measurement):
+        if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
+            for score in scan_effects(base, found.frame, [effect], threshold=found.scan.threshold).scores:
+                grown = _grow(base, (), score)
+                if _resolved(found, grown):
+                    found.scan.scores.append(score)
+                    found.grown.append(grown)
+                    effects.append(effect)
     _sort(found)
     return effects
 
 
-def _resolved(found: Search, grown: Refit) -> bool:
-    """Whether a narrow effect changes K at several points: at a single one it is no more than an outlier."""
-    change = found.frame.whiten(grown.stiffness - found.base.stiffness).reshape(2, -1)
-    size = np.hypot(*change)
-    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2))
+def _resolved(found: Search, grown: Grown) -> bool:
+    """Whether a narrow effect is seen at several points: at a single one it is no more than an outlier."""
+    if not any(effect.narrow for effect in grown.effects):
+        return True
+    others = {effect.name for effect in grown.effects if not effect.narrow}
+    without = [one.refit for one in found.grown if {effect.name for effect in one.effects} == others]
+    before = without[0] if without and others else found.base
+    size = np.hypot(*found.frame.whiten(grown.refit.stiffness - before.stiffness).reshape(2, -1))
+    ends = [
+        value <= parameter.lower + EDGE * (parameter.upper - parameter.lower)
+        for parameter, value in zip(grown.refit.model.parameters, grown.refit.theta, strict=True)
+        if parameter.scale == "linear" and parameter.name not in found.base.model.names
+    ]
+    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2)) and not any(ends)
 
 
 def _strained(found: Search) -> bool:
@@ -169,12 +179,16 @@ def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
 
 
 def scan_effects(
-    base: Refit, frame: Frame, effects: Sequence[Effect], rng: np.random.Generator | None = None
+    base: Refit,
+    frame: Frame,
+    effects: Sequence[Effect],
+    rng: np.random.Generator | None = None,
+    threshold: float = inf,
 ) -> Scan:
-    """Score effects at a fit."""
+    """Score effects at a fit; see `scan`."""
     measurement = base.fit.measurement
     influences = [influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects]
-    return scan(frame, [each for each in influences if len(each.theta)], rng)
+    return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
 def _grow(base: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
@@ -205,7 +219,7 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
         others = [effect for effect in effects if not (effect.narrow and any(one.narrow for one in first.effects))]
         seconds = scan_effects(first.refit, frame, others).scores[:SECONDS]
         pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
-    found.grown += pairs
+    found.grown += [pair for pair in pairs if _resolved(found, pair)]
     _sort(found)
     _add_singles(found)
     found.left = structure(found.best.frame(), rng)

@@ -173,6 +173,8 @@ def change(ratio: float) -> str:
 def doubt_text(step: Step) -> str:
     """What an accepted effect may be as well."""
     rivals = [name for name in step.alike if name != step.accepted]
+    if any(effect.narrow and effect.name == step.accepted for effect in step.model.effects):
+        rivals.append("another narrow feature")
     if not rivals:
         return ""
     return f"{accepted_name(step)} may as well be {' or '.join(rivals)}: these data cannot tell them apart"

@@ -67,8 +67,8 @@ class Effect:
         How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
         less for rarer physics.
     narrow : bool
-        Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only where common ones do
-        not explain the data, and some of its probability is left to what the library does not know.
+        Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only where simple
+        common ones do not explain the data, and some of its probability is left to what the library does not know.
     equation : str
         What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i omega, the
         amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.

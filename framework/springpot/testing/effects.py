@@ -55,8 +55,8 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
 def _words(effect: Effect) -> Iterator[str]:
     yield from name_and_summary(effect.name, effect.summary, effect.aliases)
     yield from cited(effect.citation)
-    if not 0.0 <= effect.prior <= 1.0:
-        yield f"the prior is {effect.prior}, not between 0 and 1"
+    if not 0.0 < effect.prior <= 1.0:
+        yield f"the prior is {effect.prior}, not above 0 and at most 1"
     if not isinstance(effect.layer, Layer):
         yield f"the layer is {effect.layer!r}, not one of {', '.join(layer.name for layer in Layer)}"
     if not effect.element.parameters:

@@ -59,7 +59,7 @@ EFFECTS = (
         "a damper force that goes as the cube of the speed: loss as omega^3 and amplitude squared",
         Layer.MOVING_PARTS,
         "Elliott, Tehrani and Langley 2015, doi:10.1098/rsta.2014.0402",
-        prior=0.5,
+        prior=0.3,
         equation="K + i * 3 / 4 * c3 * omega^3 * X^2",
     ),
     Effect(
@@ -97,7 +97,7 @@ EFFECTS = (
         "the material softens or stiffens with amplitude squared by the same fraction at all frequencies",
         citation="Hyun and Wilhelm 2009, Macromolecules 42, 411",
         aliases=("maos",),
-        prior=0.5,
+        prior=0.3,
         equation="K * (1 + q * X^2)",
     ),
     Effect(
@@ -118,7 +118,7 @@ EFFECTS = (
         Layer.SIGNAL,
         GELB,
         ("play",),
-        prior=0.5,
+        prior=0.3,
         equation="K * (1 - (a - sin(2 * a) / 2 + i * sin(a)^2) / pi), a = arccos(1 - 2 * min(b / X, 1))",
     ),
 )

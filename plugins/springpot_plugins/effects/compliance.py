@@ -58,7 +58,7 @@ EFFECTS = (
         "one more retardation time: a step in storage compliance and a bump in loss compliance at omega = 1/tau",
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("kelvin-unit",),
-        prior=0.5,
+        prior=0.3,
         equation="1 / (1 / K + 1 / (k * (1 + s * tau)))",
     ),
 )

@@ -55,7 +55,7 @@ EFFECTS = (
         "one channel has a low-pass filter that the other lacks: phase error as omega, gain error as its square",
         Layer.SIGNAL,
         "1 / (1 + s tau), elementary",
-        prior=0.5,
+        prior=0.3,
         equation="K / (1 + s * tau) if tau > 0 else K * (1 - s * tau)",
     ),
     Effect(
@@ -67,7 +67,7 @@ EFFECTS = (
         "Ewins, Modal Testing, 2000",
         ("transducer-resonance",),
         absent_at=inf,
-        prior=0.5,
+        prior=0.3,
         equation="K / (1 - r^2 + 2 * i * zeta * r), r = omega / omega_r",
     ),
     Effect(
@@ -77,7 +77,7 @@ EFFECTS = (
         "the drive leaks into the force signal: a fixed force of fixed phase, the larger the smaller the amplitude",
         Layer.SIGNAL,
         "F exp(i phi) / X, elementary",
-        prior=0.5,
+        prior=0.3,
         equation="K + F * exp(i * phi) / X",
     ),
     Effect(
@@ -88,7 +88,7 @@ EFFECTS = (
         Layer.SIGNAL,
         "ln(1 + e), elementary",
         ("clock-error",),
-        prior=0.5,
+        prior=0.3,
         equation="K(omega * (1 + e))",
     ),
 )

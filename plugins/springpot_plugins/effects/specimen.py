@@ -15,6 +15,7 @@ EFFECTS = (
         Layer.SPECIMEN,
         SCHRAG,
         equation="K * z / tan(z), z = omega * sqrt(m / K)",
+        prior=0.8,
     ),
     Effect(
         "specimen-inertia-fixed",
@@ -23,7 +24,7 @@ EFFECTS = (
         "a shear wave in the specimen, force taken at its fixed end: storage grows with omega squared, then ripples",
         Layer.SPECIMEN,
         SCHRAG,
-        prior=0.5,
+        prior=0.3,
         equation="K * z / sin(z), z = omega * sqrt(m / K)",
     ),
 )

@@ -59,7 +59,7 @@ EFFECTS = (
         "fluid that seeps through the specimen stiffens it above omega = 1/tau: a step that levels off as omega^-1/2",
         citation="Biot 1941, doi:10.1063/1.1712886",
         aliases=("poroelastic",),
-        prior=0.5,
+        prior=0.3,
         equation="K + k * (1 - tanh(q) / q), q = sqrt(s * tau)",
     ),
     Effect(
@@ -89,7 +89,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Basset 1888, A Treatise on Hydrodynamics; Landau and Lifshitz, Fluid Mechanics, section 24",
         ("stokes-layer",),
-        prior=0.5,
+        prior=0.3,
         equation="K + c * s^(3 / 2)",
     ),
 )

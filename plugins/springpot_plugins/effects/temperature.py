@@ -54,7 +54,7 @@ EFFECTS = (
         entropic_spring("k"),
         "a rubber network beside the model, stiffer in proportion to the absolute temperature",
         citation="Treloar, The Physics of Rubber Elasticity, 1975",
-        prior=0.5,
+        prior=0.3,
         equation="K + k * T / Tr",
     ),
     Effect(
@@ -65,7 +65,7 @@ EFFECTS = (
         Layer.SPECIMEN,
         "van Gurp and Palmen 1998, Rheol. Bull. 67, 5",
         ("second-activation",),
-        prior=0.5,
+        prior=0.3,
         equation="K + c * s * exp(Ea / R * (1 / T - 1 / Tr))",
     ),
     Effect(
@@ -75,7 +75,7 @@ EFFECTS = (
         "viscous drag of the rig, which the specimen's temperature does not change",
         Layer.DEVICE,
         FERRY,
-        prior=0.5,
+        prior=0.3,
         equation="K + c * s",
     ),
 )
