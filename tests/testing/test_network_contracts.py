@@ -214,7 +214,8 @@ def effect_of(law: Callable[..., Any], *parameters: Parameter, **more: Any) -> E
 
 EFFECTS = {
     "no citation": (replace(EFFECT, citation=""), "words: there is no citation"),
-    "a prior beyond one": (replace(EFFECT, prior=2.0), "words: the prior is 2.0, not between 0 and 1"),
+    "a prior beyond one": (replace(EFFECT, prior=2.0), "words: the prior is 2.0, not above 0 and at most 1"),
+    "a prior of nothing": (replace(EFFECT, prior=0.0), "words: the prior is 0.0, not above 0 and at most 1"),
     "no layer": (replace(EFFECT, layer="outside"), "words: the layer is 'outside', not one of MATERIAL"),
     "an element that is wrong": (
         effect_of(finite_difference, Parameter("c", "c", VISCOSITY)),

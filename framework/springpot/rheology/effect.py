@@ -65,7 +65,7 @@ class Effect:
         by default infinity in series and zero elsewhere.
     prior : float
         How common the effect is beside the others before any data are seen: 1 for what every laboratory meets,
-        less for rarer physics.
+        less, but not 0, for rarer physics.
     narrow : bool
         Whether its shape can imitate any narrow feature of a sweep. Such an effect is tried only where simple
         common ones do not explain the data, and some of its probability is left to what the library does not know.
