@@ -10,6 +10,7 @@ import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
 from springpot.diagnosis.directions import Window, shows
+from springpot.diagnosis.frame import orthonormal
 from springpot.diagnosis.posterior import Posterior, explanations, posterior
 from springpot.diagnosis.separation import Clash
 from springpot.registry import plugins
@@ -118,3 +119,14 @@ def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     clashes = [Clash(found["friction"], found["power-law-damper"], action) for action in (usual, tiny)]
     assert clashes[0]._quieter() == 1.0
     assert clashes[1]._quieter() == pytest.approx(0.75e9)
+
+
+def test_a_matrix_on_which_the_usual_algorithm_gives_up_has_a_basis_all_the_same(monkeypatch):
+    def gives_up(*_, **__):
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    columns = np.random.default_rng(3).standard_normal((12, 4))
+    usual = orthonormal(columns)
+    monkeypatch.setattr(np.linalg, "svd", gives_up)
+    again = orthonormal(columns)
+    np.testing.assert_allclose(again @ again.T, usual @ usual.T, atol=1e-12)

@@ -7,6 +7,7 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
+from scipy.linalg import svd
 
 from springpot.identification import weighted
 from springpot.measurement import Measurement
@@ -123,5 +124,9 @@ def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     columns = columns[:, size > 0] / size[size > 0]
     if columns.shape[1] == 0:
         return np.zeros((len(columns), 0))
-    u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    try:
+        u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    except np.linalg.LinAlgError:
+        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does not.
+        u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
     return u[:, s > tolerance * s[0]]

@@ -145,7 +145,7 @@ def _refund(found: Search, grown: Grown) -> float:
             mine.setdefault(owner, []).append(i)
     parameters, theta = refit.model.parameters, refit.theta
     shown = [rows for rows in mine.values() if all(shows(parameters[i], float(theta[i]), window) for i in rows)]
-    if not shown:
+    if not shown or not np.all(np.isfinite(refit.fit.jacobian_u)):
         return 0.0
     drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
     variance = np.diag(Uncertainty(refit.fit, absolute=True).covariance)[np.concatenate(shown)]

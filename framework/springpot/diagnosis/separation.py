@@ -69,9 +69,7 @@ class Clash:
 
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
-            slopes: Real = -np.nan_to_num(
-                self._seen(theta(x))[1] * scale[:, None], nan=0.0, posinf=FAR, neginf=-FAR
-            ).T
+            slopes: Real = np.clip(-np.nan_to_num(self._seen(theta(x))[1] * scale[:, None], nan=0.0), -FAR, FAR).T
             return slopes
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
