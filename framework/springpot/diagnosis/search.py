@@ -145,19 +145,21 @@ def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
 
 
 def _resolved(found: Search, grown: Grown) -> bool:
-    """Whether a narrow effect is seen at several points: at a single one it is no more than an outlier."""
+    """Whether a narrow effect is seen as such: at several points, as one alone is an outlier, and not too broad."""
     if not any(effect.narrow for effect in grown.effects):
         return True
     others = {effect.name for effect in grown.effects if not effect.narrow}
     without = [one.refit for one in found.grown if {effect.name for effect in one.effects} == others]
     before = without[0] if without and others else found.base
     size = np.hypot(*found.frame.whiten(grown.refit.stiffness - before.stiffness).reshape(2, -1))
-    ends = [
-        value <= parameter.lower + EDGE * (parameter.upper - parameter.lower)
+    at_end = any(
+        parameter.scale == "linear"
+        and parameter.name not in found.base.model.names
+        and min(value - parameter.lower, parameter.upper - value) <= EDGE * (parameter.upper - parameter.lower)
         for parameter, value in zip(grown.refit.model.parameters, grown.refit.theta, strict=True)
-        if parameter.scale == "linear" and parameter.name not in found.base.model.names
-    ]
-    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2)) and not any(ends)
+        if np.isfinite(parameter.upper - parameter.lower)
+    )
+    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2)) and not at_end
 
 
 def _strained(found: Search) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.diagnosis import Ladder, Step
+from springpot.diagnosis.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
 from .numbers import percent
@@ -76,7 +77,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
 
 
 def _ratio(step: Step) -> str:
-    return f"{step.relative_rms / step.noise_floor:.2g} × floor" if step.noise_floor > 0 else "no noise"
+    return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor" if step.noise_floor > 0 else "no noise"
 
 
 def _floor(axes: Axes, floor: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
