@@ -124,6 +124,7 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
         found.left = structure(found.best.frame(), rng)
         if found.left.p_value < LEFT_OVER * 20 or _strained(found):
             _seek_pairs(found, [*effects, *_try_narrow(found, library)], rng)
+            _forget_narrow(found)
     return found
 
 
@@ -135,13 +136,22 @@ def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
     for effect in held(library, base.fit.measurement):
         if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
             for score in scan_effects(base, found.frame, [effect], threshold=found.scan.threshold).scores:
-                grown = _grow(base, (), score)
-                if _resolved(found, grown):
-                    found.scan.scores.append(score)
-                    found.grown.append(grown)
-                    effects.append(effect)
+                found.scan.scores.append(score)
+                found.grown += [grown for grown in [_grow(base, (), score)] if _resolved(found, grown)]
+                effects.append(effect)
     _sort(found)
     return effects
+
+
+def _forget_narrow(found: Search) -> None:
+    """Leave out of the scan the narrow effects that no fitted model has."""
+    named = {name for grown in found.grown for name in grown.names}
+    kept = [
+        score
+        for score in found.scan.scores
+        if not score.influence.effect.narrow or score.influence.effect.name in named
+    ]
+    found.scan.scores[:] = kept
 
 
 def _resolved(found: Search, grown: Grown) -> bool:
@@ -232,5 +242,5 @@ def _add_singles(found: Search) -> None:
     alone = {grown.names[0] for grown in found.grown if len(grown.effects) == 1}
     wanted = {name for grown in found.grown[:SINGLES] for name in grown.names} - alone
     scores = [score for score in found.scan.scores if score.influence.effect.name in wanted]
-    found.grown += [_grow(found.base, (), score) for score in scores]
+    found.grown += [one for one in (_grow(found.base, (), score) for score in scores) if _resolved(found, one)]
     _sort(found)
