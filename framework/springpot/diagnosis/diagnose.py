@@ -116,7 +116,7 @@ def examine(
         model=model,
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
-        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked, probabilities.narrow),
+        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked, probabilities.imitators),
         where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
@@ -222,7 +222,11 @@ def _all_but_explained(found: Search) -> bool:
 
 
 def _sentence(
-    verdict: Verdict, ratio: float, groups: Sequence[Sequence[str]], ranked: Sequence[Candidate], narrow: float
+    verdict: Verdict,
+    ratio: float,
+    groups: Sequence[Sequence[str]],
+    ranked: Sequence[Candidate],
+    imitators: frozenset[str],
 ) -> str:
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
@@ -230,7 +234,7 @@ def _sentence(
     if verdict == "effect-missing":
         others = [each.effect for each in ranked if each.verdict == "missing" and each.effect not in groups[0]]
         beside = f", and beside it {' and '.join(others)}" if others else ""
-        other = " or another narrow feature" if narrow > WORTH_A_WORD else ""
+        other = " or another narrow feature" if imitators & {*groups[0], *others} else ""
         return f"{error}; missing is {' or '.join(groups[0])}{beside}{other}"
     if verdict == "unexplained":
         pattern = ", but no pattern of noise" if ratio < NOISY else ""

@@ -137,7 +137,7 @@ def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
         if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
             for score in scan_effects(base, found.frame, [effect], threshold=found.scan.threshold).scores:
                 found.scan.scores.append(score)
-                found.grown += [grown for grown in [_grow(base, (), score)] if _resolved(found, grown)]
+                found.grown += _clear(found, [_grow(base, (), score)])
                 effects.append(effect)
     _sort(found)
     return effects
@@ -152,6 +152,11 @@ def _forget_narrow(found: Search) -> None:
         if not score.influence.effect.narrow or score.influence.effect.name in named
     ]
     found.scan.scores[:] = kept
+
+
+def _clear(found: Search, tried: Sequence[Grown]) -> list[Grown]:
+    """The grown models whose narrow effects, if they have any, are seen as such."""
+    return [grown for grown in tried if _resolved(found, grown)]
 
 
 def _resolved(found: Search, grown: Grown) -> bool:
@@ -231,7 +236,7 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
         others = [effect for effect in effects if not (effect.narrow and any(one.narrow for one in first.effects))]
         seconds = scan_effects(first.refit, frame, others).scores[:SECONDS]
         pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
-    found.grown += [pair for pair in pairs if _resolved(found, pair)]
+    found.grown += _clear(found, pairs)
     _sort(found)
     _add_singles(found)
     found.left = structure(found.best.frame(), rng)
@@ -242,5 +247,5 @@ def _add_singles(found: Search) -> None:
     alone = {grown.names[0] for grown in found.grown if len(grown.effects) == 1}
     wanted = {name for grown in found.grown[:SINGLES] for name in grown.names} - alone
     scores = [score for score in found.scan.scores if score.influence.effect.name in wanted]
-    found.grown += [one for one in (_grow(found.base, (), score) for score in scores) if _resolved(found, one)]
+    found.grown += _clear(found, [_grow(found.base, (), score) for score in scores])
     _sort(found)
