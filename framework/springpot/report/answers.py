@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value, Where
+from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
 
 from .numbers import number, percent, with_interval
 from .text import Table
@@ -19,7 +19,7 @@ def diagnosis_text(diagnosis: Diagnosis) -> str:
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}\n{diagnosis.says}",
         error_line(diagnosis),
-        where_text(diagnosis.where),
+        where_text(diagnosis),
         ranking_text(diagnosis),
         _absent(diagnosis),
         _next(diagnosis),
@@ -43,9 +43,21 @@ def times(value: float, error: Error) -> str:
     return f"{number(value / error.noise_floor, 2)} x floor" if error.noise_floor > 0 else "no noise floor"
 
 
-def where_text(places: tuple[Where, ...]) -> str:
+def where_text(diagnosis: Diagnosis) -> str:
     """Where the model fails, a line each."""
-    return "\n".join(["where it fails:", *(f"  {place.says}" for place in places)]) if places else ""
+    if not diagnosis.where:
+        return "" if diagnosis.verdict == "adequate" else f"where it fails: {nowhere(diagnosis)}"
+    return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where)])
+
+
+def nowhere(diagnosis: Diagnosis) -> str:
+    """What to say where no place of failure is named; only an adequate model leaves nothing but noise."""
+    if diagnosis.verdict == "adequate":
+        return "nowhere: what is left looks like noise"
+    if diagnosis.verdict == "inconclusive":
+        return "no single band stands out, and these data cannot tell whether anything is missing"
+    spread = "the misfit is spread over all points"
+    return f"no single band stands out; {spread}, {times(diagnosis.error.relative_rms, diagnosis.error)} in all"
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:

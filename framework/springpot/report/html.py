@@ -10,8 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from springpot.benchmark.plan import digest_of_data
-from springpot.diagnosis import Candidate, Diagnosis, Ladder, Step, Where
-from springpot.diagnosis.where import where
+from springpot.diagnosis import Candidate, Diagnosis, Ladder, Step
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.markup import Html, joined, table, tag
@@ -21,6 +20,7 @@ from .answers import (
     absent_effects,
     accepted_name,
     changes_text,
+    nowhere,
     probability,
     times,
     value_text,
@@ -176,19 +176,16 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
 
 
 def _places(ladder: Ladder) -> Iterator[Html]:
-    """Where the first and the last model fail."""
+    """Where the first and the last model fail, as their diagnoses say: bands, single points and what swings."""
     yield tag("h2", "Where the model fails")
     shown = [ladder.steps[0]] if len(ladder.steps) == 1 else [ladder.steps[0], ladder.steps[-1]]
     for step in shown:
-        places = where(step.case.found.base.frame())
+        diagnosis = step.case.diagnosis
         yield tag("h3", step.model.name)
-        yield _list(places)
-
-
-def _list(places: Sequence[Where]) -> Html:
-    if not places:
-        return tag("p", "Nowhere: what is left looks like noise.")
-    return tag("ul", *(tag("li", _capital(place.says), ".") for place in places))
+        if diagnosis.where:
+            yield tag("ul", *(tag("li", _capital(place.says), ".") for place in diagnosis.where))
+        else:
+            yield tag("p", f"{_capital(nowhere(diagnosis))}.")
 
 
 def _rankings(ladder: Ladder) -> Iterator[Html]:
