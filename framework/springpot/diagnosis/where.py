@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
+from .dependence import Part, condition_axes, dependences, level_words
 from .frame import Frame
+from .regions import DRAWS, Axis, Blocks, Region, Rows, rare
 from .result import Where
 from .structure import spectrum
 from .sweeps import sweeps_of
 
-TELLING = 4.0
-"""Standard deviations by which the mean of a band must be off to be mentioned."""
-BANDS = 12
-"""Frequency bands into which a sweep is cut when the place of a misfit is sought."""
+ALARM = 0.003
+"""Chance that noise alone makes a place of one part of K."""
+BANDS = (24, 12, 6)
+"""Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
+MOST = 5
+"""Places told of: those that weigh most."""
+SLIGHT = 0.1
+"""Share of the clearest place's standard deviations below which a place is not worth a sentence beside it."""
+ONE_PERIOD = 0.4
+"""Share of the power beyond the noise's that lies at one period if a misfit is a ripple."""
 POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
           0.0: "the same at all frequencies", 0.5: "growing slowly with frequency", 1.0: "growing as omega",
           2.0: "growing as omega^2"}  # fmt: skip
@@ -44,27 +49,38 @@ def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
     return np.asarray(np.log(measured / modelled), dtype=np.complex128)
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """K' or K'' of a fit: residual, deviation of each point and what to call it."""
-
-    word: str
-    residual: Real
-    relative: Real
-    whitened: Real
-
-
 def where(frame: Frame) -> list[Where]:
     """Places at which a fit fails, the worst first; empty where noise explains the residual.
+
+    A place is a range of frequencies, temperatures and amplitudes in which K' or K'' is off to one side.
 
     Parameters
     ----------
     frame : Frame
         The fit.
     """
-    found = [place for part in _parts(frame) for place in _places(frame, part)]
-    found.sort(key=lambda place: -abs(place.size))
-    return found
+    rng = np.random.default_rng(0)  # the same fit is told of in the same words
+    conditions = condition_axes(frame.measurement, BANDS[1])
+    most = BANDS[len(conditions)]
+    axes = [_frequencies(frame.measurement.omega, most), *condition_axes(frame.measurement, most)]
+    blocks = Blocks(axes)
+    threshold = blocks.threshold(ALARM, frame.scale_draws(DRAWS, rng), rng)
+    found = [(part, region) for part in _parts(frame) for region in blocks.regions(part.whitened, threshold)]
+    period = _period(frame, rng)
+    if period:
+        found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
+    found.sort(key=lambda pair: -abs(pair[1].sigma))
+    found = [(part, region) for part, region in found if abs(region.sigma) > SLIGHT * abs(found[0][1].sigma)]
+    plane = _simplest_plane(frame) if found else ""
+    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]]
+    places += [periodic(frame)] if period else []
+    return sorted(places, key=lambda place: -abs(place.size))
+
+
+def _length(frequencies: Axis, region: Region) -> float:
+    """Points of one sweep that a region spans."""
+    first, stop = region.spans[0]
+    return (stop - first) * frequencies.points_of_each
 
 
 def periodic(frame: Frame) -> Where:
@@ -88,53 +104,61 @@ def periodic(frame: Frame) -> Where:
     return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 
 
-def _parts(frame: Frame) -> Iterator[_Part]:
+def _period(frame: Frame, rng: np.random.Generator) -> float:
+    """Period, in points, of a misfit that is a ripple; zero where it is none.
+
+    A slow misfit swings too, about as often as there are parameters that follow it.
+    """
+    power = spectrum(frame, frame.rest[None])[0]
+    followed = int(frame.absorbed.shape[1])
+    first = followed + 3
+    if first + 2 >= len(power):
+        return 0.0
+    noise = rng.standard_normal((DRAWS, frame.size)) / np.sqrt(np.atleast_1d(frame.scale_draws(DRAWS, rng)))[:, None]
+    chance = spectrum(frame, noise)
+    peak = int(np.argmax(power))
+    excess = np.maximum(power - np.mean(chance, axis=0), 0.0)
+    alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > ONE_PERIOD * float(np.sum(excess))
+    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), ALARM):
+        return 0.0
+    return 2.0 * (len(power) - 1) / peak
+
+
+def _parts(frame: Frame) -> Iterator[Part]:
     n = len(frame.measurement)
     residual = frame.measurement.stiffness - frame.model_stiffness
     size = frame.measurement.magnitude
-    yield _Part("storage modulus", residual.real, residual.real / size, frame.residual[:n])
-    yield _Part("loss modulus", residual.imag, residual.imag / size, frame.residual[n:])
+    yield Part("storage modulus", residual.real, residual.real / size, frame.residual[:n])
+    yield Part("loss modulus", residual.imag, residual.imag / size, frame.residual[n:])
 
 
-def _places(frame: Frame, part: _Part) -> Iterator[Where]:
-    """Runs of neighbouring bands whose mean is off to the same side."""
-    measurement = frame.measurement
-    band = _bands(measurement.omega)
-    count = np.bincount(band)
-    mean = np.bincount(band, part.whitened) / np.sqrt(np.maximum(count, 1))
-    off = np.where(np.abs(mean) > TELLING, np.sign(mean), 0.0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0.0], off, [0.0]])))
-    for start, stop in pairwise(edges.tolist()):
-        if off[start] == 0.0:
-            continue
-        rows = np.flatnonzero((band >= start) & (band < stop))
-        yield _place(frame, part, rows)
-
-
-def _bands(omega: Real) -> NDArray[np.int64]:
-    """Band number of each point, bands holding equally many distinct frequencies."""
+def _frequencies(omega: Real, most: int) -> Axis:
+    """Bands holding equally many distinct frequencies."""
     distinct, which = np.unique(np.round(np.log(omega), 9), return_inverse=True)
-    bands = min(BANDS, len(distinct))
-    return (which.ravel() * bands) // len(distinct)
+    bands = min(most, len(distinct))
+    return Axis("frequency", (which.ravel() * bands) // len(distinct), len(distinct) / bands)
 
 
-def _place(frame: Frame, part: _Part, rows: NDArray[np.int64]) -> Where:
-    measurement = frame.measurement
-    frequency = measurement.frequency
+def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, plane: str) -> Where:
+    frequency, conditions = measurement.frequency, axes[1:]
     low, high = float(frequency[rows].min()), float(frequency[rows].max())
     size = float(np.mean(part.relative[rows]))
     side = "low" if size > 0 else "high"
-    plane = _simplest_plane(frame)
-    words = [
-        f"{part.word} {100 * abs(size):.2g} % of |K| too {side} {_range(low, high, frequency)}",
+    levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
+    place = f"{part.word} {100 * abs(size):.2g} % of |K| too {side} {_range(low, high, frequency)}"
+    told = [
+        " ".join([place, *levels]),
         _growth(measurement, part, rows),
-        *_dependences(measurement, part, rows),
+        *dependences(measurement, conditions, part, rows),
     ]
-    return Where(plane, _conditions(measurement), low, high, size, ", ".join(word for word in words if word))
+    condition = ", ".join(levels) or _conditions(measurement)
+    return Where(plane, condition, low, high, size, ", ".join(word for word in told if word))
 
 
 def _range(low: float, high: float, frequency: Real) -> str:
     least, most = float(frequency.min()), float(frequency.max())
+    if most <= least * 1.001:
+        return f"at {low:.3g} Hz"
     if low <= least * 1.001 and high >= most / 1.001:
         return "at all frequencies"
     if low <= least * 1.001:
@@ -146,7 +170,7 @@ def _range(low: float, high: float, frequency: Real) -> str:
     return f"between {low:.3g} and {high:.3g} Hz"
 
 
-def _growth(measurement: Measurement, part: _Part, rows: NDArray[np.int64]) -> str:
+def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
     if np.ptp(np.log(omega)) < 0.7 or len(rows) < 4:
@@ -157,22 +181,6 @@ def _growth(measurement: Measurement, part: _Part, rows: NDArray[np.int64]) -> s
         return ""
     slope = float(np.polyfit(np.log(omega[kept]), np.log(np.abs(part.residual[rows][kept])), 1)[0])
     return POWERS[min(POWERS, key=lambda power: abs(power - slope))]
-
-
-def _dependences(measurement: Measurement, part: _Part, rows: NDArray[np.int64]) -> Iterator[str]:
-    """Whether the misfit changes with amplitude or temperature."""
-    for name in ("amplitude", "temperature"):
-        column = measurement.conditions.get(name)
-        if column is None or np.ptp(column[rows]) < 1e-3 * np.max(np.abs(column)):
-            continue
-        x = column[rows] - np.mean(column[rows])
-        slope = float(np.sum(x * part.whitened[rows]) / np.sqrt(np.sum(x * x)))
-        plural = f"{name}s"
-        if abs(slope) < TELLING:
-            yield f"the same at all {plural}"
-        else:
-            rising = slope * np.sum(part.whitened[rows]) > 0
-            yield f"{'larger' if rising else 'smaller'} at higher {plural}"
 
 
 def _conditions(measurement: Measurement) -> str:

@@ -1,0 +1,186 @@
+"""Blocks of points, along frequency, temperature and amplitude, in which a residual is off to one side.
+
+The block whose mean is furthest from nothing, in units of its noise, is taken out, then the next one (a scan
+statistic, Kulldorff 1997, doi:10.1080/03610929708831995). How far the furthest may be by chance is found from
+simulated noise on the same grid, so that looking at many blocks invents nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+MOST = 12
+"""Blocks taken out at most."""
+WHOLE = 0.8
+"""Share of its points that a block must still hold, or it would describe those that are already told of."""
+DRAWS = 120
+"""Simulated residuals."""
+Rows: TypeAlias = NDArray[np.int64]
+Span: TypeAlias = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One direction in which a measurement extends.
+
+    Attributes
+    ----------
+    name : str
+        ``frequency``, ``temperature`` or ``amplitude``.
+    level : ndarray of int, shape (n,)
+        Number of the interval that each point lies in, ascending.
+    points_of_each : float
+        Distinct values in one interval.
+    """
+
+    name: str
+    level: Rows
+    points_of_each: float = 1.0
+
+    @property
+    def count(self) -> int:
+        """Number of intervals."""
+        return int(self.level.max()) + 1
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A block of points.
+
+    Attributes
+    ----------
+    spans : tuple of (int, int)
+        First interval and the one after the last, along each axis.
+    rows : ndarray of int
+        Its points.
+    sigma : float
+        Mean of its residual in standard deviations of that mean, signed.
+    """
+
+    spans: tuple[Span, ...]
+    rows: Rows
+    sigma: float
+
+
+class Blocks:
+    """All blocks of a measurement.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+        Directions in which it extends.
+    """
+
+    def __init__(self, axes: Sequence[Axis]) -> None:
+        self.axes = tuple(axes)
+        self.shape = tuple(axis.count for axis in axes)
+        self._cell = np.ravel_multi_index(tuple(axis.level for axis in axes), self.shape)
+        self._ends = [np.triu_indices(count + 1, 1) for count in self.shape]  # first interval, the one after the last
+        self._count = self._sums(np.ones(len(self._cell)))
+        costs = [self._cost(axis) for axis in range(len(self.shape))]
+        self._costs = np.asarray(reduce(np.add.outer, costs), dtype=np.float64)
+
+    def _cost(self, axis: int) -> Real:
+        """What it costs to name a part of an axis; of blocks that tell as much the plainer one is taken."""
+        first, stop = self._ends[axis]
+        return np.where(stop - first == self.shape[axis], 0.0, 2.0 * np.log(len(first)))
+
+    def _sums(self, values: Real) -> Real:
+        """Sums of point values (n,) over every block, with as many axes as the measurement."""
+        sums = np.bincount(self._cell, values, int(np.prod(self.shape))).reshape(self.shape)
+        for axis, (first, stop) in enumerate(self._ends):
+            before = np.zeros_like(np.take(sums, [0], axis=axis))
+            summed = np.concatenate([before, np.cumsum(sums, axis=axis)], axis=axis)
+            sums = np.take(summed, stop, axis=axis) - np.take(summed, first, axis=axis)
+        return np.asarray(sums, dtype=np.float64)
+
+    def threshold(self, alarm: float, scale: Real | float, rng: np.random.Generator) -> float:
+        """Standard deviations that the furthest block of pure noise exceeds with the chance `alarm`.
+
+        Parameters
+        ----------
+        alarm : float
+            The chance.
+        scale : ndarray, shape (DRAWS,), or float
+            Draws of estimated over true variance of the noise.
+        rng : numpy.random.Generator
+            For the noise.
+        """
+        draws = np.broadcast_to(scale, (DRAWS,))
+        most = np.array([self._furthest(rng.standard_normal(len(self._cell))) for _ in range(DRAWS)]) / np.sqrt(draws)
+        return rare(most, alarm)
+
+    def _furthest(self, values: Real) -> float:
+        filled = self._count > 0
+        return float(np.max(np.abs(self._sums(values)[filled]) / np.sqrt(self._count[filled])))
+
+    def regions(self, whitened: Real, threshold: float) -> list[Region]:
+        """Blocks in which a residual is off, each point in one of them at most.
+
+        Parameters
+        ----------
+        whitened : ndarray, shape (n,)
+            The residual in units of its noise.
+        threshold : float
+            Standard deviations from which a block counts.
+        """
+        free = np.ones(len(whitened), dtype=bool)
+        found: list[Region] = []
+        for _ in range(MOST):
+            count = self._sums(free.astype(float))
+            usable = (count > 0) & (count >= WHOLE * self._count)
+            sigma = self._sums(np.where(free, whitened, 0.0)) / np.sqrt(np.maximum(count, 1.0))
+            worth = np.where(usable & (np.abs(sigma) > threshold), sigma**2 - self._costs, -np.inf)
+            best = np.unravel_index(int(np.argmax(worth)), worth.shape)
+            if worth[best] == -np.inf:
+                break
+            spans = tuple((int(first[i]), int(stop[i])) for (first, stop), i in zip(self._ends, best, strict=True))
+            rows = self._rows(spans, free)
+            found.append(Region(self._tight(rows), rows, float(sigma[best])))
+            free[rows] = False
+        return self._joined(found, whitened)
+
+    def _rows(self, spans: Sequence[Span], free: NDArray[np.bool_]) -> Rows:
+        inside = free.copy()
+        for axis, (first, stop) in zip(self.axes, spans, strict=True):
+            inside &= (axis.level >= first) & (axis.level < stop)
+        return np.flatnonzero(inside)
+
+    def _tight(self, rows: Rows) -> tuple[Span, ...]:
+        """The smallest block around some points."""
+        return tuple((int(axis.level[rows].min()), int(axis.level[rows].max()) + 1) for axis in self.axes)
+
+    def _joined(self, found: list[Region], whitened: Real) -> list[Region]:
+        """Neighbouring blocks that are off to the same side and differ along one axis only are one."""
+        for i, one in enumerate(found):
+            for k in range(i):
+                other = found[k]
+                if one.sigma * other.sigma > 0 and _neighbours(one.spans, other.spans):
+                    rows = np.union1d(one.rows, other.rows)
+                    sigma = float(np.sum(whitened[rows]) / np.sqrt(len(rows)))
+                    rest = [each for j, each in enumerate(found) if j not in (i, k)]
+                    return self._joined([Region(self._tight(rows), rows, sigma), *rest], whitened)
+        return found
+
+
+def rare(largest: Real, alarm: float) -> float:
+    """The value that the largest of many exceeds with the chance `alarm`, by Gumbel's law from draws (m,) of it.
+
+    A hundred draws do not reach that tail themselves.
+    """
+    width = float(np.std(largest)) * np.sqrt(6.0) / np.pi
+    return float(np.mean(largest) + width * (-np.euler_gamma - np.log(-np.log1p(-alarm))))
+
+
+def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:
+    """Whether two blocks differ along one axis only, and touch there."""
+    apart = [(a, b) for a, b in zip(one, other, strict=True) if a != b]
+    return len(apart) == 1 and (apart[0][0][1] == apart[0][1][0] or apart[0][1][1] == apart[0][0][0])
