@@ -83,3 +83,16 @@ def test_intervals_hold_the_value(springpot, write, intervals):
         entry = answer["parameters"][name]
         assert entry["low"] < entry["value"] < entry["high"]
         assert abs(entry["value"] - truth) < 2 * (entry["high"] - entry["low"])
+
+
+def test_shift_constants_come_with_their_reference_temperature(springpot, write):
+    frequency, celsius = np.tile(np.geomspace(0.5, 50.0, 12), 3), np.repeat([5.0, 25.0, 45.0], 12)
+    s = 2j * np.pi * frequency * np.exp(50.0 / 8.314e-3 * (1.0 / (celsius + 273.15) - 1.0 / 298.15))
+    stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5))
+    columns = zip(frequency.tolist(), stiffness.real.tolist(), stiffness.imag.tolist(), celsius.tolist(), strict=True)
+    rows = "\n".join(",".join(map(repr, row)) for row in columns)
+    path = write(f"frequency [Hz],storage [Pa],loss [Pa],temperature [degC]\n{rows}\n")
+    told = "shift constants refer to T_ref = 25 degC"
+    assert told in springpot("identify", path, "-m", "fractional-maxwell + arrhenius-shift").out
+    assert told in springpot("diagnose", path, "-m", "fractional-maxwell").out
+    assert told not in springpot("identify", path, "-m", "fractional-maxwell").out

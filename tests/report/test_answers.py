@@ -7,8 +7,10 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, Units
-from springpot.report.answers import diagnosis_text
+from springpot.report.answers import beside_floor, change, changes_text, diagnosis_text, ladder_text
 from springpot.report.html import report_html
+from springpot.report.numbers import number, percent
+from springpot.report.reference import reference_note
 
 pytest.importorskip("matplotlib")
 
@@ -61,3 +63,90 @@ def test_without_a_place_only_an_adequate_model_leaves_noise():
         shown = places_of(report_html(changed, damper(), ["x"]))
         assert "No single band stands out" in shown
         assert "noise" not in shown
+
+
+def superposed(celsius=(5.0, 25.0, 45.0)):
+    """A damper whose times follow WLF constants of 8 and 120 K about the middle temperature."""
+    temperature = np.repeat(celsius, len(OMEGA))
+    above = temperature - celsius[1]
+    s = (1j * np.tile(OMEGA, len(celsius)) * 10.0 ** (-8.0 * above / (120.0 + above))) ** 0.55 * 60.0
+    scatter = np.random.default_rng(5).normal(size=(2, len(temperature)))
+    values = (80.0 + 400.0 * s / (400.0 + s)) * (1.0 + 0.01 * (scatter[0] + 1j * scatter[1]))
+    omega = np.tile(OMEGA, len(celsius))
+    return Measurement(omega, values, conditions={"temperature": temperature}, units=Units("kN/m", "mm"), name="warm")
+
+
+@pytest.fixture(scope="module")
+def warm():
+    return springpot.discover(superposed(), "fractional-zener", accept=["wlf-shift"])
+
+
+def test_shift_constants_come_with_their_reference_temperature(warm):
+    page = report_html(warm, superposed(), ["x"])
+    assert "shift constants refer to T_ref = 25 degC" in ladder_text(warm)
+    assert "shift constants refer to T_ref = 25 degC" in diagnosis_text(warm.steps[0].case.diagnosis, superposed())
+    for heading in ("Which effects could it be?", "The model"):
+        section = page.partition(f"<h2>{heading}")[2].partition("<h2>")[0]
+        assert "Shift constants refer to T_ref = 25 °C" in section
+
+
+@pytest.mark.parametrize(
+    ("expression", "told"),
+    [
+        ("fractional-zener", False), ("fractional-zener + inertia", False), ("fractional-zener + rig-drag", False),
+        ("fractional-zener + arrhenius-shift", True), ("fractional-zener + vertical-shift", True),
+        ("fractional-zener + arrhenius-dashpot", True),
+    ],
+)  # fmt: skip
+def test_a_reference_is_told_only_where_something_refers_to_it(expression, told):
+    network = springpot.parse_model(expression).network
+    assert bool(reference_note(superposed(), [network])) is told
+    assert not reference_note(damper(), [network])
+
+
+def test_every_forecast_stands_beside_the_floor(warm):
+    step, best = warm.steps[1], warm.steps[0].case.diagnosis.candidates[0]
+    forecast = f"{percent(step.predicted_error)} ({number(step.predicted_error / step.noise_floor, 2)} x)"
+    assert forecast in ladder_text(warm)
+    floor = warm.steps[0].noise_floor
+    after = f"{percent(best.error_after, 2)} ({number(best.error_after / floor, 2)} x)"
+    assert after in diagnosis_text(warm.steps[0].case.diagnosis)
+    page = report_html(warm, superposed(), ["x"])
+    assert forecast.replace("x)", "×)") in page
+    assert after.replace("x)", "×)") in page
+
+
+@pytest.mark.parametrize(
+    ("value", "floor", "words"),
+    [
+        (0.0046, 0.0046, "0.46 % (1.0 x)"),
+        (0.44, 0.001, "44 % (440 x)"),
+        (0.0046, 0.0, "0.46 %"),
+        (None, 0.01, "-"),
+        (float("nan"), 0.01, "-"),
+    ],
+)
+def test_an_error_beside_its_floor(value, floor, words):
+    assert beside_floor(value, floor, 2) == words
+
+
+@pytest.mark.parametrize(
+    ("ratio", "words"),
+    [
+        (1.091, "by +9.1 %"), (0.52, "by -48 %"), (12.0, "by a factor of 12.0"), (0.01, "by a factor of 0.0100"),
+        (1e-4, "fell more than 1000-fold"), (8.41e-12, "fell to nothing"), (0.0, "fell to nothing"),
+        (3e4, "rose more than 1000-fold"), (4e9, "rose beyond all bounds"), (-2.0, "changed sign"),
+        (float("inf"), "rose beyond all bounds"),
+    ],
+)  # fmt: skip
+def test_moves_beyond_a_thousand_are_told_in_words(ratio, words):
+    assert change(ratio) == words
+
+
+def test_what_moved_far_stands_apart_from_what_is_counted(warm):
+    step = replace(warm.steps[1], changed={"k2": 8.41e-12, "c": 1.5})
+    assert changes_text(step) == "+ wlf-shift changed c by +50 %; k2 fell to nothing"
+    assert changes_text(replace(step, changed={"k2": 8.41e-12})) == "with + wlf-shift k2 fell to nothing"
+    assert changes_text(replace(step, changed={})) == ""
+    page = report_html(replace(warm, steps=(warm.steps[0], step)), superposed(), ["x"])
+    assert "c by +50 %; k2 fell to nothing" in page

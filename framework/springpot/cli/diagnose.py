@@ -49,6 +49,8 @@ def _answer(opener: Callable[[], Measurement], model: Model, seed: int, as_json:
     from springpot.report.answers import diagnosis_text
     from springpot.report.jsontext import to_json
 
-    diagnosis: Any = diagnose(opener(), model, seed=seed)
-    print(to_json(diagnosis, None if line else 2) if as_json else diagnosis_text(diagnosis), flush=True)
+    measurement = opener()
+    diagnosis: Any = diagnose(measurement, model, seed=seed)
+    text = to_json(diagnosis, None if line else 2) if as_json else diagnosis_text(diagnosis, measurement)
+    print(text, flush=True)
     return 0

@@ -70,6 +70,7 @@ def draw(found: Identification, path: Path) -> None:
 def show(found: Identification, figure: Path | None) -> None:
     """Print the result for people."""
     from springpot.report.numbers import number, percent, seconds
+    from springpot.report.reference import reference_note
     from springpot.report.text import indented
     from springpot.rheology.drawing import drawing_of
 
@@ -82,6 +83,8 @@ def show(found: Identification, figure: Path | None) -> None:
     if result["search_parameters"]:
         print()
         _show_parameters("search form", result["search_parameters"])
+    if refers := reference_note(data, [found.model.network]):
+        print(f"\n{refers}")
     objective = result["objective"]
     print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms){_beside_floor(found)}")
     print(f"objective   {objective['name']}, {number(objective['value'])}")

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
+from springpot.diagnosis.words import plain
+from springpot.measurement import Measurement
 
 from .numbers import number, percent, with_interval
+from .reference import effects_note, reference_note
 from .text import Table
 
 SHOWN = 6
@@ -12,15 +15,27 @@ SHOWN = 6
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
 SEEN_AT = 8
 """Absent effects that are named."""
+FAR = 1e3
+"""Factor beyond which a parameter's move is told in words."""
+NOTHING = 1e-6
+"""Share of its old value below which a parameter is nothing."""
 
 
-def diagnosis_text(diagnosis: Diagnosis) -> str:
-    """The whole answer: verdict, error, where, ranking, what is absent, what to measure next."""
+def diagnosis_text(diagnosis: Diagnosis, measurement: Measurement | None = None) -> str:
+    """The whole answer: verdict, error, where, ranking, what is absent, what to measure next.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The answer.
+    measurement : Measurement, optional
+        Its data, to say which temperature the constants of a shift refer to.
+    """
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}\n{diagnosis.says}",
         error_line(diagnosis),
         where_text(diagnosis),
-        ranking_text(diagnosis),
+        ranking_text(diagnosis, measurement),
         _absent(diagnosis),
         _next(diagnosis),
         "\n".join(f"note: {note}" for note in diagnosis.notes),
@@ -40,7 +55,20 @@ def error_line(diagnosis: Diagnosis) -> str:
 
 def times(value: float, error: Error) -> str:
     """An error in units of the noise floor."""
-    return f"{number(value / error.noise_floor, 2)} x floor" if error.noise_floor > 0 else "no noise floor"
+    return f"{times_floor(value, error.noise_floor)} x floor" if error.noise_floor > 0 else "no noise floor"
+
+
+def times_floor(value: float, floor: float) -> str:
+    """Two digits of the ratio to the floor, without a power of ten."""
+    return plain(value / floor, 2) if value / floor >= 99.5 else number(value / floor, 2)
+
+
+def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str = "x") -> str:
+    """An error beside the floor, compactly: ``0.46 % (1.0 x)``."""
+    shown = percent(value, digits)
+    if value is None or shown == "-" or not floor > 0.0:
+        return shown
+    return f"{shown} ({times_floor(value, floor)} {sign})"
 
 
 def where_text(diagnosis: Diagnosis) -> str:
@@ -66,11 +94,12 @@ def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
     return (open_ones or list(diagnosis.candidates[:1]))[:most]
 
 
-def ranking_text(diagnosis: Diagnosis) -> str:
-    """The leading effects as a table, and the sentence of physics of each."""
+def ranking_text(diagnosis: Diagnosis, measurement: Measurement | None = None) -> str:
+    """The leading effects as a table, what their constants refer to, and the sentence of physics of each."""
     rows = worth_showing(diagnosis)
     if not rows or diagnosis.verdict == "adequate":
         return ""
+    floor = diagnosis.error.noise_floor
     headers = (
         "effect",
         "verdict",
@@ -87,15 +116,16 @@ def ranking_text(diagnosis: Diagnosis) -> str:
             row.verdict,
             probability(row.probability),
             number(row.delta_bic, 3),
-            percent(row.predicted_error, 2),
-            percent(row.error_after, 2),
+            beside_floor(row.predicted_error, floor, 2),
+            beside_floor(row.error_after, floor, 2),
             "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items()),
             ", ".join(name for name in row.alike if name != row.effect),
         )
         for row in rows
     ]
     physics = "\n".join(f"  {row.effect}: {row.says}" for row in rows[:3])
-    return f"{Table(headers, cells, RANKED).plain()}\n\n{physics}"
+    note = "" if measurement is None else effects_note(measurement, (row.effect for row in rows))
+    return "\n\n".join(part for part in (Table(headers, cells, RANKED).plain(), note, physics) if part)
 
 
 def probability(value: float) -> str:
@@ -137,7 +167,7 @@ def ladder_text(ladder: Ladder) -> str:
         (
             str(i),
             step.model.name,
-            percent(step.predicted_error, 3),
+            beside_floor(step.predicted_error, step.noise_floor),
             percent(step.relative_rms, 3),
             number(step.relative_rms / step.noise_floor, 2) if step.noise_floor > 0 else "-",
             percent(step.noise_floor, 2),
@@ -152,10 +182,15 @@ def ladder_text(ladder: Ladder) -> str:
         f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
         table,
         parameters_text(last),
+        reference_note(_data(last), [last.model.network]),
         "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
-        f"at the last step: {diagnosis_text(ladder.diagnosis)}",
+        f"at the last step: {diagnosis_text(ladder.diagnosis, _data(last))}",
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def _data(step: Step) -> Measurement:
+    return step.case.found.base.data.raw
 
 
 def parameters_text(step: Step) -> str:
@@ -171,12 +206,26 @@ def changes_text(step: Step) -> str:
     """What accepting an effect did to the parameters there before."""
     if not step.accepted or not step.changed:
         return ""
-    moved = ", ".join(f"{name} {change(ratio)}" for name, ratio in step.changed.items())
-    return f"{accepted_name(step)} changed {moved}"
+    told = moves_text(step)
+    by_number = any(1.0 / FAR <= ratio <= FAR for ratio in step.changed.values())
+    return f"{accepted_name(step)} changed {told}" if by_number else f"with {accepted_name(step)} {told}"
+
+
+def moves_text(step: Step) -> str:
+    """How far each old parameter moved: first by how much, then those that moved beyond what numbers tell."""
+    near = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if 1.0 / FAR <= ratio <= FAR]
+    far = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if not 1.0 / FAR <= ratio <= FAR]
+    return "; ".join(", ".join(words) for words in (near, far) if words)
 
 
 def change(ratio: float) -> str:
-    """How much a parameter moved: in per cent, or as a factor where that reads better."""
+    """How much a parameter moved: in per cent, as a factor where that reads better, in words beyond a thousand."""
+    if ratio < 0.0:
+        return "changed sign"
+    if ratio < 1.0 / FAR:
+        return "fell to nothing" if ratio < NOTHING else f"fell more than {FAR:.0f}-fold"
+    if ratio > FAR:
+        return "rose beyond all bounds" if ratio > 1.0 / NOTHING else f"rose more than {FAR:.0f}-fold"
     if 0.5 < ratio < 2.0:
         return f"by {'+' if ratio > 1.0 else '-'}{percent(abs(ratio - 1.0), 2)}"
     return f"by a factor of {number(ratio, 3)}"

@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from springpot.benchmark.plan import digest_of_data
-from springpot.diagnosis import Candidate, Diagnosis, Ladder, Step
+from springpot.diagnosis import Candidate, Ladder, Step
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.markup import Html, joined, table, tag
@@ -19,7 +19,8 @@ from springpot.measurement import Measurement
 from .answers import (
     absent_effects,
     accepted_name,
-    changes_text,
+    beside_floor,
+    moves_text,
     nowhere,
     probability,
     times,
@@ -33,6 +34,7 @@ from .network import network_svg
 from .numbers import number, percent, with_interval
 from .page import page
 from .panels import data_and_model, keys, other_views, panel, residual_planes
+from .reference import effects_note, reference_note
 from .residuals import with_noise_of
 from .views import Scene
 
@@ -163,11 +165,11 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
         (
             str(i),
             accepted_name(step) if step.accepted else "start",
-            percent(step.predicted_error),
+            beside_floor(step.predicted_error, step.noise_floor, sign="×"),
             percent(step.relative_rms),
             number(step.relative_rms / step.noise_floor, 3) if step.noise_floor > 0 else "-",
             percent(step.noise_floor),
-            changes_text(step).partition(" changed ")[2] or "-",
+            moves_text(step) or "-",
         )
         for i, step in enumerate(ladder.steps)
     ]
@@ -193,35 +195,39 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
     yield tag(
         "p",
         "Each effect of the library was tried on the data. Probability: that it is among what is missing. ΔBIC: how "
-        "strongly the data ask for it; above 6 is clear, above 10 decisive.",
+        "strongly the data ask for it; above 6 is clear, above 10 decisive. Predicted and after: the error with it, "
+        "and in brackets how many noise floors that is.",
         class_="quiet",
     )
     for i, step in enumerate(ladder.steps):
-        parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step.case.diagnosis)]
+        parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step)]
         yield tag("details", *parts, open="") if i == 0 or i + 1 == len(ladder.steps) else tag("details", *parts)
 
 
-def _ranking(diagnosis: Diagnosis) -> Iterator[Html]:
+def _ranking(step: Step) -> Iterator[Html]:
+    diagnosis = step.case.diagnosis
     yield tag("p", f"{_capital(diagnosis.says)}.")
-    rows = [_candidate(row) for row in worth_showing(diagnosis, RANKED)]
+    shown = worth_showing(diagnosis, RANKED)
+    rows = [_candidate(row, diagnosis.error.noise_floor) for row in shown]
     headers = ("effect", "verdict", "probability", "ΔBIC", "predicted", "after", "parameters", "physics")
     if rows:
         yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+    yield from _note(effects_note(step.case.found.base.data.raw, (row.effect for row in shown), "°C"))
     absent = absent_effects(diagnosis)
     if absent:
         named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
         yield tag("p", f"Absent, or it would have been seen from this share of |K| on: {named}.", class_="quiet")
 
 
-def _candidate(row: Candidate) -> tuple[str, ...]:
+def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
     values = "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items())
     return (
         row.effect,
         row.verdict,
         probability(row.probability),
         number(row.delta_bic, 3),
-        percent(row.predicted_error, 2),
-        percent(row.error_after, 2),
+        beside_floor(row.predicted_error, floor, 2, "×"),
+        beside_floor(row.error_after, floor, 2, "×"),
         values,
         tag("div", row.says, class_="physics"),
     )
@@ -271,6 +277,12 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         yield tag("h3", name)
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
         yield tag("div", _parameters(step), class_="scroll")
+        yield from _note(reference_note(step.case.found.base.data.raw, [step.model.network], "°C"))
+
+
+def _note(text: str) -> Iterator[Html]:
+    if text:
+        yield tag("p", f"{_capital(text)}.", class_="quiet")
 
 
 def _parameters(step: Step) -> Html:

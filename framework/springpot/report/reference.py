@@ -1,0 +1,60 @@
+"""The temperature to which shift constants refer: without it they cannot be compared with published ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.measurement import KELVIN, Measurement
+from springpot.rheology import Points, Real
+from springpot.rheology.lookup import find_effect
+from springpot.rheology.nodes import Node
+
+PROBES = (290.0, 330.0)
+"""Kelvin; what refers to a temperature changes if the reference moves from one to the other."""
+
+
+def refers(node: Node) -> bool:
+    """Whether parameters of `node` mean something else at another reference temperature."""
+    theta: Real = np.array([parameter.typical for parameter in node.parameters])
+    ones = np.ones(2)
+    one, other = (
+        node.respond(theta, Points(np.zeros(2), ones, np.array(PROBES), reference)).value for reference in PROBES
+    )
+    return not np.array_equal(one, other)
+
+
+def reference_note(measurement: Measurement, nodes: Iterable[Node], unit: str = "degC") -> str:
+    """One sentence on the reference temperature; empty where no parameter shown refers to one.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, which set the reference.
+    nodes : iterable of Node
+        Networks or elements whose parameters are shown.
+    unit : {"degC", "°C"}
+        How degrees are written.
+    """
+    if "temperature" not in measurement.conditions or not any(refers(node) for node in nodes):
+        return ""
+    celsius = round(measurement.reference_temperature - KELVIN, 2)
+    return (
+        f"shift constants refer to T_ref = {celsius:g} {unit}, where the shift is 1; "
+        "all other parameters are those at this temperature"
+    )
+
+
+def effects_note(measurement: Measurement, names: Iterable[str], unit: str = "degC") -> str:
+    """`reference_note` for the parameters of effects given by name."""
+    return reference_note(measurement, _elements(names), unit)
+
+
+def _elements(names: Iterable[str]) -> Iterator[Node]:
+    for name in names:
+        try:
+            yield find_effect(name).element
+        except ModelError:  # an effect handed in for this one diagnosis
+            continue
