@@ -114,27 +114,30 @@ def _reach(parameter: Parameter, window: Window) -> float:
     return 1.5
 
 
-def shows(parameter: Parameter, value: float, window: Window) -> bool:
-    """Whether a parameter lies where the data would show it, not so far off that its effect has become a simpler one.
+def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
+    """Where the data would show a parameter: further off its effect has become a simpler one.
 
     Parameters
     ----------
     parameter : Parameter
         One of an effect's own.
-    value : float
-        Its value.
     window : Window
         Where and how far the data reach.
+
+    Returns
+    -------
+    tuple of float
+        The ends of the range; empty where its unit depends on another parameter.
     """
     unit = parameter.unit
     if parameter.scale == "linear":
         room = EDGE * (parameter.upper - parameter.lower)
-        return parameter.lower + room < value < parameter.upper - room
-    if isinstance(unit.time, str) or value <= 0.0:
-        return False
+        return parameter.lower + room, parameter.upper - room
+    if isinstance(unit.time, str):
+        return inf, -inf
     natural = window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
-    reach = _reach(parameter, window) if not unit.stiffness else 1.0 + BEYOND
-    return bool(abs(np.log10(value / (natural * parameter.typical))) < reach - BEYOND)
+    reach = 10.0 ** ((_reach(parameter, window) if not unit.stiffness else 1.0 + BEYOND) - BEYOND)
+    return natural * parameter.typical / reach, natural * parameter.typical * reach
 
 
 def _low_discrepancy(count: int, dimension: int) -> Real:

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.identification import Uncertainty
 from springpot.rheology import Real
 
-from .directions import Window, shows
 from .frame import Frame
 from .harmonics import harmonic_evidence
+from .occam import marginal, unknown_marginal
 from .refit import Refit
 from .search import Grown, Search
 
@@ -20,13 +19,7 @@ CREDIBLE = 0.93
 """A class holds at least this share of the probability of all explanations."""
 CLOSE = 0.35
 """Curves this close (root mean square, in units of the noise) are one curve for these data."""
-UNKNOWN_SIZE = float(np.log(10.0 * np.log(10.0) / np.sqrt(2.0 * np.pi)))
-"""Cost of a size that may lie anywhere in ten decades."""
-UNKNOWN_SIGN = float(np.log(2.0))
-"""Cost of a size that may be positive or negative."""
 MOST_UNKNOWN = 1.0 - 1e-12
-VAGUE = 10.0
-"""Square of the relative width within which a parameter other than a size is known beforehand."""
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
 """Prior weight of two missing effects against one, spread over the pairs."""
@@ -87,14 +80,14 @@ def posterior(found: Search) -> Posterior:
     names: list[tuple[str, ...]] = []
     logs = [
         found.base.log_likelihood + harmonic_evidence(found.base) + np.log(PRIOR_NOTHING),
-        _unknown_evidence(found) + np.log((1.0 - PRIOR_NOTHING) / total),
+        unknown_marginal(found) + np.log((1.0 - PRIOR_NOTHING) / total),
     ]
     for grown in _distinct(found.grown):
         prior = (1.0 - PRIOR_NOTHING) * PRIOR_PAIR ** (len(grown.effects) - 1)
         for effect in grown.effects:
             prior *= effect.prior / total
         names.append(tuple(sorted(grown.names)))
-        logs.append(_evidence(found, grown) + np.log(max(prior, 1e-300)))
+        logs.append(marginal(found, grown) + np.log(max(prior, 1e-300)))
     # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
     known = np.array([logs[0], *logs[2:]])
     weights = np.exp(known - known.max())
@@ -115,59 +108,6 @@ def _distinct(grown: Sequence[Grown]) -> list[Grown]:
         if key not in seen or each.refit.log_evidence > seen[key].refit.log_evidence:
             seen[key] = each
     return list(seen.values())
-
-
-def _evidence(found: Search, grown: Grown) -> float:
-    """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
-
-    What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
-    size is of unknown order of magnitude, and of unknown sign where physics allows both; its parameters are known the
-    better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
-    (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
-    """
-    spent = len(grown.refit.theta) - len(found.base.theta)
-    cost = UNKNOWN_SIGN * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
-    explained = _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
-    return explained + harmonic_evidence(grown.refit) - cost + _refund(found, grown)
-
-
-def _refund(found: Search, grown: Grown) -> float:
-    """What is charged too much for parameters, sizes apart, that the data hardly determine.
-
-    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect.
-    """
-    refit, window = grown.refit, Window.of(grown.refit.fit.measurement)
-    sizes = {(each.name, each.element.parameters[0].name) for each in grown.effects}
-    mine: dict[str, list[int]] = {}
-    for i, parameter in enumerate(refit.model.parameters):
-        owner, _, short = parameter.name.rpartition(".")
-        if parameter.name not in found.base.model.names and (owner.partition("#")[0], short) not in sizes:
-            mine.setdefault(owner, []).append(i)
-    parameters, theta = refit.model.parameters, refit.theta
-    shown = [rows for rows in mine.values() if all(shows(parameters[i], float(theta[i]), window) for i in rows)]
-    if not shown or not np.all(np.isfinite(refit.fit.jacobian_u)):
-        return 0.0
-    drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
-    variance = np.diag(Uncertainty(refit.fit, absolute=True).covariance)[np.concatenate(shown)]
-    needed = np.minimum(drop, VAGUE / np.where(variance > 0.0, variance, 1e-300))
-    return 0.5 * float(np.sum(np.log1p(drop) - np.log1p(needed)))
-
-
-def _unknown_evidence(found: Search) -> float:
-    """The same for structure of any kind on top of the base model: costly, as it has many parameters."""
-    frame = found.frame
-    whole = float(frame.rest @ frame.rest)
-    evidence = []
-    for basis in (frame.smooth, frame.structured):
-        left = whole - float(np.sum((basis.T @ frame.rest) ** 2))
-        likelihood = found.base.noise.log_likelihood(left, frame.size)
-        evidence.append(_discounted(found, likelihood, int(basis.shape[1]), 1))
-    return max(evidence)
-
-
-def _discounted(found: Search, log_likelihood: float, spent: int, effects: int) -> float:
-    drop = max(2.0 * (log_likelihood - found.base.log_likelihood), 0.0)
-    return float(log_likelihood - effects * UNKNOWN_SIZE - 0.5 * spent * np.log1p(drop))
 
 
 def distance(frame: Frame, first: Refit, second: Refit) -> float:

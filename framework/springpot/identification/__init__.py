@@ -10,7 +10,7 @@ from .problem import Problem
 from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
 from .run import Run, run, run_batch
 from .space import SearchSpace, paper_box, require_conditions
-from .uncertainty import Uncertainty, bootstrap, profile
+from .uncertainty import Uncertainty, bootstrap, held_cost, profile
 
 __all__ = [
     "BatchedOptimiser",

@@ -244,6 +244,24 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     return lower if low is None else max(low, lower), upper if high is None else min(high, upper)
 
 
+def held_cost(fit: Fit, parameter: str, value: float) -> float:
+    """Best objective with one parameter held at a value and all others refitted.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    parameter : str
+        Name of the parameter.
+    value : float
+        Where it is held, in SI.
+    """
+    i = fit.model.names.index(parameter)
+    path = _Path.of(fit, i)
+    u = value / float(path.coordinates.size[0, i])
+    return float(path.costs(np.array([np.log(u) if path.coordinates.log[i] else u]))[0])
+
+
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
     """Standard deviation of parameter i in plain coordinates, or a small step where there is none."""
     sd = float(spread_of(_printed_slopes(known.fit)[i : i + 1], known.covariance)[0])

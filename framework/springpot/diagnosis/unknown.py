@@ -1,0 +1,95 @@
+"""What might be missing that no effect of the library explains: patterns in general, and faults of a measuring chain.
+
+Each kind is a linear family of changes of K. A pattern with few shapes that explains all (a gain that creeps) is more
+credible than an effect of the library that explains most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .frame import Frame
+
+CREEP = 3
+"""Degree of the polynomials by which a gain or a phase may change over the measurement."""
+MOST_STEPS = 200
+"""Places at which a step is sought."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """One kind of structure without a name in the library.
+
+    Attributes
+    ----------
+    says : str
+        What it would be; empty for structure in general.
+    drop : float
+        Drop of the whitened residual sum of squares.
+    shapes : int
+        How many shapes follow the residual.
+    places : int
+        At how many places the shape was tried.
+    """
+
+    says: str
+    drop: float
+    shapes: int
+    places: int = 1
+
+
+def unknowns(frame: Frame) -> Iterator[Unknown]:
+    """Kinds of structure that may be left by a fit, each with what it would explain.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit.
+    """
+    for basis in (frame.smooth, frame.structured):
+        yield Unknown("", _explained(frame, basis), int(basis.shape[1]))
+    log_omega = np.log(frame.measurement.omega)
+    order = np.arange(len(frame.measurement), dtype=float)
+    for along, words in ((log_omega, "along frequency"), (order, "from row to row")):
+        if np.ptp(along) > 0:
+            curves = _creep(along)
+            yield _family(frame, curves, f"a gain that changes slowly {words}")
+            yield _family(frame, 1j * curves, f"a phase that changes slowly {words}")
+    yield from _step(frame, log_omega)
+
+
+def _family(frame: Frame, curves: Real, says: str) -> Unknown:
+    basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
+    return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
+
+
+def _creep(along: Real) -> Real:
+    """Polynomials without their constant, shape (CREEP, n)."""
+    x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
+    curves: Real = np.polynomial.legendre.legvander(x, CREEP).T[1:]
+    return curves
+
+
+def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
+    """A gain that differs between two ranges of frequency."""
+    levels = np.unique(np.round(log_omega, 6))
+    if not 4 <= len(levels) <= MOST_STEPS:
+        return
+    between = 0.5 * (levels[1:-2] + levels[2:-1])
+    columns = frame.whiten(frame.model_stiffness * (log_omega > between[:, None])).T
+    left = frame.project(columns)
+    size = np.linalg.norm(left, axis=0)
+    seen = size > 1e-3 * np.linalg.norm(columns, axis=0)
+    drops = np.where(seen, (frame.rest @ left) ** 2 / np.where(seen, size, 1.0) ** 2, 0.0)
+    best = int(np.argmax(drops))
+    hertz = float(np.exp(between[best])) / (2.0 * np.pi)
+    yield Unknown(f"a gain that steps at {hertz:.3g} Hz", float(drops[best]), 1, len(between))
+
+
+def _explained(frame: Frame, basis: Real) -> float:
+    return float(np.sum((basis.T @ frame.rest) ** 2))
