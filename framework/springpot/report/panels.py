@@ -91,4 +91,5 @@ def keys(scene: Scene) -> Html:
         tag("span", tag("i", style=f"background:{colour}"), label, class_="key")
         for colour, label in zip(colours, labels, strict=True)
     ]
-    return joined([tag("p", text, class_="quiet"), tag("p", *swatches)])
+    drawn = f" Evenly spread, {scene.drawn}; the errors are those of all." if scene.drawn else ""
+    return joined([tag("p", text, drawn, class_="quiet"), tag("p", *swatches)])

@@ -17,7 +17,8 @@ from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
 from .canvas import COLOURS, INK, QUIET, logarithmic
-from .curves import Axis, Fit, Sweep, axis_of, smooth, sweeps_of
+from .curves import Axis, Fit, axis_of, smooth, sweeps_of
+from .sweeps import Sweep, chosen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,9 +51,20 @@ class Scene:
         return axis_of(self.measurement)
 
     @cached_property
-    def sweeps(self) -> list[Sweep]:
-        """The sweeps along it."""
+    def every_sweep(self) -> list[Sweep]:
+        """All sweeps along it."""
         return sweeps_of(self.measurement, self.axis)
+
+    @cached_property
+    def sweeps(self) -> list[Sweep]:
+        """The sweeps that are drawn."""
+        return chosen(self.every_sweep)
+
+    @property
+    def drawn(self) -> str:
+        """``12 of 60 sweeps shown``; nothing where all are."""
+        count = len(self.every_sweep)
+        return f"{len(self.sweeps)} of {count} sweeps shown" if count > len(self.sweeps) else ""
 
     @cached_property
     def curves(self) -> list[list[tuple[Real, Complex]]]:
