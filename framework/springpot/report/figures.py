@@ -92,8 +92,18 @@ def _cut(text: str) -> str:
     return text if len(text) <= TITLE_WIDTH else f"{text[: TITLE_WIDTH - 1]}…"
 
 
-def headed(figure: Figure, scene: Scene) -> None:
-    """Headline and what the marks mean above the axes, the sweeps beside them: never over the data."""
+def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
+    """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
+
+    Parameters
+    ----------
+    figure : Figure
+        With its axes drawn.
+    scene : Scene
+        What they show.
+    below : Scene, optional
+        What further rows show, in which colours stand for sweeps though they may stand for models above.
+    """
     marks = _marks(scene)
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
@@ -108,6 +118,9 @@ def headed(figure: Figure, scene: Scene) -> None:
     above.get_title().set_color(INK)
     if scene.by_sweep:
         figure.legend(handles=_sweep_marks(scene), loc="outside right upper", handlelength=1.0)
+    elif below is not None and below.by_sweep:
+        title = "residuals of"
+        figure.legend(handles=_sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
 
 
 def _marks(scene: Scene) -> list[Line2D]:

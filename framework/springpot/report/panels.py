@@ -81,7 +81,8 @@ def keys(scene: Scene) -> Html:
     """What marks and colours mean."""
     text = (
         "Points are measured, lines fitted. Filled and solid: storage, or the real part; open and dashed: loss, or "
-        "the imaginary part. The grey band is what noise explains (two standard deviations)."
+        "the imaginary part. The band is what noise explains (two standard deviations); where sweeps differ, each "
+        "has its own in its colour."
     )
     if scene.by_sweep:
         colours, labels = sweep_colours(len(scene.sweeps)), [sweep.label for sweep in scene.sweeps]

@@ -16,6 +16,7 @@ import numpy as np
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
+from .bands import draw_bands
 from .canvas import COLOURS, INK, QUIET, logarithmic
 from .curves import Axis, Fit, axis_of, smooth, sweeps_of
 from .sweeps import Sweep, chosen
@@ -177,20 +178,10 @@ def residual(axes: Axes, scene: Scene) -> None:
                 style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
                 axes.plot(x, values[sweep.rows], marker="o", **style)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
-    _noise_band(axes, scene)
+    if data.sd is not None:
+        draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
     axes.set(xlabel=scene.axis.label, ylabel="measured − model\n[% of |K|]")
-
-
-def _noise_band(axes: Axes, scene: Scene) -> None:
-    data = scene.measurement
-    if data.sd is None:
-        return
-    width = 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude
-    x, which = np.unique(scene.axis.values, return_inverse=True)
-    band = np.zeros(len(x))
-    np.maximum.at(band, which.ravel(), width)
-    axes.fill_between(x, -band, band, color="#DDDDDD", linewidth=0.0, zorder=0.5)
 
 
 def _against_axis(axes: Axes, scene: Scene, quantity: Callable[[Complex], Real]) -> None:
