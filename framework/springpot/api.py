@@ -156,9 +156,12 @@ def discover(
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    found = library(effects)
+    found, start = library(effects), _model(model)
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
-    return discover_objects(_measurement(measurement), _model(model), found, np.random.default_rng(seed), wanted)
+    grown = start
+    for effect in wanted or ():
+        grown = grown.taking(effect)  # told before the first fit
+    return discover_objects(_measurement(measurement), start, found, np.random.default_rng(seed), wanted)
 
 
 def compare(measurement: Measurement | str | Path, models: Model | str | Sequence[Model | str]) -> Comparison:
