@@ -32,6 +32,13 @@ def test_one_model_and_one_effect_need_no_list():
         (lambda: springpot.identify(DATA, MODEL, optimiser="cmaes"), "cma-es"),
         (lambda: springpot.identify(DATA, MODEL, intervals="bootstrp"), "bootstrap"),
         (lambda: springpot.parse_model("inertia"), "is an effect"),
+        (lambda: springpot.parse_model(MODEL) + 3, "an Effect or its name"),
+        (lambda: springpot.discover(DATA, MODEL, accept=["inertia", "inertia"]), "'inertia' already"),
+        (lambda: springpot.discover(DATA, f"{MODEL} + inertia", accept="inertia"), "'inertia' already"),
+        (lambda: springpot.diagnose(DATA, 3), r"'fractional-maxwell', not 3 \(int\)"),
+        (lambda: springpot.diagnose(3, MODEL), r"a path or a name, not 3 \(int\)"),
+        (lambda: springpot.discover(DATA, MODEL, accept=3), r"its name, not 3 \(int\)"),
+        (lambda: springpot.compare(DATA, [MODEL, None]), "not None"),
     ],
 )
 def test_a_misspelt_name_is_an_error_that_helps(call, word):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from pathlib import Path, PurePath
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,15 +14,12 @@ from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.display import use_drawing
 from springpot.diagnosis.header import with_header
-from springpot.errors import OptionError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 T = TypeVar("T", Model, Effect)
 
@@ -158,9 +156,12 @@ def discover(
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    found = library(effects)
+    found, start = library(effects), _model(model)
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
-    return discover_objects(_measurement(measurement), _model(model), found, np.random.default_rng(seed), wanted)
+    grown = start
+    for effect in wanted or ():
+        grown = grown.taking(effect)  # told before the first fit
+    return discover_objects(_measurement(measurement), start, found, np.random.default_rng(seed), wanted)
 
 
 def compare(measurement: Measurement | str | Path, models: Model | str | Sequence[Model | str]) -> Comparison:
@@ -184,18 +185,24 @@ def compare(measurement: Measurement | str | Path, models: Model | str | Sequenc
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places."""
     found = {effect.name: effect for effect in plugins().items("effect")}
-    own = [plugins().effect(effect) if isinstance(effect, str) else effect for effect in effects or ()]
+    own = [_effect(effect, ()) for effect in (() if effects is None else _listed(effects))]
     return list((found | {effect.name: effect for effect in own}).values())
 
 
 def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
-    if not isinstance(effect, str):
+    if isinstance(effect, Effect):
         return effect
+    if not isinstance(effect, str):
+        raise ModelError(f"an effect is an Effect or its name, not {_shown(effect)}")
     return next((known for known in among if known.name == effect), None) or plugins().effect(effect)
 
 
 def _measurement(measurement: Measurement | str | Path) -> Measurement:
-    return measurement if isinstance(measurement, Measurement) else open_measurement(measurement)
+    if isinstance(measurement, Measurement):
+        return measurement
+    if not isinstance(measurement, str | PurePath):
+        raise DataError(f"data are a Measurement, a path or a name, not {_shown(measurement)}")
+    return open_measurement(measurement)
 
 
 def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
@@ -204,7 +211,14 @@ def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
 
 
 def _model(model: Model | str) -> Model:
+    if not isinstance(model, str | Model):
+        raise ModelError(f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}")
     return parse_model(model) if isinstance(model, str) else model
+
+
+def _shown(thing: object) -> str:
+    """Something that was given in place of something else, in few characters."""
+    return f"{' '.join(repr(thing).split()):.40} ({type(thing).__name__})"
 
 
 def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:

@@ -205,7 +205,7 @@ def parse_model(expression: str) -> Model:
     Raises
     ------
     ModelError
-        If a part of it is unknown or empty.
+        If a part of it is unknown or empty, or the same effect stands twice where two are no more than one.
     """
     parts = [part.strip() for part in expression.split("+")]
     if not all(parts):
@@ -218,7 +218,7 @@ def parse_model(expression: str) -> Model:
             raise
         raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
     for name in parts[1:]:
-        model = model + found.effect(name)
+        model = model.taking(found.effect(name))
     return model
 
 

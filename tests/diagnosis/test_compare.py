@@ -89,6 +89,21 @@ def test_a_single_outlier_at_the_mains_frequency_is_named():
     assert outlier.endswith("stands out at 50 Hz (a multiple of the mains frequency)")
 
 
+def test_a_correlation_is_never_beyond_one():
+    """A misfit that is nothing at the ends of the sweeps: the pairs are larger than the points on the whole."""
+    exact, bump = MAXWELL.stiffness(TRUTH, OMEGA), 0.3 * np.hanning(len(OMEGA))
+    data = Measurement(
+        np.tile(OMEGA, 2),
+        np.concatenate([exact * (1 + bump), exact * (1 - bump)]),
+        conditions={"temperature": np.repeat([0.0, 40.0], len(OMEGA))},
+    )
+    tests = springpot.compare(data, [MAXWELL]).judgements[0].findings
+    correlations = [one.statistic for one in tests if one.test.startswith("autocorrelation")]
+    assert len(correlations) == 2
+    assert 0.9 < max(correlations) <= 1.0
+    assert all(-1.0 <= each <= 1.0 for each in correlations)
+
+
 @pytest.mark.parametrize(
     ("power", "word"), [(-1.0, "Coulomb friction"), (0.0, "power-law damper"), (2.0, "cubic spring")]
 )

@@ -4,9 +4,11 @@ import copy
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from springpot import Measurement
 from springpot.diagnosis.noise import average_repeats
+from springpot.errors import DataError
 
 
 def test_sweeps_are_labelled_by_their_own_conditions():
@@ -45,3 +47,47 @@ def test_averages_of_repeats_are_shifted_from_the_same_temperature_as_the_repeat
     averaged = average_repeats(measured)
     assert len(averaged.mean) == 3
     assert averaged.mean.reference_temperature == measured.reference_temperature
+
+
+def test_lists_do():
+    measured = Measurement(
+        [1, 2, 3],
+        [1 + 1j, 2, 3],
+        conditions={"temperature": [20, 20, 30]},
+        repeat=[1, 1, 2],
+        labels={"by": ["a"] * 3},
+    )
+    assert measured.frequency[1] == 1.0 / np.pi
+    assert measured.loss.tolist() == [1.0, 0.0, 0.0]
+    assert measured.conditions["temperature"].dtype == float
+    assert [len(rows) for _, rows in measured.sweeps()] == [2, 1]
+
+
+def test_arrays_are_taken_as_they_are():
+    omega, stiffness = np.arange(1.0, 4.0), np.ones(3, dtype=complex)
+    measured = Measurement(omega, stiffness)
+    assert measured.omega is omega
+    assert measured.stiffness is stiffness
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"stiffness": [1, 0, 0]}, "both zero in 2 of 3 points, first at 0.3183 Hz"),
+        ({"stiffness": ["a", "b", "c"]}, "column stiffness must hold numbers"),
+        ({"omega": [1j, 2, 3]}, "column omega must hold real numbers"),
+        ({"omega": [[1, 2, 3]] * 3}, "column omega must have one value for each"),
+        ({"omega": 3.0}, "column omega must have one value for each"),
+        ({"repeat": [1, 1.5, 2]}, "column repeat must hold whole numbers"),
+        ({"conditions": {"temperatur": [1, 2, 3]}}, "'temperatur' is nearly 'temperature'"),
+        ({"conditions": {"Amplitudes": [1, 2, 3]}}, "models know temperature and amplitude"),
+    ],
+)
+def test_what_is_no_measurement_is_said(given, says):
+    with pytest.raises(DataError, match=says):
+        Measurement(**{"omega": [1, 2, 3], "stiffness": [1, 2, 3], **given})
+
+
+def test_other_conditions_are_welcome():
+    others = {"pressure": [1.0], "humidity": [2.0], "static strain": [3.0]}
+    assert set(Measurement([1.0], [1.0], conditions=others).conditions) == set(others)

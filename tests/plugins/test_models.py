@@ -269,8 +269,24 @@ def test_expressions_round_trip(name: str, effect: str):
 
 
 def test_an_effect_taken_twice_keeps_its_parameters_apart():
-    names = parse_model("kelvin + inertia + inertia").names
-    assert names == ("k", "c", "inertia.m", "inertia#2.m")
+    names = parse_model("spring + filter-mismatch + filter-mismatch").names
+    assert names == ("k", "filter-mismatch.tau", "filter-mismatch#2.tau")
+    names = parse_model("kelvin + relaxation-mode + relaxation-mode").names
+    assert names[-2:] == ("relaxation-mode#2.k", "relaxation-mode#2.tau")
+
+
+SUMS = (
+    "inertia parallel-spring series-spring series-dashpot friction time-delay gain-error phase-error arrhenius-shift"
+)
+
+
+@pytest.mark.parametrize("effect", SUMS.split())
+def test_the_same_thing_twice_is_refused(effect: str):
+    """Two masses are one mass, two delays one delay: no data could share the size between them."""
+    with pytest.raises(ModelError, match=f"has the effect '{effect}' already"):
+        parse_model(f"kelvin + {effect} + {effect}")
+    with pytest.raises(ModelError, match="a second one would be the same"):
+        parse_model(f"kelvin + {effect}") + effect
 
 
 @pytest.mark.parametrize(

@@ -173,7 +173,9 @@ def _neighbours(frame: Frame) -> Iterator[Finding]:
         scale = float(np.mean(rest[k * n : (k + 1) * n] ** 2)) or 1.0
         value = float(np.sum(rest[first] * rest[second])) / scale
         chance = float(norm.sf((value - mean) / deviation)) if deviation > 0 else 1.0
-        correlation = value / len(first)
+        # By the size of the very points that are paired (Cauchy and Schwarz): within -1 and 1.
+        size = float(np.linalg.norm(rest[first]) * np.linalg.norm(rest[second])) or 1.0
+        correlation = float(np.clip(np.sum(rest[first] * rest[second]) / size, -1.0, 1.0))
         words = f"neighbouring {word} residuals correlate by {correlation:.2f}, noise by {mean / len(first):.2f}"
         yield Finding(f"autocorrelation, {word}", correlation, chance, False, words)
 

@@ -5,7 +5,7 @@ from .catalogue import DataSet
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .interface import as_modulus, as_stiffness, through
-from .measurement import CONDITIONS, KELVIN, Measurement
+from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader, select
 from .reader import Choice, Part, Reader
@@ -59,6 +59,7 @@ __all__ = [
     "harmonics_of",
     "known_unit",
     "measurement_from_signals",
+    "misspelt",
     "normal_unit",
     "open_measurement",
     "parse_geometry",

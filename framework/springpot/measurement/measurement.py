@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError
 from springpot.rheology import Complex, Points, Real
@@ -21,6 +22,13 @@ if TYPE_CHECKING:
 
 KELVIN = 273.15
 CONDITIONS = ("temperature", "amplitude")
+NEARLY = 0.85
+"""Likeness of a name to one of these from which it is taken for a slip."""
+_DTYPES: dict[str, np.dtype[Any]] = {
+    "omega": np.dtype(np.float64), "stiffness": np.dtype(np.complex128), "sd": np.dtype(np.complex128),
+    "repeat": np.dtype(np.int64), "harmonics": np.dtype(np.complex128),
+}  # fmt: skip
+_KINDS = {"f": "real numbers", "c": "numbers", "i": "whole numbers", "U": "words"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +38,14 @@ class Measurement:
     Parameters
     ----------
     omega : ndarray, shape (n,)
-        Angular frequency in rad/s.
+        Angular frequency in rad/s. This and the other columns may be lists.
     stiffness : ndarray of complex, shape (n,)
         K' + i K'' in ``units.stiffness``.
     sd : ndarray of complex, shape (n,), optional
         Standard deviation of K' (real part) and of K'' (imaginary part), in the same unit.
     conditions : mapping of str to ndarray, shape (n,)
-        Columns beside the frequency: ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others.
+        Columns beside the frequency: ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others by any
+        name that is not nearly one of these two.
     repeat : ndarray of int, shape (n,), optional
         Which repetition a row belongs to.
     harmonics : ndarray of complex, shape (n, h), optional
@@ -81,8 +90,31 @@ class Measurement:
         return f"<Measurement {self.name}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
 
     def __post_init__(self) -> None:
-        for mapping in ("conditions", "provenance", "labels"):
-            object.__setattr__(self, mapping, MappingProxyType(dict(getattr(self, mapping))))
+        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        for name, dtype in _DTYPES.items():
+            values = getattr(self, name)
+            object.__setattr__(self, name, None if values is None else self._array(name, values, dtype))
+        for name, dtype in (("conditions", np.dtype(np.float64)), ("labels", np.dtype(np.str_))):
+            mapping = {key: self._array(key, column, dtype) for key, column in getattr(self, name).items()}
+            object.__setattr__(self, name, MappingProxyType(mapping))
+        self._check()
+
+    def _array(self, name: str, values: ArrayLike, dtype: np.dtype[Any]) -> NDArray[Any]:
+        """A column as an array of its kind; the same object where it is one."""
+        try:
+            given = np.asarray(values)
+            if dtype.kind != "U" and given.dtype.kind not in ("biufc" if dtype.kind == "c" else "biuf"):
+                raise ValueError
+            column = given if given.dtype.kind == dtype.kind == "U" else given.astype(dtype, copy=False)
+            if dtype.kind == "i" and np.any(column != given):
+                raise ValueError
+        except (ValueError, TypeError):
+            raise DataError(f"{self.name}: column {name} must hold {_KINDS[dtype.kind]}") from None
+        if column.ndim != (2 if name == "harmonics" else 1):
+            raise DataError(f"{self.name}: column {name} must have one value for each measured point")
+        return column
+
+    def _check(self) -> None:
         n = len(self.omega)
         columns: dict[str, Sized | None] = {
             "stiffness": self.stiffness,
@@ -100,8 +132,16 @@ class Measurement:
             raise DataError(f"{self.name}: frequencies must be positive and finite")
         if not np.all(np.isfinite(self.stiffness)):
             raise DataError(f"{self.name}: storage and loss must be finite")
+        nothing = np.flatnonzero(self.stiffness == 0)
+        if len(nothing):
+            place = f"first at {self.frequency[nothing[0]]:.4g} Hz"
+            few = f"in {len(nothing)} of {n} points"
+            raise DataError(f"{self.name}: storage and loss are both zero {few}, {place}; leave them out")
         if self.sd is not None and not (np.all(self.sd.real > 0) and np.all(self.sd.imag > 0)):
             raise DataError(f"{self.name}: standard deviations must be positive")
+        for condition in self.conditions:
+            if advice := misspelt(condition):
+                raise DataError(f"{self.name}: condition '{condition}' {advice}")
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         # Mapping proxies cannot cross to a worker process; plain dictionaries can.
@@ -212,6 +252,15 @@ class Measurement:
         for i in range(len(combinations)):
             rows = np.flatnonzero(which.ravel() == i)
             yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+
+
+def misspelt(condition: str) -> str:
+    """What to say of a name that is nearly a known condition's, or nothing."""
+    if condition in CONDITIONS or not condition.isalpha():  # temperature_2 is no slip
+        return ""
+    near = get_close_matches(condition.lower().rstrip("s"), CONDITIONS, n=1, cutoff=NEARLY)
+    known = " and ".join(CONDITIONS)
+    return f"is nearly '{near[0]}': models know {known}; write that, or a plainly different name" if near else ""
 
 
 def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:

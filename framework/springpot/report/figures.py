@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-MOST_NAMED = 8
-"""Sweeps named in a legend; of more, evenly chosen ones are."""
-
 MARK_WIDTH = 1.75
 """Inches for one entry of a legend."""
 
@@ -80,22 +77,33 @@ def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str |
 def _headline(scene: Scene) -> str:
     """What is shown, and how well the model fits."""
     data = scene.measurement
+    drawn = f"; {scene.drawn}" if scene.drawn else ""
     if not scene.fits:
-        return _cut(data.name)
+        return f"{_cut(data.name)}{drawn}"
     if len(scene.fits) > 1:
-        return f"{_cut(data.name)}\npoints measured, lines fitted"
+        return f"{_cut(data.name)}\npoints measured, lines fitted{drawn}"
     fit = scene.fits[0]
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
     error = percent(float(np.sqrt(np.mean(share**2))))
-    return f"{_cut(f'{fit.name} fitted to {data.name}')}\npoints measured, lines fitted; error {error} of |K|"
+    return f"{_cut(f'{fit.name} fitted to {data.name}')}\npoints measured, lines fitted; error {error} of |K|{drawn}"
 
 
 def _cut(text: str) -> str:
     return text if len(text) <= TITLE_WIDTH else f"{text[: TITLE_WIDTH - 1]}…"
 
 
-def headed(figure: Figure, scene: Scene) -> None:
-    """Headline and what the marks mean above the axes, the sweeps beside them: never over the data."""
+def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
+    """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
+
+    Parameters
+    ----------
+    figure : Figure
+        With its axes drawn.
+    scene : Scene
+        What they show.
+    below : Scene, optional
+        What further rows show, in which colours stand for sweeps though they may stand for models above.
+    """
     marks = _marks(scene)
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
@@ -110,6 +118,9 @@ def headed(figure: Figure, scene: Scene) -> None:
     above.get_title().set_color(INK)
     if scene.by_sweep:
         figure.legend(handles=_sweep_marks(scene), loc="outside right upper", handlelength=1.0)
+    elif below is not None and below.by_sweep:
+        title = "residuals of"
+        figure.legend(handles=_sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
 
 
 def _marks(scene: Scene) -> list[Line2D]:
@@ -130,9 +141,9 @@ def _marks(scene: Scene) -> list[Line2D]:
 
 
 def _sweep_marks(scene: Scene) -> list[Line2D]:
-    count = len(scene.sweeps)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_NAMED)).round().astype(int))
-    return [_mark(scene.sweeps[i].label, scene.data_colour(int(i)), marker="s", linestyle="none") for i in chosen]
+    return [
+        _mark(sweep.label, scene.data_colour(i), marker="s", linestyle="none") for i, sweep in enumerate(scene.sweeps)
+    ]
 
 
 def _mark(label: str, colour: str, **style: Any) -> Line2D:

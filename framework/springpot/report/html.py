@@ -109,8 +109,8 @@ def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]
 READING = (
     "An effect that is missing is simplest in the plane in which it adds up. A moving mass grows as the square of "
     "the frequency in the stiffness, a soft mounting is constant in the compliance, a delay grows with the frequency "
-    "in the phase, and a change of temperature is constant in the shift. Where most points lie in the grey band, "
-    "nothing is missing."
+    "in the phase, and a change of temperature is constant in the shift. Where most points lie in the band, "
+    "or of several in that of their own colour, nothing is missing."
 )
 
 

@@ -81,7 +81,8 @@ def keys(scene: Scene) -> Html:
     """What marks and colours mean."""
     text = (
         "Points are measured, lines fitted. Filled and solid: storage, or the real part; open and dashed: loss, or "
-        "the imaginary part. The grey band is what noise explains (two standard deviations)."
+        "the imaginary part. The band is what noise explains (two standard deviations); where sweeps differ, each "
+        "has its own in its colour."
     )
     if scene.by_sweep:
         colours, labels = sweep_colours(len(scene.sweeps)), [sweep.label for sweep in scene.sweeps]
@@ -91,4 +92,5 @@ def keys(scene: Scene) -> Html:
         tag("span", tag("i", style=f"background:{colour}"), label, class_="key")
         for colour, label in zip(colours, labels, strict=True)
     ]
-    return joined([tag("p", text, class_="quiet"), tag("p", *swatches)])
+    drawn = f" Evenly spread, {scene.drawn}; the errors are those of all." if scene.drawn else ""
+    return joined([tag("p", text, drawn, class_="quiet"), tag("p", *swatches)])

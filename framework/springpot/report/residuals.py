@@ -21,6 +21,7 @@ from springpot.rheology import Complex, Real
 from springpot.rheology.nodes import FULL
 
 from . import views
+from .bands import draw_bands
 from .canvas import QUIET, blank, logarithmic, save
 from .curves import Fit
 from .figures import headed
@@ -93,13 +94,14 @@ def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex
 
 
 def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
-    """Residuals of the scene's fits in one plane: real part filled, imaginary part open, the noise as a band."""
+    """Residuals of the scene's fits in one plane: real part filled, imaginary part open, noise as bands."""
     data = scene.measurement
     largest, bands = 0.0, []
+    shown = np.concatenate([sweep.rows for sweep in scene.sweeps])
     for j, fit in enumerate(scene.fits):
         values, width = residual_in(plane.name, data, fit)
         bands.append(width)
-        largest = max(largest, float(np.max(np.abs(values))))
+        largest = max(largest, float(np.max(np.abs(values[shown]))))
         for i, sweep in enumerate(scene.sweeps):
             x = scene.axis.values[sweep.rows]
             for part, side in enumerate((values.real, values.imag)):
@@ -107,8 +109,8 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
                 style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
                 axes.plot(x, side[sweep.rows], marker="o", **style)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
-    _band(axes, scene, np.max(bands, axis=0))
-    middle = float(np.median(bands))
+    draw_bands(axes, scene, np.max(bands, axis=0))
+    middle = float(np.median(np.max(bands, axis=0)[shown]))
     if middle > 0 and largest > WIDE * middle:
         _symmetric(axes, middle, largest)
     if scene.axis.logarithmic:
@@ -123,14 +125,6 @@ def _symmetric(axes: Axes, within: float, largest: float) -> None:
     decades = 10.0 ** np.arange(first, max(last, first) + 1)[:: max(1, (last - first + 3) // 3)]
     axes.set_yticks(np.concatenate([-decades[::-1], [0.0], decades]))
     axes.minorticks_off()
-
-
-def _band(axes: Axes, scene: Scene, width: Real) -> None:
-    x, which = np.unique(scene.axis.values, return_inverse=True)
-    band = np.zeros(len(x))
-    np.maximum.at(band, which.ravel(), width)
-    if np.any(band > 0):
-        axes.fill_between(x, -band, band, color="#DDDDDD", linewidth=0.0, zorder=0.5)
 
 
 def fits_of(comparison: Comparison) -> list[Fit]:
@@ -164,7 +158,7 @@ def figure_compared(comparison: Comparison, path: str | Path) -> Path:
             axes.set_title(name)
         for row, fit in zip(grid[1:], fits, strict=True):
             _row_of_residuals(row, Scene(measurement, [fit]), len(fits) > 1)
-        headed(figure, everything)
+        headed(figure, everything, Scene(measurement, fits[:1]))
         return save(figure, path)
 
 

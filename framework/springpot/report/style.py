@@ -13,8 +13,8 @@ p, ul { margin: 6px 0; max-width: 46em; }
 li { margin: 4px 0; }
 .quiet { color: var(--quiet); font-size: 0.92em; }
 .verdict { background: var(--soft); border-left: 4px solid var(--mark); padding: 10px 14px; margin: 14px 0; }
-.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 10px; margin: 14px 0; }
-.fact { border: 1px solid var(--line); border-radius: 6px; padding: 8px 12px; }
+.facts { display: flex; flex-wrap: wrap; gap: 10px; margin: 14px 0; }
+.fact { flex: 1 1 150px; border: 1px solid var(--line); border-radius: 6px; padding: 8px 12px; }
 .fact b { display: block; font-size: 1.25em; }
 .pair { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 8px 24px; }
 figure { margin: 8px 0; min-width: 0; }

@@ -16,8 +16,10 @@ import numpy as np
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
+from .bands import draw_bands
 from .canvas import COLOURS, INK, QUIET, logarithmic
-from .curves import Axis, Fit, Sweep, axis_of, smooth, sweeps_of
+from .curves import Axis, Fit, axis_of, smooth, sweeps_of
+from .sweeps import Sweep, chosen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,9 +52,20 @@ class Scene:
         return axis_of(self.measurement)
 
     @cached_property
-    def sweeps(self) -> list[Sweep]:
-        """The sweeps along it."""
+    def every_sweep(self) -> list[Sweep]:
+        """All sweeps along it."""
         return sweeps_of(self.measurement, self.axis)
+
+    @cached_property
+    def sweeps(self) -> list[Sweep]:
+        """The sweeps that are drawn."""
+        return chosen(self.every_sweep)
+
+    @property
+    def drawn(self) -> str:
+        """``12 of 60 sweeps shown``; nothing where all are."""
+        count = len(self.every_sweep)
+        return f"{len(self.sweeps)} of {count} sweeps shown" if count > len(self.sweeps) else ""
 
     @cached_property
     def curves(self) -> list[list[tuple[Real, Complex]]]:
@@ -165,20 +178,10 @@ def residual(axes: Axes, scene: Scene) -> None:
                 style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
                 axes.plot(x, values[sweep.rows], marker="o", **style)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
-    _noise_band(axes, scene)
+    if data.sd is not None:
+        draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
     axes.set(xlabel=scene.axis.label, ylabel="measured − model\n[% of |K|]")
-
-
-def _noise_band(axes: Axes, scene: Scene) -> None:
-    data = scene.measurement
-    if data.sd is None:
-        return
-    width = 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude
-    x, which = np.unique(scene.axis.values, return_inverse=True)
-    band = np.zeros(len(x))
-    np.maximum.at(band, which.ravel(), width)
-    axes.fill_between(x, -band, band, color="#DDDDDD", linewidth=0.0, zorder=0.5)
 
 
 def _against_axis(axes: Axes, scene: Scene, quantity: Callable[[Complex], Real]) -> None:

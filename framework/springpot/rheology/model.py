@@ -16,6 +16,7 @@ from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
 from .parameters import Parameter
 from .points import Complex, Points, Real
+from .twice import same_twice
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,9 +177,32 @@ class Model:
         return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
 
     def __add__(self, effect: Effect | str) -> Model:
-        """The model with one more effect, given as an object or by name."""
-        found = find_effect(effect) if isinstance(effect, str) else effect
-        return replace(self, effects=(*self.effects, found))
+        """The model with one more effect, given as an object or by name.
+
+        Raises
+        ------
+        ModelError
+            If the name is unknown, or is one that `taking` refuses.
+        """
+        if isinstance(effect, str):
+            return self.taking(find_effect(effect))
+        if not isinstance(effect, Effect):
+            raise ModelError(f"{self.name} + {effect!r:.40}: an effect is an Effect or its name")
+        return replace(self, effects=(*self.effects, effect))
+
+    def taking(self, effect: Effect) -> Model:
+        """The model with one more effect that a user asks for.
+
+        Raises
+        ------
+        ModelError
+            If it has the effect already, and a second one would only share the size of the first: no data can tell
+            two masses from one.
+        """
+        if effect.name in {own.name for own in self.effects} and same_twice(effect):
+            one = f"a second one would be the same as one of another size; leave out one '{effect.name}'"
+            raise ModelError(f"{self.name} has the effect '{effect.name}' already: {one}")
+        return self + effect
 
     def __sub__(self, effect: Effect | str) -> Model:
         """The model without the last effect of that name.

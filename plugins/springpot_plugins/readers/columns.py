@@ -20,6 +20,7 @@ from springpot.measurement import (
     Measurement,
     Units,
     known_unit,
+    misspelt,
     temperature_in_celsius,
 )
 from springpot.rheology import Complex, Real
@@ -97,9 +98,13 @@ def measurement_of(
     with np.errstate(all="ignore"):
         omega = _omega(roles, path)
         stiffness, unit = _stiffness(roles, path)
+        _check_something(stiffness, roles)
         sd = _deviations(roles, unit)
         conditions, amplitude_unit = _conditions(roles)
     harmonics, others = _harmonics(others)
+    for column in others:
+        if advice := misspelt(column.name):
+            raise column.error(f"the name {advice}")
     extra, labels, units = _further(others)
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **_doubts(roles)}
     repeat = _repeat(roles.get("repeat"))
@@ -199,6 +204,17 @@ def _complex(real: Real, imaginary: Real) -> Complex:
     value = np.empty(len(real), dtype=np.complex128)
     value.real, value.imag = real, imaginary
     return value
+
+
+def _check_something(stiffness: Complex, roles: Mapping[str, Column]) -> None:
+    """A point at which storage and loss are both zero was not measured."""
+    nothing = np.flatnonzero(stiffness == 0)
+    if len(nothing):
+        more = f" (and {len(nothing) - 1} more such rows)" if len(nothing) > 1 else ""
+        column = roles.get("storage") or roles["magnitude"]
+        raise column.error(
+            f"storage and loss are both zero: nothing was measured, leave out the row{more}", int(nothing[0])
+        )
 
 
 def _tangent(roles: Mapping[str, Column]) -> Real | None:

@@ -38,6 +38,7 @@ def measurements(draw):
         conditions["amplitude"] = column(POSITIVE)
     stiffness = np.empty(n, complex)
     stiffness.real, stiffness.imag = column(ANY), column(ANY)
+    stiffness[stiffness == 0] = 1.0
     return Measurement(
         np.array(draw(st.lists(POSITIVE, min_size=n, max_size=n, unique=True))),
         stiffness,

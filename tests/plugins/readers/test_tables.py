@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import springpot
 from springpot.errors import DataError
 
 from .samples import OMEGA, STIFFNESS, moduli, rows, table
@@ -286,3 +287,27 @@ def test_a_hundred_thousand_rows_in_any_separator(folder):
     found = folder.open("ω (rad/s);G' (Pa);G'' (Pa)\n" + rows(columns, ";", ","))
     assert len(found) == n
     assert found.stiffness[-1] == 1 + 2.5j
+
+
+@pytest.mark.parametrize(
+    ("row", "header", "says"),
+    [
+        (
+            "2,0,0",
+            "frequency [Hz],storage [Pa],loss [Pa]",
+            r"line 3, column 'storage \[Pa\]': storage and loss are both zero",
+        ),
+        ("2,0,0", "freq [Hz],G' [Pa],G'' [Pa]", "line 3, .*both zero.*leave out the row$"),
+        (
+            "2,1,1",
+            "frequency [Hz],storage [Pa],loss [Pa],temperatur [degC]",
+            r"column 'temperatur \[degC\]': .*nearly",
+        ),
+    ],
+)
+def test_what_was_not_measured_or_is_misspelt_is_told_with_its_place(tmp_path, row, header, says):
+    path = tmp_path / "table.csv"
+    extra = ",20" * (header.count(",") - 2)
+    path.write_text(f"{header}\n1,3,1{extra}\n{row}{extra}\n3,4,1{extra}\n")
+    with pytest.raises(DataError, match=says):
+        springpot.read(path)

@@ -1,0 +1,169 @@
+"""Which measured points are one curve of a figure, and which of many curves are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.measurement import Measurement
+from springpot.rheology import Real
+
+Rows = NDArray[np.int64]
+
+MOST_DRAWN = 12
+"""Sweeps drawn at most; of more, evenly many are chosen. More colours than this cannot be told apart."""
+VARIES = 1.2
+"""A frequency or amplitude varies if its largest value exceeds its smallest by this factor."""
+WARMS = 1.0
+"""A temperature varies if it spans more than this, in kelvin."""
+SAME = 2e-3
+"""Share of the largest by which neighbouring values of one set condition differ at most."""
+JITTER = {"temperature": 0.7, "amplitude": 0.05}
+"""Gap up to which values belong to one condition that was not held well: in kelvin, and of ln amplitude."""
+SPREAD = {"temperature": 2.0, "amplitude": 0.2}
+"""Range up to which such values are one condition, in the same units."""
+PROFILE = 3.0
+"""A condition that changes along a sweep rather than between sweeps travels at most this many times its range."""
+BIN = 8
+"""Points of a bin of a condition that was never held."""
+MOST_BINS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Rows measured under the same conditions, in order along the axis.
+
+    Parameters
+    ----------
+    label : str
+        The conditions.
+    rows : ndarray of int
+        Which rows.
+    """
+
+    label: str
+    rows: Rows
+
+
+def varies(name: str, column: Real) -> bool:
+    """Whether a condition changes by more than a set value does while it is held."""
+    low, high = float(np.min(column)), float(np.max(column))
+    return high - low > WARMS if name == "temperature" else high > VARIES * low
+
+
+def travels(along: Real, column: Real) -> bool:
+    """Whether `column` (n,) jumps to and fro along the axis instead of following it, as it does within one sweep."""
+    way = float(np.sum(np.abs(np.diff(column[np.argsort(along, kind="stable")]))))
+    _, place = np.unique(along, return_inverse=True)
+    low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
+    np.minimum.at(low, place.ravel(), column)
+    np.maximum.at(high, place.ravel(), column)
+    whole = float(np.ptp(column))
+    return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
+
+
+def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep]:
+    """Every sweep of a measurement, by repeat, temperature and amplitude in ascending order.
+
+    Where a condition was not held but wandered, its points are taken together in levels or, if there are none, in
+    bins of equally many points.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    column : str
+        What the axis shows, which no sweep holds.
+    along : ndarray, shape (n,)
+        Where each point stands on it.
+    """
+    parts = [np.arange(len(measurement))]
+    told: list[tuple[str, Real]] = []
+    if measurement.repeat is not None:
+        parts = [rows for part in parts for rows in _alike(part, measurement.repeat)]
+        told += [("repeat", measurement.repeat.astype(float))] if len(parts) > 1 else []
+    for name in ("temperature", "amplitude"):
+        values = measurement.conditions.get(name)
+        if values is None or name == column:
+            continue
+        finer = [rows for part in parts for rows in _split(name, values, along, part)]
+        told += [(name, values)] if len(finer) > len(parts) else []
+        parts = finer
+    ordered = [rows[np.argsort(along[rows], kind="stable")] for rows in parts]
+    return [Sweep(_label(rows, told, measurement.units.amplitude), rows) for rows in ordered]
+
+
+def chosen(sweeps: list[Sweep]) -> list[Sweep]:
+    """At most `MOST_DRAWN` of the sweeps, evenly spread, the first and the last among them."""
+    if len(sweeps) <= MOST_DRAWN:
+        return sweeps
+    return [sweeps[i] for i in np.linspace(0, len(sweeps) - 1, MOST_DRAWN).round().astype(int)]
+
+
+def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
+    """Rows of each level of a condition; all of them where it is held or follows the axis."""
+    here = values[rows]
+    if not varies(name, here):
+        return [rows]
+    profile = not travels(along[rows], here)
+    # A rig that cannot keep its amplitude lets it fall along the sweep; a temperature that changes was set.
+    if profile and name == "amplitude":
+        return [rows]
+    levels = _levels(name, here)
+    if levels is not None:
+        return list(_alike(rows, levels, here=True))
+    return [rows] if profile else list(_alike(rows, _bins(here), here=True))
+
+
+def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterator[Rows]:
+    own = numbers if here else numbers[rows]
+    for number in np.unique(own):
+        yield rows[own == number]
+
+
+def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
+    """Number of the level of each value; None where the values are too scattered for levels."""
+    largest = float(np.max(np.abs(values)))
+    if name == "temperature":
+        scale, same = values, SAME * largest
+    else:
+        scale, same = (np.log(values) if np.all(values > 0) else values / largest), SAME
+    rough = _clusters(scale, JITTER[name])
+    widths = [float(np.ptp(scale[rough == level])) for level in range(int(rough.max()) + 1)]
+    found = rough if max(widths) <= SPREAD[name] else _clusters(scale, same)
+    return found if found.max() + 1 <= max(1, len(values) // 2) else None
+
+
+def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
+    """Number of the cluster of each value, ascending; neighbours of one cluster differ by `gap` at most."""
+    distinct, which = np.unique(values, return_inverse=True)
+    numbers = np.concatenate([[0], np.cumsum(np.diff(distinct) > gap)]).astype(np.int64)
+    return np.asarray(numbers[which.ravel()])
+
+
+def _bins(values: Real) -> NDArray[np.int64]:
+    """Number of the bin of each value, bins holding equally many."""
+    count = int(np.clip(len(values) // BIN, 1, MOST_BINS))
+    rank = np.empty(len(values), dtype=np.int64)
+    rank[np.argsort(values, kind="stable")] = np.arange(len(values))
+    return rank * count // len(values)
+
+
+def _label(rows: Rows, told: list[tuple[str, Real]], unit: str) -> str:
+    """``20 °C, 0.5 mm``, or the range of a bin; ``all`` where nothing is told."""
+    return ", ".join(_told(name, values[rows], unit) for name, values in told) or "all"
+
+
+def _told(name: str, values: Real, unit: str) -> str:
+    low, high = float(np.min(values)), float(np.max(values))
+    wide = name != "repeat" and varies(name, values)
+    mean = float(np.mean(values))
+    shown = f"{low:.3g} to {high:.3g}" if wide else f"{round(mean, 1) if name == 'temperature' else mean:.4g}"
+    if name == "temperature":
+        return f"{shown} °C"
+    if name == "amplitude" and unit != "-":
+        return f"{shown} {unit}"
+    return f"{'strain' if name == 'amplitude' else name} {shown}"
