@@ -10,7 +10,7 @@ import numpy as np
 from springpot.identification import Uncertainty
 from springpot.rheology import Effect
 
-from .posterior import Posterior, best_with, leading
+from .posterior import BESIDE, Posterior, best_with, leading, seconds
 from .refit import Refit
 from .result import Candidate, EffectVerdict, Value, Verdict
 from .scan import Score
@@ -18,10 +18,10 @@ from .search import Search
 
 LIKELY = 0.5
 """Probability from which an effect of the first class is called missing."""
-BESIDE = 0.9
-"""Probability from which another effect is called missing beside it."""
 CLEAR_EVIDENCE = 6.0
 """Drop of the information criterion from which something counts as missing."""
+MISFIT = 1.3
+"""Error over noise floor from which a fit does not hold."""
 SEEN = 0.05
 """Relative change of K: an effect that would have been seen at this size is called absent."""
 
@@ -34,21 +34,29 @@ def candidates_of(
     alone = {grown.names[0]: grown.refit for grown in reversed(found.grown) if len(grown.effects) == 1}
     best, chances = best_with(found), probabilities.effects
     leader = leading(found, probabilities) if chances else ""
-    likeliest = max(probabilities.together, key=lambda names: probabilities.together[names], default=())
-    partners = {name for name in likeliest if name != leader}
-    beside = next((grown.refit for grown in found.grown if tuple(sorted(grown.names)) == likeliest), None)
+    beside = _beside(found, leader, seconds(found, probabilities) if chances else [])
     rows = []
     for score in found.scan.scores:
         name = score.influence.effect.name
         # An effect that only shows beside the leading one is told as it is there.
-        refit = beside if name in partners else alone.get(name, best.get(name))
+        refit = beside.get(name) or alone.get(name, best.get(name))
         least = LIKELY if groups and name in groups[0] else BESIDE
         missing = verdict == "effect-missing" and chances.get(name, 0.0) > least * probabilities.trust(name)
         word = _effect_verdict(found, score, best.get(name), missing)
         rows.append(_candidate(found, score, refit, chances.get(name, 0.0), group_of.get(name, (name,)), word))
-    rows = [replace(row, says=f"beside {leader}: {row.says}") if row.effect in partners else row for row in rows]
+    rows = [replace(row, says=f"beside {leader}: {row.says}") if row.effect in beside else row for row in rows]
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
     return rows
+
+
+def _beside(found: Search, leader: str, names: Sequence[str]) -> dict[str, Refit]:
+    """For each effect that is missing beside the leading one, the best fit with both."""
+    return {
+        name: grown.refit
+        for name in names
+        for grown in reversed(found.grown)
+        if sorted(grown.names) == sorted((leader, name))
+    }
 
 
 def _candidate(
@@ -90,9 +98,13 @@ def _parameters(refit: Refit, effect: Effect) -> dict[str, Value]:
 
 
 def printed(refit: Refit) -> dict[str, Value]:
-    """All parameters with their 95 % intervals, in the units in which they are printed."""
+    """All parameters with their 95 % intervals, in the units in which they are printed.
+
+    Where a model does not fit, its misfit and not the noise sets how uncertain they are.
+    """
     units = refit.fit.measurement.units
-    low, high = Uncertainty(refit.fit, absolute=True).interval()
+    fits = refit.fit.dof <= 0 or refit.relative_rms < MISFIT * refit.floor
+    low, high = Uncertainty(refit.fit, absolute=fits).interval()
     rows = {}
     for i, parameter in enumerate(refit.model.parameters):
         factor, label = units.of(parameter.unit)

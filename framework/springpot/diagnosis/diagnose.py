@@ -13,12 +13,12 @@ from springpot.rheology import Effect, Model, Real
 
 from .candidates import CLEAR_EVIDENCE, candidates_of
 from .experiment import next_experiment
+from .notes import notes, unexplained_harmonics
 from .outliers import Outlier
-from .posterior import Posterior, classes, explanations, leading, posterior, rivals_of
-from .result import Candidate, Diagnosis, Error, NextExperiment, Verdict, Where
+from .posterior import Posterior, classes, explanations, leading, posterior, rivals_of, seconds
+from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
-from .validation import validation
 from .where import periodic, where
 from .words import times
 
@@ -40,8 +40,7 @@ RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
 NOTHING_LEFT = 10.0
 """Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
-WORTH_A_WORD = 0.03
-"""Probability from which narrow features of unknown origin are told of."""
+HARMONICS = "; the force holds harmonics that no model here makes"
 FEWEST_SPARE = 4
 """Degrees of freedom below which data cannot be judged."""
 
@@ -110,18 +109,20 @@ def examine(
     if verdict == "effect-missing":
         probabilities = probabilities.without_unknown()
     groups = [] if verdict == "adequate" else classes(found, probabilities)
+    second = seconds(found, probabilities) if verdict == "effect-missing" else []
     ranked = candidates_of(found, probabilities, groups, verdict)
     diagnosis = Diagnosis(
         data=measurement.name,
         model=model,
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
-        says=_sentence(verdict, base.relative_rms / base.floor, groups, ranked, probabilities.imitators),
+        says=_sentence(verdict, base.relative_rms / base.floor, groups, second, probabilities.imitators)
+        + (HARMONICS if unexplained_harmonics(found, verdict) else ""),
         where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
         classes=tuple(tuple(group) for group in groups),
         next_experiment=_next_experiment(found, probabilities) if groups else None,
-        notes=tuple(_notes(found, probabilities, measured, outliers)),
+        notes=tuple(notes(found, probabilities, verdict, outliers, measured)),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,
@@ -162,31 +163,6 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
     return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
 
 
-def _notes(found: Search, probabilities: Posterior, measured: int, outliers: Sequence[Outlier]) -> Iterator[str]:
-    """What else the user should know."""
-    if outliers:
-        places = ", ".join(map(str, outliers))
-        kind = "a single point stands out and was" if len(outliers) == 1 else "single points stand out and were"
-        yield f"{kind} set aside, an outlier or narrow interference: {places}"
-    if found.base.noise.doubt:
-        yield found.base.noise.doubt
-    if measured > MOST_POINTS:
-        yield f"diagnosed on {MOST_POINTS} of the {measured} points"
-    if found.repeats.p_value < REPEATS_ALARM:
-        yield f"repeats differ by more than chance ({found.repeats.kind}): drift or a disturbance common to a sweep"
-    if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
-        ratio = found.best.relative_rms / found.best.floor
-        yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
-    if probabilities.narrow > WORTH_A_WORD:
-        share = f"{100 * probabilities.narrow:.0f} %"
-        names = " and ".join(sorted(probabilities.imitators))
-        yield (
-            f"other narrow features, such as an interference, look like {names}: "
-            f"{share} of the probability is left to them"
-        )
-    yield from validation(found)
-
-
 def _verdict(found: Search, probabilities: Posterior) -> Verdict:
     by_library = found.scan.p_value < LIBRARY_ALARM
     by_structure = found.structure.p_value < STRUCTURE_ALARM
@@ -225,16 +201,15 @@ def _sentence(
     verdict: Verdict,
     ratio: float,
     groups: Sequence[Sequence[str]],
-    ranked: Sequence[Candidate],
+    second: Sequence[str],
     imitators: frozenset[str],
 ) -> str:
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        others = [each.effect for each in ranked if each.verdict == "missing" and each.effect not in groups[0]]
-        beside = f", and beside it {' and '.join(others)}" if others else ""
-        other = " or another narrow feature" if imitators & {*groups[0], *others} else ""
+        beside = f", and beside it {' or '.join(second)}" if second else ""
+        other = " or another narrow feature" if imitators & {*groups[0], *second} else ""
         return f"{error}; missing is {' or '.join(groups[0])}{beside}{other}"
     if verdict == "unexplained":
         pattern = ", but no pattern of noise" if ratio < NOISY else ""

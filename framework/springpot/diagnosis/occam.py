@@ -83,8 +83,7 @@ def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
     slopes = np.where(at_bound == 0, refit.fit.jacobian_u, 0.0)
     others = orthonormal(np.delete(slopes, rows, axis=1))
     left = slopes[:, rows] - others @ (others.T @ slopes[:, rows])
-    sharp: Real = np.linalg.svd(left, compute_uv=False) ** 2
-    return sharp
+    return np.asarray(np.linalg.svd(left, compute_uv=False) ** 2, dtype=np.float64)
 
 
 def _extras(found: Search, grown: Grown) -> list[list[int]]:
@@ -144,5 +143,3 @@ def _evidence_of(found: Search, kind: Unknown) -> float:
 def _discounted(found: Search, log_likelihood: float, spent: int, effects: int) -> float:
     drop = max(2.0 * (log_likelihood - found.base.log_likelihood), 0.0)
     return float(log_likelihood - effects * UNKNOWN_SIZE - 0.5 * spent * np.log1p(drop))
-
-

@@ -23,6 +23,8 @@ MOST_UNKNOWN = 1.0 - 1e-12
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
 """Prior weight of two missing effects against one, spread over the pairs."""
+BESIDE = 0.9
+"""Probability from which something is missing beside the leading effect."""
 OTHER_NARROW = 0.3
 """Share of a narrow effect's probability that goes to narrow features of another origin."""
 
@@ -128,12 +130,7 @@ def classes(found: Search, probabilities: Posterior) -> list[list[str]]:
         return []
     leader = leading(found, probabilities)
     chances = rivals_of(found, probabilities, leader)
-    total, covered = sum(chances.values()), 0.0
-    first: list[str] = []
-    for name in sorted(chances, key=lambda name: -chances[name]):
-        if covered < CREDIBLE * total:
-            first.append(name)
-        covered += chances[name]
+    first = _credible(chances, sum(chances.values()))
     return [first, *_grouped(found, [name for name in ranked if name not in first])]
 
 
@@ -142,6 +139,29 @@ def leading(found: Search, probabilities: Posterior) -> str:
     alone = {grown.names[0]: grown.refit.log_evidence for grown in found.grown if len(grown.effects) == 1}
     likeliest = max(probabilities.together, key=lambda names: probabilities.together[names])
     return max(likeliest, key=lambda name: alone.get(name, -np.inf))
+
+
+def seconds(found: Search, probabilities: Posterior) -> list[str]:
+    """Effects one of which is missing beside the leading one, likeliest first; none where that may be all."""
+    leader = leading(found, probabilities)
+    chances: dict[str, float] = {}
+    for names, weight in probabilities.together.items():
+        if len(names) == 2 and leader in names:
+            partner = names[1 - names.index(leader)]
+            chances[partner] = chances.get(partner, 0.0) + weight
+    held = sum(weight for names, weight in probabilities.together.items() if leader in names)
+    paired = sum(chances.values())
+    return _credible(chances, paired) if paired > BESIDE * held else []
+
+
+def _credible(chances: dict[str, float], total: float) -> list[str]:
+    """The fewest names that hold nearly all of the probability."""
+    covered, kept = 0.0, []
+    for name in sorted(chances, key=lambda name: -chances[name]):
+        if covered < CREDIBLE * total:
+            kept.append(name)
+        covered += chances[name]
+    return kept
 
 
 def rivals_of(found: Search, probabilities: Posterior, leader: str) -> dict[str, float]:
@@ -177,27 +197,22 @@ def explanations(found: Search, probabilities: Posterior) -> dict[str, Refit]:
 
 def best_with(found: Search) -> dict[str, Refit]:
     """For each effect, the best fitted model that has it."""
-    return {name: grown.refit for name, grown in _best_grown(found).items()}
-
-
-def _best_grown(found: Search) -> dict[str, Grown]:
-    best: dict[str, Grown] = {}
+    best: dict[str, Refit] = {}
     for grown in found.grown:
         for name in grown.names:
-            if name not in best or grown.refit.log_evidence > best[name].refit.log_evidence:
-                best[name] = grown
+            if name not in best or grown.refit.log_evidence > best[name].log_evidence:
+                best[name] = grown.refit
     return best
 
 
 def _grouped(found: Search, names: Sequence[str]) -> list[list[str]]:
-    """Effects whose fitted curves agree; two that work together in one model are no rivals."""
-    best = _best_grown(found)
+    """Effects that change the model alike when each joins it alone; one that changes nothing is like no other."""
+    alone = {grown.names[0]: grown.refit for grown in reversed(found.grown) if len(grown.effects) == 1}
     groups: list[list[str]] = []
     for name in names:
+        visible = name in alone and distance(found.frame, alone[name], found.base) >= CLOSE
         for group in groups:
-            first = best[group[0]]
-            together = name in first.names or group[0] in best[name].names
-            if not together and distance(found.frame, best[name].refit, first.refit) < CLOSE:
+            if visible and group[0] in alone and distance(found.frame, alone[name], alone[group[0]]) < CLOSE:
                 group.append(name)
                 break
         else:

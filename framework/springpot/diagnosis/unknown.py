@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology import Complex, Real
 
 from .frame import Frame
 
@@ -59,11 +59,11 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
         if np.ptp(along) > 0:
             curves = _creep(along)
             yield _family(frame, curves, f"a gain that changes slowly {words}")
-            yield _family(frame, 1j * curves, f"a phase that changes slowly {words}")
+            yield _family(frame, np.multiply(1j, curves), f"a phase that changes slowly {words}")
     yield from _step(frame, log_omega)
 
 
-def _family(frame: Frame, curves: Real, says: str) -> Unknown:
+def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
     basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
     return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
 

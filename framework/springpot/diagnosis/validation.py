@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from .noise import Averaged, Noise, Scatter
 from .refit import Refit, refit
-from .search import Search
 from .sweeps import temperatures_differ
 from .words import times
 
@@ -20,26 +19,25 @@ FOLDS = 4
 """Values left out at most, each by itself."""
 
 
-def validation(found: Search) -> Iterator[str]:
+def validation(base: Refit, grown: Refit) -> Iterator[str]:
     """One sentence for each condition of which several values were measured.
 
     Parameters
     ----------
-    found : Search
-        A finished search; nothing is said where no effect was added.
+    base : Refit
+        The user's model.
+    grown : Refit
+        The model with what is missing.
     """
-    if found.best is found.base:
-        return
-    conditions = ("temperature", "amplitude") if temperatures_differ(found.base.fit.measurement) else ("amplitude",)
+    conditions = ("temperature", "amplitude") if temperatures_differ(base.fit.measurement) else ("amplitude",)
     for name in conditions:
-        folds = _folds(found.base, name)
+        folds = _folds(base, name)
         if not folds:
             continue
-        old, new = (left_out_error(fitted, folds) for fitted in (found.base, found.best))
+        old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
         word = "predicts it better" if new < BETTER * old else "does not predict it better"
         yield (
-            f"leaving out one {name} at a time, {found.best.model} {word}: "
-            f"{times(new)} the noise instead of {times(old)}"
+            f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
         )
 
 

@@ -37,6 +37,7 @@ __all__ = [
     "levenberg_marquardt",
     "minima_in_box",
     "paper_box",
+    "held_cost",
     "profile",
     "require_conditions",
     "run",
