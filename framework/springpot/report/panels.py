@@ -92,5 +92,5 @@ def keys(scene: Scene) -> Html:
         tag("span", tag("i", style=f"background:{colour}"), label, class_="key")
         for colour, label in zip(colours, labels, strict=True)
     ]
-    drawn = f" Evenly spread, {scene.drawn}; the errors are those of all." if scene.drawn else ""
+    drawn = f" {scene.drawn}, evenly spread; errors are those of all." if scene.drawn else ""
     return joined([tag("p", text, drawn, class_="quiet"), tag("p", *swatches)])
