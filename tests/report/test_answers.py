@@ -11,6 +11,7 @@ from springpot.report.answers import beside_floor, change, changes_text, diagnos
 from springpot.report.html import report_html
 from springpot.report.numbers import number, percent
 from springpot.report.reference import reference_note
+from springpot.report.residuals import set_aside
 
 pytest.importorskip("matplotlib")
 
@@ -49,6 +50,8 @@ def test_the_report_names_every_place_that_the_diagnosis_names(form, words):
     assert ladder.verdict == "unexplained"
     assert words in places_of(page)
     assert "noise" not in places_of(page)
+    # What the figures leave to no model is drawn nevertheless.
+    assert ("Open diamonds" in page) is any(place.condition == "single point" for place in ladder.diagnosis.where)
 
 
 def test_without_a_place_only_an_adequate_model_leaves_noise():
@@ -57,11 +60,11 @@ def test_without_a_place_only_an_adequate_model_leaves_noise():
     assert "looks like noise" in places_of(page)
     for verdict in ("unexplained", "effect-missing", "inconclusive"):
         told = replace(ladder.diagnosis, verdict=verdict, where=())
-        assert "o single band stands out" in diagnosis_text(told)
+        assert "o single band of frequencies stands out" in diagnosis_text(told)
         case = replace(ladder.steps[0].case, diagnosis=told)
         changed = replace(ladder, steps=(replace(ladder.steps[0], case=case),), diagnosis=told, verdict=verdict)
         shown = places_of(report_html(changed, damper(), ["x"]))
-        assert "No single band stands out" in shown
+        assert "No single band of frequencies stands out" in shown
         assert "noise" not in shown
 
 
@@ -150,3 +153,18 @@ def test_what_moved_far_stands_apart_from_what_is_counted(warm):
     assert changes_text(replace(step, changed={})) == ""
     page = report_html(replace(warm, steps=(warm.steps[0], step)), superposed(), ["x"])
     assert "c by +50 %; k2 fell to nothing" in page
+
+
+def test_points_that_were_set_aside_are_drawn():
+    from springpot.report import canvas, views
+
+    data = damper()
+    assert set_aside(data, data) is None
+    aside = set_aside(data, data.subset(np.setdiff1d(np.arange(len(data)), [20, 33])))
+    np.testing.assert_array_equal(aside.omega, data.omega[[20, 33]])
+    with canvas.blank() as figure:
+        axes = figure.subplots()
+        views.storage_and_loss(axes, views.Scene(data, (), aside))
+        drawn = [line for line in axes.lines if line.get_marker() == "D"]
+    np.testing.assert_allclose(drawn[0].get_xdata(), data.frequency[[20, 33]])
+    np.testing.assert_allclose(drawn[1].get_ydata(), data.loss[[20, 33]])

@@ -83,9 +83,9 @@ def nowhere(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "adequate":
         return "nowhere: what is left looks like noise"
     if diagnosis.verdict == "inconclusive":
-        return "no single band stands out, and these data cannot tell whether anything is missing"
-    spread = "the misfit is spread over all points"
-    return f"no single band stands out; {spread}, {times(diagnosis.error.relative_rms, diagnosis.error)} in all"
+        return "no single band of frequencies stands out, and these data cannot tell whether anything is missing"
+    off = times(diagnosis.error.relative_rms, diagnosis.error)
+    return f"no single band of frequencies stands out; all points together are off by {off}"
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:

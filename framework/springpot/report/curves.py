@@ -64,6 +64,10 @@ class Axis:
     values: Real
     logarithmic: bool = True
 
+    def of(self, other: Measurement) -> Real:
+        """Where the points of another measurement stand on this axis."""
+        return other.frequency if self.column == "frequency" else other.conditions[self.column]
+
 
 def axis_of(measurement: Measurement) -> Axis:
     """The frequency if it varies, else the amplitude or the temperature, whichever does."""

@@ -35,7 +35,7 @@ from .numbers import number, percent, with_interval
 from .page import page
 from .panels import data_and_model, keys, other_views, panel, residual_planes
 from .reference import effects_note, reference_note
-from .residuals import with_noise_of
+from .residuals import set_aside, with_noise_of
 from .views import Scene
 
 SUFFIXES = (".html", ".htm")
@@ -82,7 +82,7 @@ def write_report(ladder: Ladder, measurement: Measurement, path: str | Path, com
 
 def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
-    scenes = _scenes(ladder)
+    scenes = _scenes(ladder, measurement)
     body = [
         *_head(ladder),
         *_ladder(ladder),
@@ -114,15 +114,16 @@ READING = (
 )
 
 
-def _scenes(ladder: Ladder) -> dict[str, Scene]:
+def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:
     """Data with the first and the last model, which are one and the same if nothing was accepted."""
     first, last = ladder.steps[0].case.found.base, ladder.steps[-1].case.found.base
     data = with_noise_of(last.data.mean, last.noise.sd)
+    aside = set_aside(measurement, last.data.raw)
     if len(ladder.steps) == 1:
-        return {"the model": Scene(data, [Fit(first.model, first.theta)])}
+        return {"the model": Scene(data, [Fit(first.model, first.theta)], aside)}
     return {
-        "before": Scene(data, [Fit(first.model, first.theta)]),
-        "after": Scene(data, [Fit(last.model, last.theta)]),
+        "before": Scene(data, [Fit(first.model, first.theta)], aside),
+        "after": Scene(data, [Fit(last.model, last.theta)], aside),
     }
 
 

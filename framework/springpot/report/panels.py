@@ -92,5 +92,10 @@ def keys(scene: Scene) -> Html:
         tag("span", tag("i", style=f"background:{colour}"), label, class_="key")
         for colour, label in zip(colours, labels, strict=True)
     ]
-    drawn = f" Evenly spread, {scene.drawn}; the errors are those of all." if scene.drawn else ""
-    return joined([tag("p", text, drawn, class_="quiet"), tag("p", *swatches)])
+    drawn = f" {scene.drawn}, evenly spread; errors are those of all." if scene.drawn else ""
+    aside = (
+        ""
+        if scene.aside is None
+        else " Open diamonds: single points that were set aside; no model was fitted to them."
+    )
+    return joined([tag("p", text, drawn, aside, class_="quiet"), tag("p", *swatches)])

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.diagnosis import Comparison
+from springpot.diagnosis.diagnose import thinned
 from springpot.diagnosis.where import in_plane
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Complex, Real
@@ -179,3 +180,12 @@ def _cut(text: str) -> str:
 def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
     """The data with the standard deviations of their noise floor, drawn as a band."""
     return replace(measurement, sd=sd)
+
+
+def set_aside(measurement: Measurement, kept: Measurement) -> Measurement | None:
+    """The points that were measured and could have been used, but were taken for outliers; None if there are none."""
+    used = thinned(measurement)
+    known = set(zip(kept.omega.tolist(), kept.stiffness.tolist(), strict=True))
+    points = zip(used.omega.tolist(), used.stiffness.tolist(), strict=True)
+    rows = [i for i, point in enumerate(points) if point not in known]
+    return used.subset(np.array(rows)) if rows else None

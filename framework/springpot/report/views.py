@@ -41,10 +41,13 @@ class Scene:
         The data.
     fits : sequence of Fit
         The models; none is fine.
+    aside : Measurement, optional
+        Measured points that were taken for outliers: no model was fitted to them.
     """
 
     measurement: Measurement
     fits: Sequence[Fit] = ()
+    aside: Measurement | None = None
 
     @cached_property
     def axis(self) -> Axis:
@@ -120,6 +123,7 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
             style = {**scene.marker, "color": colour, "markerfacecolor": fill, "zorder": 3}
             axes.plot(x, np.where(y > 0, y, np.nan), marker="o", **style)
             axes.plot(x, np.where(y < 0, -y, np.nan), marker="x", **style)
+    _outliers(axes, scene)
     for j, curves in enumerate(scene.curves):
         for i, (x, stiffness) in enumerate(curves):
             for part, y in enumerate((stiffness.real, stiffness.imag)):
@@ -130,6 +134,15 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
     _scales(axes, scene)
     logarithmic(axes, "y")
     axes.set(xlabel=scene.axis.label, ylabel=f"storage, loss {what} [{data.units.stiffness}]")
+
+
+def _outliers(axes: Axes, scene: Scene) -> None:
+    """Points that were set aside, as large open diamonds: they are data too."""
+    if scene.aside is None:
+        return
+    x = scene.axis.of(scene.aside)
+    for values in (scene.aside.storage, scene.aside.loss):
+        axes.plot(x, np.abs(values), "D", color=INK, markerfacecolor="none", markersize=8.0, zorder=4)
 
 
 def loss_factor(axes: Axes, scene: Scene) -> None:
