@@ -15,8 +15,8 @@ from .words import plain
 
 TRIED = 3
 """Actions that are fitted in earnest at most."""
-TELLING = 1.0
-"""Separation below which a measurement rules nothing out."""
+TELLING = 2.0
+"""Separation below which a measurement is not worth its effort: the odds hardly change."""
 SETTLED = 5.0
 """Separation in standard deviations that settles the matter."""
 Pair = tuple[float, float]
@@ -47,16 +47,19 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
     best = max(tried, key=lambda action: worth(fitted[action], action))
-    if max(max(sigmas) for sigmas in fitted.values()) < TELLING:
-        # A rival that follows everywhere still pays for its further parameter, the more the better that is known.
-        best = tried[0]
-    return NextExperiment(_says(best, names, fitted[best]), names, _expected(shares, fitted[best]), best.action)
+    expected = _expected(shares, fitted[best])
+    if max(fitted[best]) < TELLING:
+        return NextExperiment(_no_use(best, names, fitted[best]), names, expected)
+    return NextExperiment(f"{best.says}: {promise(names, fitted[best])}", names, expected, best.action)
 
 
-def _says(action: Action, names: tuple[str, str], sigmas: Pair) -> str:
-    if max(sigmas) < TELLING:
-        return f"no single measurement rules out {names[0]} or {names[1]}; most would be learnt so: {action.says}"
-    return f"{action.says}: {promise(names, sigmas)}"
+def _no_use(action: Action, names: tuple[str, str], sigmas: Pair) -> str:
+    """Where one explanation follows the other everywhere, nothing is to be bought by measuring."""
+    size = plain(max(sigmas), 2) if max(sigmas) > 0.1 else "less than 0.1"
+    return (
+        f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
+        f"separate them by {size} sigma; the simpler one will do"
+    )
 
 
 def _both(clashes: tuple[Clash, Clash], kind: str) -> Pair:
