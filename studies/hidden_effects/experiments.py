@@ -50,10 +50,23 @@ def _new_rows(old: Sweep, action: dict[str, Any]) -> Sweep:
     axes = (values("temperature", old.temperature), values("amplitude", old.amplitude), repeats)
     t, x, n, w = (g.ravel() for g in np.meshgrid(*axes, values("omega", old.omega), indexing="ij"))
     first = 1 if old.repeat is None else int(old.repeat.max())
-    first += "repeats" in action or old.repeat is not None
+    again = "repeats" in action or old.repeat is not None
+    new = np.ones(len(w), dtype=bool) if again else ~_measured(old, w, t, x)
     return Sweep(
-        w, t if old.temperature is not None else None, x if old.amplitude is not None else None, n.astype(int) + first
+        w[new],
+        t[new] if old.temperature is not None else None,
+        x[new] if old.amplitude is not None else None,
+        n[new].astype(int) + first + again,
     )
+
+
+def _measured(old: Sweep, w: Real, t: Real, x: Real) -> np.ndarray:
+    """Whether rows stand in the data already, to the digits with which these are written."""
+    same = np.abs(np.log(w[:, None] / old.omega)) < 1e-6
+    for new, column in ((t, old.temperature), (x, old.amplitude)):
+        if column is not None:
+            same &= np.abs(new[:, None] - column) < 1e-6 * np.maximum(np.abs(column), 1e-12)
+    return np.asarray(same.any(axis=1))
 
 
 def _join(a: Sweep, b: Sweep) -> Sweep:
