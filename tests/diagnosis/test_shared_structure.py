@@ -76,3 +76,30 @@ def test_an_accepted_effect_never_raises_the_error():
 @pytest.mark.parametrize(("ratio", "words"), [(1.04, "1 x"), (3.14, "3.1 x"), (99.4, "99 x"), (151.0, "151 x")])
 def test_ratios_never_show_a_power_of_ten(ratio, words):
     assert times(ratio) == words
+
+
+def shared_error(seed, length=4.0):
+    """Independent noise, and a weaker error that each sweep shares with its neighbours along frequency."""
+    rng = np.random.default_rng(seed)
+    cover = np.exp(-0.5 * (np.subtract.outer(np.arange(14.0), np.arange(14.0)) / length) ** 2) + 1e-9 * np.eye(14)
+    root = np.linalg.cholesky(cover)
+    stiffness = exact(WARM, SWEEPS)
+    error = np.ones(len(stiffness), dtype=complex)
+    for celsius in np.unique(SWEEPS.celsius):
+        rows = np.flatnonzero(SWEEPS.celsius == celsius)
+        error[rows] += 0.6 * NOISE * (root @ rng.normal(size=(14, 2))) @ np.array([1.0, 1.0j])
+    scatter = NOISE * np.abs(stiffness) * (rng.normal(size=(2, len(stiffness))).T @ np.array([1.0, 1.0j]))
+    return springpot.Measurement(
+        SWEEPS.omega, stiffness * error + scatter, conditions={"temperature": SWEEPS.celsius}
+    )
+
+
+def test_an_error_that_several_neighbours_share_is_seen_along_the_sweep():
+    """Its size is 0.6 of that of the independent noise: no point stands out, and no sweep."""
+    chances = []
+    for seed in range(8):
+        found = springpot.diagnosis.examine(
+            shared_error(seed), springpot.parse_model(WARM.name), [], np.random.default_rng(0)
+        ).found
+        chances.append(found.structure.parts["runs"])
+    assert np.median(chances) < 0.02

@@ -87,7 +87,7 @@ def better_start(found: Search) -> Real | None:
         A finished search.
     """
     base = found.base
-    if min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS:
+    if not found.grown or min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS:
         return None
     seeds = []
     for grown in found.grown[:TOLD]:

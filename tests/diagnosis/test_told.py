@@ -1,0 +1,92 @@
+"""What a diagnosis says beside its verdict: second effects, harmonics, predictions, intervals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, ZENER, design, exact, measured
+
+import springpot
+from springpot.diagnosis import examine
+from springpot.identification import fit, held_cost, profile
+from springpot.registry import plugins
+
+WIDE = design(60, 0.05, 150.0)
+STEPS = design(10, 0.1, 50.0, temperatures=(-10.0, 5.0, 20.0, 35.0, 50.0))
+
+
+def two():
+    """A mass and a delay that together hide from any one effect."""
+    k = exact(ZENER, WIDE)
+    mass = 0.4 * np.abs(k[-1]) / WIDE.omega.max() ** 2
+    return (k - mass * WIDE.omega**2) * np.exp(-1j * WIDE.omega * 2.5e-4), mass
+
+
+def test_what_stands_beside_the_leading_effect_is_named_with_its_rivals():
+    stiffness, _ = two()
+    diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
+    assert diagnosis.best.effect in ("inertia", "time-delay", "filter-mismatch")
+    named = diagnosis.says.partition("missing is ")[2]
+    assert "inertia" in named
+    assert "time-delay" in named
+    assert "beside it" in named
+
+
+def test_an_interval_holds_the_truth_although_its_model_leaves_structure():
+    """Alone the mass is fitted to data that a delay has bent: the misfit, not the noise, says how uncertain it is."""
+    stiffness, mass = two()
+    diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
+    value = next(each for each in diagnosis.candidates if each.effect == "inertia").parameters["m"]
+    assert (value.high - value.low) / value.value > 0.1
+    assert value.value == pytest.approx(1e3 * mass, rel=1.0)
+
+
+def with_harmonics(second, third):
+    data = measured(WIDE, exact(KELVIN, WIDE), level=0.003)
+    shares = np.random.default_rng(3).normal(size=(len(data), 2, 2)) @ np.array([1.0, 1.0j]) * 0.003
+    return replace(data, harmonics=shares + np.array([second, third]))
+
+
+def test_a_harmonic_that_nothing_makes_is_not_passed_over():
+    diagnosis = springpot.diagnose(with_harmonics(0.08, 0.0), KELVIN.name)
+    assert "harmonics that no model here makes" in diagnosis.says
+    assert any("harmonic 2 is 8" in note for note in diagnosis.notes)
+
+
+def test_harmonics_of_noise_are_passed_over():
+    diagnosis = springpot.diagnose(with_harmonics(0.0, 0.0), KELVIN.name)
+    assert "harmonics" not in diagnosis.says
+    assert not any("harmonic" in note for note in diagnosis.notes)
+
+
+def shifted():
+    a_t = np.exp(9000.0 * (1.0 / STEPS.kelvin - 1.0 / STEPS.reference))
+    return measured(STEPS, 60.0 + 40.0 * (1j * STEPS.omega * a_t) ** 0.4, level=0.005)
+
+
+def test_the_model_that_predicts_is_the_one_that_is_proposed():
+    diagnosis = springpot.diagnose(shifted(), "fractional-kelvin")
+    (note,) = [note for note in diagnosis.notes if "leaving out one temperature" in note]
+    assert f"fractional-kelvin + {diagnosis.best.effect} predicts it better" in note
+
+
+def test_effects_that_change_nothing_are_not_called_alike():
+    """Beside the true effect every other one vanishes, and all curves are one: that makes them no class."""
+    library = list(plugins().items("effect"))
+    case = examine(shifted(), springpot.parse_model("fractional-kelvin"), library, np.random.default_rng(0))
+    frame, base = case.found.frame, case.found.base
+    alone = {grown.names[0]: grown.refit for grown in case.found.grown if len(grown.effects) == 1}
+    for group in case.diagnosis.classes[1:]:
+        for name in group if len(group) > 1 else ():
+            moved = frame.whiten(alone[name].stiffness - base.stiffness)
+            assert np.sqrt(np.mean(moved**2)) > 0.3
+
+
+def test_a_held_parameter_costs_what_its_profile_says():
+    data = measured(WIDE, exact(KELVIN, WIDE), level=0.01)
+    found = fit(springpot.parse_model("fractional-kelvin"), data)
+    low, high = profile(found, "alpha")
+    for end in (low, high):
+        assert held_cost(found, "alpha", end) == pytest.approx(found.cost + 1.96**2, rel=1e-3)
+    fitted = float(found.theta[found.model.names.index("alpha")])
+    assert held_cost(found, "alpha", fitted) == pytest.approx(found.cost)

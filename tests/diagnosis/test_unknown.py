@@ -1,0 +1,59 @@
+"""Faults of the measuring chain that no effect of the library is: told as such, not given the nearest name."""
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, ZENER, design, exact, hidden, measured
+
+import springpot
+
+SWEEP = design(60, 0.1, 100.0)
+FIELD = design(12, 0.3, 30.0, temperatures=(5.0, 20.0, 35.0, 50.0))
+
+
+def gain(at, kind):
+    """A real factor near one: a step of the range, creep along frequency, creep from row to row."""
+    x = np.log(at.omega)
+    x = (x - x.min()) / np.ptp(x)
+    if kind == "steps":
+        return 1.0 + 0.05 * (at.omega > 2.0 * np.pi * 5.0)
+    return 1.0 + 0.15 * (1.0 - np.exp(-x / 0.3))
+
+
+def told(diagnosis, words):
+    return [note for note in diagnosis.notes if words in note]
+
+
+@pytest.mark.parametrize("kind", ["steps", "changes slowly"])
+@pytest.mark.parametrize("base", [KELVIN, ZENER])
+def test_a_gain_that_steps_or_creeps_is_the_chain_and_no_effect(base, kind):
+    stiffness = exact(base, SWEEP) * gain(SWEEP, kind)
+    diagnosis = springpot.diagnose(measured(SWEEP, stiffness, level=0.004), base.name)
+    assert diagnosis.verdict == "unexplained"
+    assert diagnosis.evidence["unknown"] > 0.95
+    assert told(diagnosis, f"a gain that {kind}")
+    assert told(diagnosis, "the measuring chain")
+
+
+def test_the_step_is_placed():
+    stiffness = exact(KELVIN, SWEEP) * gain(SWEEP, "steps")
+    (note,) = told(springpot.diagnose(measured(SWEEP, stiffness, level=0.002), KELVIN.name), "steps at")
+    assert float(note.partition("steps at ")[2].partition(" Hz")[0]) == pytest.approx(5.0, rel=0.15)
+
+
+def test_a_gain_that_creeps_with_time_is_no_temperature_effect():
+    """Temperatures are measured one after the other, so that time and temperature go together."""
+    order = np.lexsort((FIELD.omega, FIELD.celsius))
+    at = type(FIELD)(FIELD.omega[order], None, FIELD.celsius[order])
+    creep = 1.0 + 0.12 * (1.0 - np.exp(-np.arange(len(order)) / (0.3 * len(order))))
+    diagnosis = springpot.diagnose(measured(at, exact(KELVIN, at) * creep, level=0.003), KELVIN.name)
+    assert diagnosis.verdict == "unexplained"
+    assert told(diagnosis, "from row to row")
+
+
+@pytest.mark.parametrize("effect", ["inertia", "time-delay", "phase-error", "parallel-dashpot", "series-spring"])
+def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
+    base = ZENER if effect == "inertia" else KELVIN
+    diagnosis = springpot.diagnose(hidden(base, SWEEP, effect, 1000.0), base.name)
+    assert diagnosis.verdict == "effect-missing"
+    assert diagnosis.evidence["unknown"] < 0.01
+    assert not told(diagnosis, "the measuring chain")
