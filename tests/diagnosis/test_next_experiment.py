@@ -1,5 +1,7 @@
 """The suggested measurement: what it promises is what a fit to old and new points leaves."""
 
+import re
+
 import numpy as np
 import pytest
 from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
@@ -7,9 +9,10 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
-from springpot.diagnosis.experiment import next_experiment, promise
+from springpot.diagnosis.experiment import next_experiment, promise, separation
 from springpot.diagnosis.posterior import best_with
 from springpot.diagnosis.separation import Clash
+from springpot.diagnosis.words import plain
 from springpot.measurement import Measurement
 from springpot.registry import plugins
 
@@ -79,12 +82,71 @@ def test_where_no_measurement_tells_more_none_is_asked_for():
     [
         ((20.0, 9.0), "it separates a from b by 9 sigma"),
         ((2.0, 3.0), "it separates a from b by 2 sigma"),
-        ((4.0, 0.3), "if a is right it speaks against b by 4 sigma; if not, a stays possible"),
-        ((0.3, 150.0), "if b is right it rules out a by 150 sigma; if not, b stays possible"),
+        (
+            (4.0, 0.3),
+            "if a is right it speaks against b by 4 sigma; if not, a stays possible; 1.2 sigma are to be expected",
+        ),
+        (
+            (0.3, 150.0),
+            "if b is right it rules out a by 150 sigma; if not, b stays possible; 1.1e+02 sigma are to be expected",
+        ),
     ],
 )
 def test_who_is_right_decides_what_the_measurement_shows(sigmas, says):
-    assert promise(("a", "b"), sigmas) == says
+    shares = (0.25, 0.75)
+    assert promise(("a", "b"), shares, sigmas) == says.replace("1.1e+02", "110")
+    told = float(re.findall(r"([\d.e+]+) sigma", says)[-1])
+    assert separation(shares, sigmas) == pytest.approx(told, rel=0.05)
+
+
+def test_what_is_said_is_the_number_that_is_given():
+    """Friction at one frequency, whose likeliest rival may follow it everywhere."""
+    x = np.geomspace(0.01, 10.0, 25)
+    exact = KELVIN.law(KELVIN.truth, 2j * np.pi * 2.0) + 4j * 0.15 / (np.pi * x)
+    scatter = np.random.default_rng(7).normal(size=(2, 25))
+    data = Measurement(
+        np.full(25, 4.0 * np.pi),
+        exact + 0.007 * np.abs(exact) * (scatter[0] + 1j * scatter[1]),
+        conditions={"amplitude": x},
+        units=springpot.Units("kN/m", "mm"),
+    )
+    advice = springpot.diagnose(data, "fractional-maxwell").next_experiment
+    assert advice is not None
+    told = re.findall(r"([\d.]+) sigma", advice.says)[-1]
+    assert told == plain(max(advice.expected_separation_sigma, 0.1), 2)
+
+
+def test_a_known_mass_tells_the_chain_of_measurement_from_the_specimen():
+    """In place of the specimen it shows what the rig adds: a delay, but no relaxation."""
+    case, best = explained("time-delay")
+    measurement = case.found.base.fit.measurement
+    [action] = [action for action in actions(measurement) if "known mass" in action.says]
+    mass = np.median(np.abs(measurement.stiffness)) / measurement.omega.max() ** 2
+    assert f"of about {1e3 * mass:.2g} kg" in action.says
+    omega = np.exp(action.points.log_omega)
+    delayed = best["time-delay"]
+    tau = delayed.theta[-1]
+    seen = Clash(delayed, best["relaxation-mode"], action)._evaluated(delayed, delayed.theta)[0]
+    np.testing.assert_allclose(seen, -mass * omega**2 * np.exp(-1j * omega * tau), rtol=2e-3)
+    assert Clash(delayed, best["relaxation-mode"], action).fitted() > 5.0
+
+
+def test_every_sweep_says_how_many_points_it_has():
+    at = design(6, 0.3, 30.0, amplitudes=(0.2, 0.5), temperatures=(5.0, 25.0))
+    plan = list(actions(measured(at, KELVIN.stiffness(KELVIN.truth, at))))
+    for action in plan[1:]:
+        assert f"{len(action.action['omega'])} points" in action.says
+        assert len(action.points.log_omega) == len(action.action["omega"])
+    [denser] = [action for action in plan if "more densely" in action.says]
+    assert "24 points from 0.3 to 30 Hz" in denser.says
+
+
+def test_at_one_frequency_others_are_proposed_not_the_same_again():
+    x = np.geomspace(0.1, 10.0, 9)
+    data = Measurement(np.full(9, 4 * np.pi), 100 + 10j / x, conditions={"amplitude": x})
+    says = [action.says for action in actions(data)]
+    assert "measure a sweep of frequencies: 20 points from 0.2 to 20 Hz" in says
+    assert not any("wards" in sentence or "densely" in sentence for sentence in says)
 
 
 def test_a_certain_answer_asks_for_nothing():
@@ -98,4 +160,4 @@ def test_a_strain_has_no_unit_in_the_advice():
     data = measured(at, KELVIN.stiffness(KELVIN.truth, at))
     strain = Measurement(data.omega, data.stiffness, conditions=data.conditions, units=springpot.Units("kPa", "-"))
     says = [action.says for action in actions(strain) if "amplitude" in action.says]
-    assert says == ["measure a sweep at the amplitude 0.09", "measure a sweep at the amplitude 0.00333"]
+    assert says == ["measure 20 points at the amplitude 0.09", "measure 20 points at the amplitude 0.00333"]

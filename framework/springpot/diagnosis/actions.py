@@ -1,4 +1,4 @@
-"""What could be measured next: frequencies, amplitudes, temperatures, specimens, repeats."""
+"""What could be measured next: frequencies, amplitudes, temperatures, specimens, a known mass, repeats."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from springpot.measurement import KELVIN, Measurement
-from springpot.rheology import Points, Real
+from springpot.rheology import INERTANCE, Points, Real
 
 from .words import plain
 
 POINTS = 20
 """Points of a new sweep."""
+DENSER = 4
+"""How many times as many frequencies, or repeats, an action takes as there were."""
+MOST_POINTS = 400
+"""Points of a denser sweep at most."""
 STEPS = (20.0, 40.0)
 """Kelvin by which the range of temperatures is widened at least and at most."""
 COLDEST = -180.0
@@ -33,11 +37,14 @@ class Action:
     effort : float
         Relative cost, by which the expected separation is divided when actions are compared.
     scale : float
-        Factor by which the specimen is larger.
+        Factor by which the specimen is larger; zero where it is taken out.
     repeats : int
         How often every new point is measured.
+    mass : float
+        Known mass in place of the specimen, in units of stiffness times s^2.
     action : dict of str to list of float
-        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``.
+        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``, and for a
+        specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in the unit of the sentence.
     """
 
     says: str
@@ -45,37 +52,84 @@ class Action:
     effort: float = 1.0
     scale: float = 1.0
     repeats: int = 1
+    mass: float = 0.0
     action: dict[str, list[float]] = field(default_factory=dict)
 
 
 def actions(measurement: Measurement) -> Iterator[Action]:
     """What could be measured next, the cheap things first."""
-    omega = np.geomspace(measurement.omega.min(), measurement.omega.max(), POINTS)
-    at, typical = measurement.points, _typical(measurement)
-    hertz = omega / (2.0 * np.pi)
-    yield Action("repeat the same measurement four times", at, 2.0, 1.0, 4, {"repeats": [4.0]})
+    yield Action(
+        "repeat the same measurement four times", measurement.points, 2.0, 1.0, DENSER, action={"repeats": [4.0]}
+    )
+    yield from _frequencies(measurement)
+    yield from _amplitudes(measurement)
+    yield from _temperatures(measurement)
+    yield from _specimens(measurement)
+
+
+def _usual(measurement: Measurement) -> Real:
+    """A sweep over the range of the data, in rad/s."""
+    return np.geomspace(measurement.omega.min(), measurement.omega.max(), POINTS)
+
+
+def _frequencies(measurement: Measurement) -> Iterator[Action]:
+    typical, omega = _typical(measurement), _usual(measurement)
+    hertz, distinct = omega / (2.0 * np.pi), len(np.unique(np.round(np.log(measurement.omega), 6)))
+    if distinct == 1:
+        new = np.geomspace(0.1, 10.0, POINTS) * omega[0]
+        says = f"measure a sweep of frequencies: {POINTS} points {_range(0.1 * hertz[0], 10.0 * hertz[0])}"
+        yield Action(says, _at(new, typical), 1.5, action=_omega(new))
+        return
     for factor, word in ((10.0, "up"), (0.1, "down")):
-        wider = omega * factor
-        ends = f"{plain(hertz.min() * factor)} to {plain(hertz.max() * factor)} Hz"
-        yield Action(f"extend the frequencies {word}wards: {ends}", _at(wider, typical), 1.5, action=_omega(wider))
-    amplitude = measurement.conditions.get("amplitude")
-    if amplitude is not None:
-        for factor in (3.0, 1.0 / 3.0):
-            new = float((amplitude.max() if factor > 1 else amplitude.min()) * factor)
-            where = replace(_at(omega, typical), amplitude=np.full(POINTS, new))
-            unit = measurement.units.amplitude
-            says = f"measure a sweep at the amplitude {new:.3g}{'' if unit == '-' else f' {unit}'}"
-            yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
-    temperature = measurement.conditions.get("temperature")
-    if temperature is not None:
-        step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
-        for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
-            where = replace(_at(omega, typical), temperature=np.full(POINTS, new + KELVIN))
-            yield Action(
-                f"measure a sweep at {new:.3g} degC", where, 1.5, action=_omega(omega) | {"temperature": [new]}
-            )
-    yield Action("measure a specimen of twice the area, in the same rig", _at(omega, typical), 2.0, scale=2.0)
-    yield Action("measure the rig without a specimen", _at(omega, typical), 1.5, scale=0.0)
+        says = f"extend the frequencies {word}wards: {POINTS} points {_range(hertz[0] * factor, hertz[-1] * factor)}"
+        yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
+    count = min(DENSER * distinct, MOST_POINTS)
+    dense = np.geomspace(omega[0], omega[-1], count)
+    says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1])}"
+    yield Action(says, _at(dense, typical), 2.0, action=_omega(dense))
+
+
+def _amplitudes(measurement: Measurement) -> Iterator[Action]:
+    amplitude, omega = measurement.conditions.get("amplitude"), _usual(measurement)
+    if amplitude is None:
+        return
+    unit = "" if measurement.units.amplitude == "-" else f" {measurement.units.amplitude}"
+    for factor in (3.0, 1.0 / 3.0):
+        new = float((amplitude.max() if factor > 1 else amplitude.min()) * factor)
+        where = replace(_at(omega, _typical(measurement)), amplitude=np.full(POINTS, new))
+        says = f"measure {POINTS} points at the amplitude {new:.3g}{unit}"
+        yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
+
+
+def _temperatures(measurement: Measurement) -> Iterator[Action]:
+    temperature, omega = measurement.conditions.get("temperature"), _usual(measurement)
+    if temperature is None:
+        return
+    step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
+    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
+        where = replace(_at(omega, _typical(measurement)), temperature=np.full(POINTS, new + KELVIN))
+        says = f"measure {POINTS} points at {new:.3g} degC"
+        yield Action(says, where, 1.5, action=_omega(omega) | {"temperature": [new]})
+
+
+def _specimens(measurement: Measurement) -> Iterator[Action]:
+    omega = _usual(measurement)
+    at = _at(omega, _typical(measurement))
+    says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
+    yield Action(says, at, 2.0, 2.0, action=_omega(omega) | {"specimen": [2.0]})
+    says = f"measure the rig without a specimen, at {POINTS} points"
+    yield Action(says, at, 1.5, 0.0, action=_omega(omega) | {"specimen": [0.0]})
+    # Heavy enough to be as stiff as the specimen at the highest frequency.
+    mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
+    factor, unit = measurement.units.of(INERTANCE)
+    size = f" of about {factor * mass:.2g} {unit}" if unit == "kg" else ""
+    says = f"measure a known mass{size} in place of the specimen, at {POINTS} points"
+    known = {"specimen": [0.0], "mass": [factor * mass]}
+    yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
+
+
+def _range(low: float, high: float) -> str:
+    return f"from {plain(low)} to {plain(high)} Hz"
 
 
 def _omega(omega: Real) -> dict[str, list[float]]:

@@ -47,15 +47,15 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
     best = max(tried, key=lambda action: worth(fitted[action], action))
-    expected = _expected(shares, fitted[best])
+    expected = separation(shares, fitted[best])
     if max(fitted[best]) < TELLING:
-        return NextExperiment(_no_use(best, names, fitted[best]), names, expected)
-    return NextExperiment(f"{best.says}: {promise(names, fitted[best])}", names, expected, best.action)
+        return NextExperiment(_no_use(best, names, expected), names, expected)
+    return NextExperiment(f"{best.says}: {promise(names, shares, fitted[best])}", names, expected, best.action)
 
 
-def _no_use(action: Action, names: tuple[str, str], sigmas: Pair) -> str:
+def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
     """Where one explanation follows the other everywhere, nothing is to be bought by measuring."""
-    size = plain(max(sigmas), 2) if max(sigmas) > 0.1 else "less than 0.1"
+    size = plain(sigma, 2) if sigma > 0.1 else "less than 0.1"
     return (
         f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
         f"separate them by {size} sigma; the simpler one will do"
@@ -76,13 +76,24 @@ def _enough(sigma: float) -> float:
     return min(sigma, 3.0 * SETTLED)
 
 
-def promise(names: tuple[str, str], sigmas: Pair) -> str:
+def separation(shares: Pair, sigmas: Pair) -> float:
+    """The standard deviations that are promised: at least so many, or where it depends on who is right, the mean."""
+    return min(sigmas) if _either_way(sigmas) else _expected(shares, sigmas)
+
+
+def _either_way(sigmas: Pair) -> bool:
+    """Whether the measurement tells the two apart whoever is right."""
+    return min(sigmas) >= SETTLED or 2.0 * min(sigmas) >= max(sigmas)
+
+
+def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
     """What the measurement will show if the first or the second of two explanations holds."""
     less, more = sorted(range(2), key=lambda i: sigmas[i])
-    if sigmas[less] >= SETTLED or 2.0 * sigmas[less] >= sigmas[more]:
-        return f"it separates {names[0]} from {names[1]} by {plain(sigmas[less], 2)} sigma"
+    told = plain(separation(shares, sigmas), 2)
+    if _either_way(sigmas):
+        return f"it separates {names[0]} from {names[1]} by {told} sigma"
     verb = "rules out" if sigmas[more] >= SETTLED else "speaks against"
     return (
         f"if {names[more]} is right it {verb} {names[less]} by {plain(sigmas[more], 2)} sigma; "
-        f"if not, {names[more]} stays possible"
+        f"if not, {names[more]} stays possible; {told} sigma are to be expected"
     )

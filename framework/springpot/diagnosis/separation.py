@@ -84,7 +84,8 @@ class Clash:
         new = self._evaluated(self.truth, self.truth.theta)[0]
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
         relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
-        floor = np.abs(new) if self.action.scale else np.full(len(new), float(np.median(size)))
+        # Without a specimen the force is small, and its noise is not.
+        floor = np.abs(new) if self.action.scale else np.maximum(np.abs(new), float(np.median(size)))
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
@@ -105,9 +106,9 @@ class Clash:
         return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
     def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
-        """K and dK/dtheta where the action would measure, the specimen being larger or absent."""
-        scale = self.action.scale
-        network = refit.model.network if scale == 1.0 else refit.model.resized(max(scale, 1e-9))
+        """K and dK/dtheta where the action would measure, the specimen being larger, absent or a known mass."""
+        scale, mass = self.action.scale, self.action.mass
+        network = refit.model.network if scale == 1.0 else refit.model.resized(max(scale, 1e-9), mass)
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta

@@ -28,6 +28,32 @@ def _phase(exponent: float) -> complex:
 
 
 @dataclass(frozen=True)
+class KnownMass(Node):
+    """K = -m omega^2 of a mass that was weighed: no parameter.
+
+    Parameters
+    ----------
+    mass : float
+        In units of stiffness times s^2.
+    """
+
+    mass: float
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """None."""
+        return ()
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K = m s^2."""
+        value: Complex = np.asarray(-self.mass * np.exp(2.0 * at.log_omega), dtype=np.complex128)
+        nothing = np.zeros((*theta.shape[:-1], 0, value.shape[-1]), dtype=np.complex128)
+        if depth == VALUE:
+            return Response(value)
+        return Response(value, nothing, 2.0 * value) if depth == FULL else Response(value, nothing)
+
+
+@dataclass(frozen=True)
 class FixedPower(Node):
     """K = c (i omega)^exponent with a fixed exponent.
 

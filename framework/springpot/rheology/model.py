@@ -11,6 +11,7 @@ import numpy as np
 from springpot.errors import ModelError
 
 from .effect import Effect, Layer
+from .elements import KnownMass
 from .forms import SearchForm
 from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
@@ -68,14 +69,22 @@ class Model:
         """Material and effects composed from the material outwards."""
         return self.resized(1.0)
 
-    def resized(self, factor: float) -> Node:
-        """The network with `factor` times as much specimen (twice the area, say) in the same rig."""
-        network, resized = self.material, factor == 1.0
+    def resized(self, factor: float, mass: float = 0.0) -> Node:
+        """The network with `factor` times as much specimen (twice the area, say) in the same rig.
+
+        Parameters
+        ----------
+        factor : float
+            Above zero.
+        mass : float
+            A known mass that moves with the specimen, in units of stiffness times s^2.
+        """
+        network, resized = self.material, factor == 1.0 and mass == 0.0
         for effect, prefix in sorted(self._named_effects(), key=lambda pair: pair[0].position):
             if not resized and effect.layer > Layer.SPECIMEN:
-                network, resized = Scaled(network, factor), True
+                network, resized = _loaded(network, factor, mass), True
             network = effect.composition(network, effect.element.with_prefix(prefix))
-        return network if resized else Scaled(network, factor)
+        return network if resized else _loaded(network, factor, mass)
 
     def _named_effects(self) -> list[tuple[Effect, str]]:
         seen: Counter[str] = Counter()
@@ -217,6 +226,11 @@ class Model:
             if self.effects[i].name == name:
                 return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])
         raise ModelError(f"{self.name} has no effect '{name}'")
+
+
+def _loaded(specimen: Node, factor: float, mass: float) -> Node:
+    scaled = Scaled(specimen, factor)
+    return parallel(scaled, KnownMass(mass)) if mass else scaled
 
 
 def _points(at: Points | Real | float) -> Points:
