@@ -151,3 +151,16 @@ def test_what_cannot_be_compared_is_said():
         springpot.compare(noisy(), [])
     with pytest.raises(ModelError, match="amplitude"):
         springpot.compare(noisy(), ["fractional-maxwell + friction"])
+
+
+def test_a_notebook_shows_the_comparison():
+    comparison = springpot.compare(noisy(name="<b>damper</b>"), ["fractional-kelvin", MAXWELL])
+    page = comparison._repr_html_()
+    assert page.count("<tr>") == 3
+    assert "fractional-maxwell (best)" in page
+    assert "nothing is left but noise" in page
+    assert "fails" in page
+    assert "holds" in page
+    assert "<b>damper" not in page
+    assert "&lt;b&gt;damper" in page
+    assert repr(comparison).startswith("<Comparison of <b>damper</b>: fractional-kelvin ")

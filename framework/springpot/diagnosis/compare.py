@@ -13,6 +13,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Model
 
 from .candidates import printed
+from .display import html_of_comparison
 from .findings import Finding, findings, judged
 from .floor import fitted_to_floor
 from .overtones import overtones
@@ -118,6 +119,16 @@ class Comparison:
         """The data, repeats averaged, with the standard deviations of the noise floor."""
         found = self.judgements[0].refit
         return replace(found.data.mean, sd=found.noise.sd)
+
+    def __repr__(self) -> str:
+        errors = ", ".join(
+            f"{one.model.name} {one.error.relative_rms / one.error.noise_floor:.3g} x floor"
+            for one in self.judgements
+        )
+        return f"<Comparison of {self.data}: {errors}>"
+
+    def _repr_html_(self) -> str:
+        return html_of_comparison(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``."""

@@ -10,6 +10,7 @@ from springpot.errors import OutputError
 from springpot.markup import Html, joined, table, tag
 
 if TYPE_CHECKING:
+    from .compare import Comparison
     from .ladder import Ladder
     from .result import Diagnosis
 
@@ -78,4 +79,29 @@ def html_of_ladder(ladder: Ladder) -> Html:
         tag("p", tag("b", f"{ladder.data}: {ladder.verdict}")),
         table(headers, rows),
         tag("p", ladder.diagnosis.says),
+    )
+
+
+def html_of_comparison(comparison: Comparison) -> Html:
+    """Errors against the floor that the models share, and where each of them fails."""
+    best = comparison.best
+    rows = [
+        (
+            judged.model.name + (" (best)" if judged is best and len(comparison.judgements) > 1 else ""),
+            _percent(judged.error.relative_rms),
+            _percent(judged.error.noise_floor),
+            f"{judged.error.relative_rms / judged.error.noise_floor:.3g}",
+            f"{judged.delta_bic:.3g}",
+            "fails" if judged.fails else "holds",
+        )
+        for judged in comparison.judgements
+    ]
+    told = [f"{judged.model.name}: {judged.says}" for judged in comparison.judgements]
+    told += [finding.says for finding in comparison.harmonics if finding.found]
+    headers = ("model", "error", "noise floor", "x floor", "delta BIC", "verdict")
+    return tag(
+        "div",
+        tag("p", tag("b", f"models of {comparison.data}")),
+        table(headers, rows),
+        tag("ul", *(tag("li", sentence) for sentence in (*told, *comparison.notes))),
     )
