@@ -98,7 +98,7 @@ def show(found: Identification, figure: Path | None) -> None:
 
 def _beside_floor(found: Identification) -> str:
     """The error as a multiple of what noise alone leaves, where the data are enough to tell."""
-    from springpot.diagnosis.diagnose import FEWEST_SPARE, thinned
+    from springpot.diagnosis.verdict import FEWEST_SPARE, thinned
     from springpot.diagnosis.floor import fitted_to_floor
     from springpot.report.numbers import number, percent
 
