@@ -165,7 +165,6 @@ def test_two_temperatures_cannot_tell_arrhenius_from_wlf(effect, chi2, seed):
     assert max(each.probability for each in diagnosis.candidates) < 0.9
 
 
-
 def test_two_amplitudes_cannot_tell_a_cubic_spring_from_a_gap():
     diagnosis = springpot.diagnose(hidden(KELVIN, TWO_AMPLITUDES, "cubic-stiffness", 400.0), KELVIN.name)
     one_class(diagnosis, "cubic-stiffness", "dead-zone")

@@ -11,7 +11,7 @@ from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model, Real
 
-from .candidates import CLEAR_EVIDENCE, candidates_of
+from .candidates import candidates_of
 from .experiment import next_experiment
 from .notes import notes, unexplained_harmonics
 from .outliers import Outlier
@@ -19,30 +19,14 @@ from .posterior import Posterior, classes, explanations, leading, posterior, riv
 from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
+from .verdict import STRUCTURE_ALARM, sentence, verdict_of
 from .where import periodic, where
-from .words import times
 
-LIBRARY_ALARM = 0.006
-"""Chance of a false alarm granted to the scan of the library."""
-STRUCTURE_ALARM = 0.005
-"""Chance of a false alarm granted to the test for structure of any kind."""
-REPEATS_ALARM = 0.002
-"""Chance of a false alarm granted to the test of the repeats' scatter."""
-BEYOND_DOUBT = 0.002
-"""Chance of a false alarm below which something is missing even if the evidence names it weakly."""
-REMAINDER = 0.005
-"""Share of the misfit that named effects may leave and still be the verdict."""
+HARMONICS = "; the force holds harmonics that no model here makes"
 MOST_POINTS = 1500
 """Points that are diagnosed at most; of more, evenly many of every sweep are taken."""
-NOISY = 1.2
-"""Error over noise floor below which only the pattern of a misfit tells it from noise."""
 RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
-NOTHING_LEFT = 10.0
-"""Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
-HARMONICS = "; the force holds harmonics that no model here makes"
-FEWEST_SPARE = 4
-"""Degrees of freedom below which data cannot be judged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,11 +87,11 @@ def examine(
     found, outliers = settled(measurement, model, library, rng, seeds)
     base = found.base
     probabilities = posterior(found)
-    verdict = _verdict(found, probabilities)
-    if outliers and verdict in ("adequate", "inconclusive"):
-        verdict = "unexplained"
+    verdict = verdict_of(found, probabilities, outliers)
     if verdict == "effect-missing":
         probabilities = probabilities.without_unknown()
+    elif verdict == "unexplained":
+        probabilities = probabilities.doubted(found.left.p_value)
     groups = [] if verdict == "adequate" else classes(found, probabilities)
     second = seconds(found, probabilities) if verdict == "effect-missing" else []
     ranked = candidates_of(found, probabilities, groups, verdict)
@@ -116,7 +100,7 @@ def examine(
         model=model,
         error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
         verdict=verdict,
-        says=_sentence(verdict, base.relative_rms / base.floor, groups, second, probabilities.imitators)
+        says=sentence(found, verdict, groups[0] if groups else (), second, probabilities.imitators, outliers)
         + (HARMONICS if unexplained_harmonics(found, verdict) else ""),
         where=tuple(_places(found, outliers, verdict)),
         candidates=tuple(ranked),
@@ -161,57 +145,3 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
         return None
     fits, second = explanations(found, probabilities), others[0]
     return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
-
-
-def _verdict(found: Search, probabilities: Posterior) -> Verdict:
-    by_library = found.scan.p_value < LIBRARY_ALARM
-    by_structure = found.structure.p_value < STRUCTURE_ALARM
-    if found.repeats.p_value < REPEATS_ALARM:
-        return "unexplained"
-    gain = _gain(found)
-    if not (by_library or by_structure):
-        likely = gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5
-        return "inconclusive" if likely or found.base.fit.dof < FEWEST_SPARE else "adequate"
-    left = found.left.p_value < STRUCTURE_ALARM or probabilities.unknown > 0.5
-    if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
-        return "unexplained"
-    certain = min(found.scan.p_value, found.structure.p_value) < BEYOND_DOUBT
-    if certain and gain > 0.0:
-        return "effect-missing"
-    return "effect-missing" if gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5 else "inconclusive"
-
-
-def _gain(found: Search) -> float:
-    """Drop of the information criterion that the best grown model brings."""
-    return 2.0 * (found.best.log_evidence - found.base.log_evidence)
-
-
-def _all_but_explained(found: Search) -> bool:
-    """Whether named effects explain nearly all of a misfit, and what they leave is small beside the noise.
-
-    Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
-    """
-    spare = found.base.fit.dof
-    excess = [refit.rss - spare for refit in (found.base, found.best)]
-    small = found.best.relative_rms < 2.0 * found.best.floor
-    return excess[0] > spare and excess[1] < max(REMAINDER * excess[0], NOTHING_LEFT) and small
-
-
-def _sentence(
-    verdict: Verdict,
-    ratio: float,
-    groups: Sequence[Sequence[str]],
-    second: Sequence[str],
-    imitators: frozenset[str],
-) -> str:
-    error = f"the error is {times(ratio)} the noise floor"
-    if verdict == "adequate":
-        return f"nothing is missing down to the noise floor: {error}"
-    if verdict == "effect-missing":
-        beside = f", and beside it {' or '.join(second)}" if second else ""
-        other = " or another narrow feature" if imitators & {*groups[0], *second} else ""
-        return f"{error}; missing is {' or '.join(groups[0])}{beside}{other}"
-    if verdict == "unexplained":
-        pattern = ", but no pattern of noise" if ratio < NOISY else ""
-        return f"{error}{pattern}; something is missing that no effect of the library explains"
-    return f"{error}; these data cannot tell whether something is missing"

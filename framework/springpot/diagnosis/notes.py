@@ -13,12 +13,9 @@ from .posterior import Posterior, explanations, leading
 from .result import Verdict
 from .search import Search
 from .validation import validation
+from .verdict import REPEATS_ALARM, STRUCTURE_ALARM
 from .words import times
 
-LEFT_ALARM = 0.005
-"""Chance of a false alarm at which the best model is said to leave structure."""
-REPEATS_ALARM = 0.002
-"""Chance of a false alarm granted to the test of the repeats' scatter."""
 WORTH_A_WORD = 0.03
 """Probability from which narrow features of unknown origin are told of."""
 EXPLAINED = 1.5
@@ -50,7 +47,7 @@ def notes(
         yield f"{finding.says}; no effect here makes it, and K of the first harmonic does not tell of it"
     if verdict == "unexplained":
         yield from _of_unknown(found)
-    if found.left.p_value < LEFT_ALARM and found.best is not found.base:
+    if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
         ratio = found.best.relative_rms / found.best.floor
         yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
     if probabilities.narrow > WORTH_A_WORD:

@@ -23,6 +23,8 @@ MOST_UNKNOWN = 1.0 - 1e-12
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
 """Prior weight of two missing effects against one, spread over the pairs."""
+OUTSIDE = 0.15
+"""Chance, before the data, that what is missing is in no library."""
 BESIDE = 0.9
 """Probability from which something is missing beside the leading effect."""
 OTHER_NARROW = 0.3
@@ -68,6 +70,19 @@ class Posterior:
     def trust(self, name: str) -> float:
         """Chance that what looks like an effect is that effect."""
         return 1.0 - OTHER_NARROW if name in self.imitators else 1.0
+
+    def doubted(self, p_value: float) -> Posterior:
+        """The same, where what the best model leaves has this chance of being noise: little if it is none of these.
+
+        The odds for something unknown are those before the test, times the most that such a chance can speak for it
+        (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
+        """
+        p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
+        odds = OUTSIDE / (1.0 - OUTSIDE) / (-np.e * p_value * np.log(p_value))
+        unknown = max(self.unknown, odds / (1.0 + odds))
+        share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        together = {names: p * share for names, p in self.together.items()}
+        return Posterior(self.nothing * share, unknown, together, self.imitators)
 
     def without_unknown(self) -> Posterior:
         """The same, taking for granted that the library explains what is missing."""
