@@ -112,7 +112,7 @@ def test_all_names_of_the_design_are_there_and_no_name_or_alias_twice():
 
 @every_effect
 def test_expressions_parse_print_and_round_trip(name):
-    expression = f"fractional-maxwell + {name} + series-spring"
+    expression = f"fractional-maxwell + {name} + relaxation-mode"
     model = parse_model(expression)
     assert model.name == expression
     assert parse_model(model.name).names == model.names
