@@ -47,7 +47,7 @@ def left(off, temperatures=(), points=45, seed=1, level=LEVEL, sd=1.0):
 
 def says(off, temperatures=(), **given):
     frame, log_shift = left(off, temperatures, **given)
-    return " | ".join(discrepancy(frame, np.random.default_rng(0), log_shift))
+    return " | ".join(discrepancy(frame, log_shift))
 
 
 CAUSAL = {
@@ -150,5 +150,5 @@ def test_one_frequency_is_no_ground_for_a_word_on_causality():
     w = np.full(20, 10.0)
     data = Measurement(w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)})
     frame = Frame(data, np.full(20, 100.0 + 10j), np.full(20, 1.0 + 1.0j), np.zeros((0, 20), dtype=complex))
-    [said] = discrepancy(frame, np.random.default_rng(0))
+    [said] = discrepancy(frame)
     assert said.startswith("what is left is about 9 % of |K|")

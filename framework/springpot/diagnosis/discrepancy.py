@@ -63,15 +63,13 @@ class _Seen:
         return max(self.energy - self.size, 0.0)
 
 
-def discrepancy(frame: Frame, rng: np.random.Generator, log_shift: Real | None = None) -> list[str]:
+def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
     """Sentences on what a model leaves; none where that is noise, and none on what the data cannot tell.
 
     Parameters
     ----------
     frame : Frame
         The fit of the best model.
-    rng : numpy.random.Generator
-        For simulated noise; kept for callers, as all chances here have a closed form.
     log_shift : ndarray, shape (n,), optional
         Its ln a_T at the points, see `log_shift_of`; without it nothing is said of temperature.
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from .discrepancy import discrepancy, log_shift_of
 from .findings import Finding, judged
 from .harmonics import UNPREDICTED, harmonic_evidence
 from .occam import likeliest_unknown
@@ -45,11 +46,10 @@ def notes(
     yield from _of_data(found, outliers, measured)
     for finding in unexplained_harmonics(found, verdict):
         yield f"{finding.says}; no effect here makes it, and K of the first harmonic does not tell of it"
-    if verdict == "unexplained":
+    if verdict == "unexplained" and found.structure.p_value < STRUCTURE_ALARM:
         yield from _of_unknown(found)
-    if found.left.p_value < STRUCTURE_ALARM and found.best is not found.base:
-        ratio = found.best.relative_rms / found.best.floor
-        yield f"the best model found, {found.best.model}, still leaves structure ({times(ratio)} the noise floor)"
+    if found.left.p_value < STRUCTURE_ALARM:
+        yield from _of_rest(found)
     if probabilities.narrow > WORTH_A_WORD:
         share = f"{100 * probabilities.narrow:.0f} %"
         names = " and ".join(sorted(probabilities.imitators))
@@ -89,6 +89,15 @@ def unexplained_harmonics(found: Search, verdict: Verdict) -> list[Finding]:
     odd = harmonic_evidence(refit) >= UNPREDICTED
     told = judged(overtones(found.base.data.mean, found.base.noise.sd))
     return [each for each in told if each.found and each.statistic > LOUD and not (odd and each.test == "harmonic 3")]
+
+
+def _of_rest(found: Search) -> Iterator[str]:
+    """What the best model leaves, without a name for it."""
+    best = found.best
+    if best is not found.base:
+        ratio = best.relative_rms / best.floor
+        yield f"the best model found, {best.model}, still leaves structure ({times(ratio)} the noise floor)"
+    yield from discrepancy(best.frame(), log_shift_of(best))
 
 
 def _of_unknown(found: Search) -> Iterator[str]:
