@@ -58,9 +58,8 @@ def _without_outliers(found: Search, probabilities: Posterior) -> Verdict:
     if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
         return "unexplained"
     certain = min(found.scan.p_value, found.structure.p_value) < BEYOND_DOUBT
-    if certain and gain > 0.0:
-        return "effect-missing"
-    return "effect-missing" if gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5 else "inconclusive"
+    named = gain >= CLEAR_EVIDENCE or (certain and gain > 0.0)
+    return "effect-missing" if named and probabilities.nothing < 0.5 else "inconclusive"
 
 
 def _gain(found: Search) -> float:
