@@ -285,6 +285,12 @@ def _outside(d: str, rows: list[Row]) -> list[Figure]:
     plain = "outside the library"
     return [
         share(f"{plain}: flagged, unexplained chi2 >= 30", d, hard, flagged, 0.95),
+        share(
+            f"{plain}: flagged, correlated noise left out",
+            d,
+            [r for r in hard if "correlated-noise" not in r["truth"]],
+            flagged,
+        ),
         share(f"{plain}: called unexplained, unexplained chi2 >= 30", d, hard, lambda r: verdict(r) == "unexplained"),
         share(f"{plain}: confidently misnamed, unexplained chi2 >= 30", d, hard, sure, 0.03, "<="),
         share(f"{plain}: confidently misnamed (all)", d, every, sure),

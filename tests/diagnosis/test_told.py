@@ -8,7 +8,7 @@ from hidden_data import KELVIN, ZENER, design, exact, measured
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.identification import fit, held_cost, profile
+from springpot.identification import fit, held_costs, profile
 from springpot.registry import plugins
 
 WIDE = design(60, 0.05, 150.0)
@@ -85,8 +85,7 @@ def test_effects_that_change_nothing_are_not_called_alike():
 def test_a_held_parameter_costs_what_its_profile_says():
     data = measured(WIDE, exact(KELVIN, WIDE), level=0.01)
     found = fit(springpot.parse_model("fractional-kelvin"), data)
-    low, high = profile(found, "alpha")
-    for end in (low, high):
-        assert held_cost(found, "alpha", end) == pytest.approx(found.cost + 1.96**2, rel=1e-3)
+    ends = np.array(profile(found, "alpha"))
     fitted = float(found.theta[found.model.names.index("alpha")])
-    assert held_cost(found, "alpha", fitted) == pytest.approx(found.cost)
+    costs = held_costs(found, "alpha", np.array([ends[0], fitted, ends[1]]))
+    assert costs == pytest.approx(found.cost + np.array([1.96**2, 0.0, 1.96**2]), rel=1e-3)

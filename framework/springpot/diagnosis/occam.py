@@ -7,8 +7,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Uncertainty, held_cost
-from springpot.rheology import Parameter, Real
+from springpot.identification import Uncertainty, held_costs
+from springpot.rheology import Real
 
 from .directions import Window, shown
 from .frame import orthonormal
@@ -29,12 +29,12 @@ RIVALS = 6.0
 """Log-likelihood within which a model rivals the best one, whatever its parameters cost."""
 OPEN = 0.3
 """Relative variance from which a parameter is held to be left open by the data."""
-AS_GOOD = 0.1
-"""Whitened residual sum of squares by which a fit may be worse and still be as good."""
 LEAST_INFLUENCE = 1.0
 """Change of K over the noise, per natural unit of a parameter, below which its effect does without it."""
-INSIDE = 0.1
-"""Share of a shown range by which a value inside it keeps off its ends."""
+PLACES = 9
+"""Places in its range at which an open parameter is held in turn."""
+LEAST_SHARE = 0.02
+"""Share of its range below which a parameter is not open."""
 
 
 def marginal(found: Search, grown: Grown) -> float:
@@ -54,7 +54,8 @@ def marginal(found: Search, grown: Grown) -> float:
 def _refund(found: Search, grown: Grown) -> float:
     """What is charged too much for parameters, sizes apart, that the data hardly determine.
 
-    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect.
+    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect. One that
+    the data leave open pays for the share of its range in which the model fits as well.
     """
     refit = grown.refit
     if not np.all(np.isfinite(refit.fit.jacobian_u)):
@@ -62,17 +63,18 @@ def _refund(found: Search, grown: Grown) -> float:
     uncertainty = Uncertainty(refit.fit, absolute=True)
     variance = np.where(uncertainty.at_bound != 0, np.inf, np.diag(uncertainty.covariance))
     rival = refit.log_likelihood > found.best.log_likelihood - RIVALS
-    kept = [
-        rows
-        for rows in _extras(found, grown)
-        if all(_seen(refit, i, rival and bool(variance[i] > OPEN)) for i in rows)
-    ]
+    kept, shares = [], 0.0
+    for rows in _extras(found, grown):
+        seen = [_seen(refit, i, rival and bool(variance[i] > OPEN)) for i in rows]
+        if min(seen) > 0.0:
+            kept.append(rows)
+            shares += float(np.sum(np.log(seen)))
     if not kept:
         return 0.0
-    rows = np.concatenate(kept)
+    nuisances = np.concatenate(kept)
     drop = max(2.0 * (refit.log_likelihood - found.base.log_likelihood), 0.0)
-    needed = np.minimum(drop, VAGUE * _sharpness(refit, rows, uncertainty.at_bound))
-    return 0.5 * float(len(rows) * np.log1p(drop) - np.sum(np.log1p(needed)))
+    needed = np.minimum(drop, VAGUE * _sharpness(refit, nuisances, uncertainty.at_bound))
+    return max(0.5 * float(len(nuisances) * np.log1p(drop) - np.sum(np.log1p(needed))) + shares, 0.0)
 
 
 def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
@@ -97,28 +99,23 @@ def _extras(found: Search, grown: Grown) -> list[list[int]]:
     return list(mine.values())
 
 
-def _seen(refit: Refit, i: int, left_open: bool) -> bool:
-    """Whether a parameter lies where the data would show it, or might as well where they leave it open.
+def _seen(refit: Refit, i: int, left_open: bool) -> float:
+    """One where the data show a parameter, 0 where they do not, and where they leave it open the share of its range.
 
     Two temperatures cannot tell two constants of a shift: the fit ends anywhere along a valley, and where is chance.
     """
     if np.linalg.norm(refit.fit.jacobian_u[:, i]) < LEAST_INFLUENCE:
-        return False
+        return 0.0
     parameter = refit.model.parameters[i]
     low, high = shown(parameter, Window.of(refit.fit.measurement))
-    value = float(refit.theta[i])
-    if low < value < high:
-        return True
-    return left_open and low < high and _as_good_within(refit, parameter, value, low, high)
-
-
-def _as_good_within(refit: Refit, parameter: Parameter, value: float, low: float, high: float) -> bool:
-    """Whether a model fits as well with a parameter held just inside a range."""
-    if parameter.scale == "log":
-        inside = float(np.clip(value, low * (high / low) ** INSIDE, high * (low / high) ** INSIDE))
-    else:
-        inside = float(np.clip(value, low + INSIDE * (high - low), high - INSIDE * (high - low)))
-    return held_cost(refit.fit, parameter.name, inside) < refit.rss + AS_GOOD
+    if low < float(refit.theta[i]) < high:
+        return 1.0
+    if not left_open or not low < high:
+        return 0.0
+    spread = np.geomspace if parameter.scale == "log" else np.linspace
+    worse = held_costs(refit.fit, parameter.name, spread(low, high, PLACES)) - refit.rss
+    share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
+    return share if share > LEAST_SHARE else 0.0
 
 
 def likeliest_unknown(found: Search) -> Unknown:

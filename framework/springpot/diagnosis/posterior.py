@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,20 +45,24 @@ class Posterior:
         For each set of effects (names in order), that it is just what is missing.
     imitators : frozenset of str
         Effects whose place something else as narrow may hold.
+    leaning : frozenset of str
+        Effects that the data ask for only in the company of such a one.
     """
 
     nothing: float
     unknown: float
     together: dict[tuple[str, ...], float]
     imitators: frozenset[str] = frozenset()
+    leaning: frozenset[str] = frozenset()
 
     @property
     def effects(self) -> dict[str, float]:
         """For each effect, that it is among what is missing."""
         found: dict[str, float] = {}
         for names, weight in self.together.items():
+            doubtful = bool(self.imitators & set(names))
             for name in set(names):
-                found[name] = found.get(name, 0.0) + weight * self.trust(name)
+                found[name] = found.get(name, 0.0) + weight * (self.trust(name) if doubtful else 1.0)
         return found
 
     @property
@@ -69,7 +73,7 @@ class Posterior:
 
     def trust(self, name: str) -> float:
         """Chance that what looks like an effect is that effect."""
-        return 1.0 - OTHER_NARROW if name in self.imitators else 1.0
+        return 1.0 - OTHER_NARROW if name in self.imitators | self.leaning else 1.0
 
     def doubted(self, p_value: float) -> Posterior:
         """The same, where what the best model leaves has this chance of being noise: little if it is none of these.
@@ -82,13 +86,13 @@ class Posterior:
         unknown = max(self.unknown, odds / (1.0 + odds))
         share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
         together = {names: p * share for names, p in self.together.items()}
-        return Posterior(self.nothing * share, unknown, together, self.imitators)
+        return replace(self, nothing=self.nothing * share, unknown=unknown, together=together)
 
     def without_unknown(self) -> Posterior:
         """The same, taking for granted that the library explains what is missing."""
         known = max(1.0 - self.unknown, 1e-300)
         together = {names: p / known for names, p in self.together.items()}
-        return Posterior(self.nothing / known, 0.0, together, self.imitators)
+        return replace(self, nothing=self.nothing / known, unknown=0.0, together=together)
 
 
 def posterior(found: Search) -> Posterior:
@@ -114,7 +118,9 @@ def posterior(found: Search) -> Posterior:
     weights *= 1.0 - unknown
     together = dict(zip(names, weights[1:].tolist(), strict=True))
     imitators = frozenset(effect.name for grown in found.grown for effect in grown.effects if effect.narrow)
-    return Posterior(float(weights[0]), unknown, together, imitators)
+    alone = {names[0]: log for names, log in zip(names, logs[2:], strict=True) if len(names) == 1}
+    leaning = frozenset(name for each in names for name in each if alone.get(name, -np.inf) < logs[0]) - imitators
+    return Posterior(float(weights[0]), unknown, together, imitators, leaning)
 
 
 def _distinct(grown: Sequence[Grown]) -> list[Grown]:

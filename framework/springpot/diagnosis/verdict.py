@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .candidates import CLEAR_EVIDENCE
+from .occam import likeliest_unknown
 from .outliers import Outlier
 from .posterior import Posterior
 from .result import Verdict
@@ -54,6 +55,8 @@ def _without_outliers(found: Search, probabilities: Posterior) -> Verdict:
     if not (by_library or by_structure):
         likely = gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5
         return "inconclusive" if likely or found.base.fit.dof < FEWEST_SPARE else "adequate"
+    if probabilities.unknown > 0.5 and likeliest_unknown(found).says:
+        return "unexplained"
     left = found.left.p_value < STRUCTURE_ALARM or probabilities.unknown > 0.5
     if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
         return "unexplained"

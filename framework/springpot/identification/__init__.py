@@ -10,7 +10,7 @@ from .problem import Problem
 from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
 from .run import Run, run, run_batch
 from .space import SearchSpace, paper_box, require_conditions
-from .uncertainty import Uncertainty, bootstrap, held_cost, profile
+from .uncertainty import Uncertainty, bootstrap, held_costs, profile
 
 __all__ = [
     "BatchedOptimiser",
@@ -37,7 +37,7 @@ __all__ = [
     "levenberg_marquardt",
     "minima_in_box",
     "paper_box",
-    "held_cost",
+    "held_costs",
     "profile",
     "require_conditions",
     "run",

@@ -244,8 +244,8 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     return lower if low is None else max(low, lower), upper if high is None else min(high, upper)
 
 
-def held_cost(fit: Fit, parameter: str, value: float) -> float:
-    """Best objective with one parameter held at a value and all others refitted.
+def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
+    """Best objectives with one parameter held at each of some values and all others refitted.
 
     Parameters
     ----------
@@ -253,13 +253,18 @@ def held_cost(fit: Fit, parameter: str, value: float) -> float:
         The fit.
     parameter : str
         Name of the parameter.
-    value : float
+    values : ndarray, shape (m,)
         Where it is held, in SI.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        The objectives.
     """
     i = fit.model.names.index(parameter)
     path = _Path.of(fit, i)
-    u = value / float(path.coordinates.size[0, i])
-    return float(path.costs(np.array([np.log(u) if path.coordinates.log[i] else u]))[0])
+    held = np.asarray(values, dtype=float) / float(path.coordinates.size[0, i])
+    return path.costs(np.log(held) if path.coordinates.log[i] else held)
 
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
