@@ -39,7 +39,7 @@ def candidates_of(
     for score in found.scan.scores:
         name = score.influence.effect.name
         # An effect that only shows beside the leading one is told as it is there.
-        refit = beside.get(name) or alone.get(name, best.get(name))
+        refit = beside.get(name) or alone.get(name)
         least = LIKELY if groups and name in groups[0] else BESIDE
         missing = verdict == "effect-missing" and chances.get(name, 0.0) > least * probabilities.trust(name)
         word = _effect_verdict(found, score, best.get(name), missing)
