@@ -98,8 +98,8 @@ def show(found: Identification, figure: Path | None) -> None:
 
 def _beside_floor(found: Identification) -> str:
     """The error as a multiple of what noise alone leaves, where the data are enough to tell."""
-    from springpot.diagnosis.diagnose import thinned
     from springpot.diagnosis.floor import fitted_to_floor
+    from springpot.diagnosis.thinning import thinned
     from springpot.diagnosis.verdict import FEWEST_SPARE
     from springpot.report.numbers import number, percent
 

@@ -19,12 +19,11 @@ from .posterior import Posterior, classes, explanations, leading, posterior, riv
 from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
+from .thinning import thinned
 from .verdict import STRUCTURE_ALARM, sentence, verdict_of
 from .where import periodic, where
 
 HARMONICS = "; the force holds harmonics that no model here makes"
-MOST_POINTS = 1500
-"""Points that are diagnosed at most; of more, evenly many of every sweep are taken."""
 RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
 
@@ -117,13 +116,6 @@ def examine(
         },
     )
     return Case(found, probabilities, diagnosis)
-
-
-def thinned(measurement: Measurement) -> Measurement:
-    """At most `MOST_POINTS` rows, evenly from the whole measurement in the order in which it was made."""
-    if len(measurement) <= MOST_POINTS:
-        return measurement
-    return measurement.subset(np.linspace(0, len(measurement) - 1, MOST_POINTS).round().astype(np.int64))
 
 
 def _places(found: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
