@@ -79,6 +79,17 @@ def test_arrays_are_taken_as_they_are():
         ({"omega": [[1, 2, 3]] * 3}, "column omega must have one value for each"),
         ({"omega": 3.0}, "column omega must have one value for each"),
         ({"repeat": [1, 1.5, 2]}, "column repeat must hold whole numbers"),
+        ({"repeat": [1, np.nan, 2]}, "column repeat must hold whole numbers"),
+        ({"repeat": [1, np.inf, 2]}, "column repeat must hold whole numbers"),
+        ({"repeat": [1, 1e300, 2]}, "column repeat must hold whole numbers"),
+        (
+            {"conditions": {"temperature": [20, np.nan, np.nan]}},
+            "temperature is no finite number in 2 of 3 points, first at 0.3183 Hz",
+        ),
+        ({"conditions": {"amplitude": [np.inf, 1, 1]}}, "amplitude is no finite number in 1 of 3 points"),
+        ({"sd": [1 + 1j, complex(np.inf, 1.0), 1 + 1j]}, "standard deviations must be positive and finite"),
+        ({"sd": [1 + 1j, complex(1.0, np.inf), 1 + 1j]}, "standard deviations must be positive and finite"),
+        ({"sd": [1 + 1j, complex(np.nan, 1.0), 1 + 1j]}, "standard deviations must be positive and finite"),
         ({"conditions": {"temperatur": [1, 2, 3]}}, "'temperatur' is nearly 'temperature'"),
         ({"conditions": {"Amplitudes": [1, 2, 3]}}, "models know temperature and amplitude"),
     ],
@@ -86,6 +97,10 @@ def test_arrays_are_taken_as_they_are():
 def test_what_is_no_measurement_is_said(given, says):
     with pytest.raises(DataError, match=says):
         Measurement(**{"omega": [1, 2, 3], "stiffness": [1, 2, 3], **given})
+
+
+def test_gaps_in_other_conditions_are_welcome():
+    assert np.isnan(Measurement([1.0], [1.0], conditions={"pressure": [np.nan]}).conditions["pressure"][0])
 
 
 def test_other_conditions_are_welcome():

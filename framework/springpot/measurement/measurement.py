@@ -105,6 +105,9 @@ class Measurement:
             given = np.asarray(values)
             if dtype.kind != "U" and given.dtype.kind not in ("biufc" if dtype.kind == "c" else "biuf"):
                 raise ValueError
+            # Not a number, and numbers that are too large, are no whole ones and warn when they are made so.
+            if dtype.kind == "i" and given.dtype.kind == "f" and not np.all(np.abs(given) < 2.0**63):
+                raise ValueError
             column = given if given.dtype.kind == dtype.kind == "U" else given.astype(dtype, copy=False)
             if dtype.kind == "i" and np.any(column != given):
                 raise ValueError
@@ -137,8 +140,14 @@ class Measurement:
             place = f"first at {self.frequency[nothing[0]]:.4g} Hz"
             few = f"in {len(nothing)} of {n} points"
             raise DataError(f"{self.name}: storage and loss are both zero {few}, {place}; leave them out")
-        if self.sd is not None and not (np.all(self.sd.real > 0) and np.all(self.sd.imag > 0)):
-            raise DataError(f"{self.name}: standard deviations must be positive")
+        if self.sd is not None and not np.all(np.isfinite(self.sd) & (self.sd.real > 0) & (self.sd.imag > 0)):
+            raise DataError(f"{self.name}: standard deviations must be positive and finite")
+        for condition in CONDITIONS:
+            lost = np.flatnonzero(~np.isfinite(self.conditions.get(condition, np.zeros(0))))
+            if len(lost):
+                place = f"first at {self.frequency[lost[0]]:.4g} Hz"
+                few = f"in {len(lost)} of {n} points"
+                raise DataError(f"{self.name}: {condition} is no finite number {few}, {place}; leave them out")
         for condition in self.conditions:
             if advice := misspelt(condition):
                 raise DataError(f"{self.name}: condition '{condition}' {advice}")
