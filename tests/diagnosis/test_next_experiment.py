@@ -161,3 +161,28 @@ def test_a_strain_has_no_unit_in_the_advice():
     strain = Measurement(data.omega, data.stiffness, conditions=data.conditions, units=springpot.Units("kPa", "-"))
     says = [action.says for action in actions(strain) if "amplitude" in action.says]
     assert says == ["measure 20 points at the amplitude 0.09", "measure 20 points at the amplitude 0.00333"]
+
+
+def sweep(points, **given):
+    w = 2 * np.pi * np.geomspace(0.1, 100.0, points)
+    return Measurement(w, 1e5 * (1j * w) ** 0.3, **given)
+
+
+@pytest.mark.parametrize("points", [5, 20, 99, 150, 399, 400, 500])
+def test_a_denser_sweep_is_denser_and_costs_as_many_points_as_it_has(points):
+    denser = [action for action in actions(sweep(points)) if "densely" in action.says]
+    if points >= 400:
+        assert not denser
+    else:
+        assert len(denser[0].action["omega"]) > points
+        assert denser[0].effort == pytest.approx(1.0 + min(4 * points, 400) / 80)
+
+
+@pytest.mark.parametrize(
+    ("unit", "asked"), [(None, False), ("Pa", False), ("N m/rad", False), ("N/m", True), ("kN/mm", True)]
+)
+def test_a_known_mass_is_asked_for_only_with_its_size(unit, asked):
+    given = {"units": springpot.Units(unit)} if unit else {}
+    masses = [action.says for action in actions(sweep(20, **given)) if action.mass or "mass" in action.says]
+    assert bool(masses) == asked
+    assert all(re.search(r"a known mass of about \S+ kg in place", sentence) for sentence in masses)

@@ -44,7 +44,7 @@ class Action:
         Known mass in place of the specimen, in units of stiffness times s^2.
     action : dict of str to list of float
         The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``, and for a
-        specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in the unit of the sentence.
+        specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in kg.
     """
 
     says: str
@@ -84,9 +84,11 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
         says = f"extend the frequencies {word}wards: {POINTS} points {_range(hertz[0] * factor, hertz[-1] * factor)}"
         yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
     count = min(DENSER * distinct, MOST_POINTS)
+    if count <= distinct:
+        return
     dense = np.geomspace(omega[0], omega[-1], count)
     says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1])}"
-    yield Action(says, _at(dense, typical), 2.0, action=_omega(dense))
+    yield Action(says, _at(dense, typical), 1.0 + count / (DENSER * POINTS), action=_omega(dense))
 
 
 def _amplitudes(measurement: Measurement) -> Iterator[Action]:
@@ -119,11 +121,12 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     yield Action(says, at, 2.0, 2.0, action=_omega(omega) | {"specimen": [2.0]})
     says = f"measure the rig without a specimen, at {POINTS} points"
     yield Action(says, at, 1.5, 0.0, action=_omega(omega) | {"specimen": [0.0]})
+    factor, unit = measurement.units.of(INERTANCE)
+    if unit != "kg":  # a mass cannot take the place of a modulus or of a torsional stiffness
+        return
     # Heavy enough to be as stiff as the specimen at the highest frequency.
     mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
-    factor, unit = measurement.units.of(INERTANCE)
-    size = f" of about {factor * mass:.2g} {unit}" if unit == "kg" else ""
-    says = f"measure a known mass{size} in place of the specimen, at {POINTS} points"
+    says = f"measure a known mass of about {factor * mass:.2g} kg in place of the specimen, at {POINTS} points"
     known = {"specimen": [0.0], "mass": [factor * mass]}
     yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
 
