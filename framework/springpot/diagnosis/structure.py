@@ -64,7 +64,9 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Structure:
         return Structure(1.0, {})
     count = data.scatter.dof + 1.0
     noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
-    mean = np.apply_along_axis(lambda row: np.bincount(data.group, row), -1, noise) / count
+    order = np.argsort(data.group, kind="stable")
+    starts = np.searchsorted(data.group[order], np.arange(len(count)))
+    mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count
     noise -= mean[:, :, data.group]
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
