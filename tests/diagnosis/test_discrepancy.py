@@ -146,6 +146,22 @@ def test_the_shift_of_a_fitted_model():
     assert log_shift_of(plain) is None
 
 
+def test_two_shifts_of_one_name_have_their_own_parameters():
+    model = springpot.parse_model("fractional-kelvin + wlf-shift + wlf-shift")
+    data = measured(TEMPERATURES, WARM.stiffness(WARM.truth, TEMPERATURES), level=1e-4)
+    fitted = fitted_to_floor(model, data)
+    own = dict(zip(model.names, fitted.theta, strict=True))
+    away = TEMPERATURES.kelvin - data.reference_temperature
+    wanted = [
+        -np.log(10.0) * own[f"{name}.C1"] * away / (own[f"{name}.C2"] + away) for name in ("wlf-shift", "wlf-shift#2")
+    ]
+    np.testing.assert_allclose(log_shift_of(fitted), sum(wanted), rtol=1e-9)
+
+
+def test_what_is_not_causal_may_be_an_ideal_hysteretic_loss():
+    assert "ideal hysteretic damping) is not causal either" in says(lambda s, r: 3j / (100.0 + 40.0 * r**0.4))
+
+
 def test_one_frequency_is_no_ground_for_a_word_on_causality():
     w = np.full(20, 10.0)
     data = Measurement(w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)})

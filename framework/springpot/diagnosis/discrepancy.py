@@ -87,9 +87,9 @@ def log_shift_of(found: Refit) -> Real | None:
     """Ln a_T of a fitted model at the points (n,), or None where it has no shift with temperature."""
     model, points = found.model, found.fit.measurement.points
     total: Real | None = None
-    for effect in model.effects:
+    for effect, prefix in model._named_effects():  # the second of one name has a prefix of its own
         if effect.composition is shift and "temperature" in effect.needs:
-            names = [name for name in model.names if name.rpartition(".")[0] == effect.name]
+            names = [name for name in model.names if name.rpartition(".")[0] == prefix]
             theta = found.theta[[model.names.index(name) for name in names]]
             value = np.asarray(effect.element.respond(theta, points).value.real, dtype=np.float64)
             total = value if total is None else total + value
@@ -158,7 +158,8 @@ def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
     if evidence < -SURE and causal_evidence(_with_resonance(frame, x), x, groups) < -SURE:
         return (
             "it is not causal (storage and loss do not belong together): a fault of the instrument or of the "
-            "analysis, or a nonlinearity, is likelier than a property of a linear material"
+            "analysis, or a nonlinearity, is likelier than a property of a linear material; a loss that does not "
+            "change with frequency (ideal hysteretic damping) is not causal either"
         )
     return ""
 
