@@ -16,6 +16,8 @@ from .sweeps import temperatures_differ
 
 HELD = {"amplitude": 0.02, "temperature": 0.5}
 """Amplitudes (as a share) and temperatures (in kelvin) that lie closer than this are one value that was set."""
+SWEPT = 10.0
+"""Span, in units of the above, from which values that follow one another so closely are a sweep, not a drift."""
 CHANCE = 0.01
 """Chance below which levels are held to differ."""
 ALIKE = 0.3
@@ -51,20 +53,27 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
         column = measurement.conditions.get(name)
         if column is None or (name == "temperature" and not temperatures_differ(measurement)):
             continue
-        number = _set_values(name, column)
+        number = _set_values(name, column, most)
         count = int(number.max()) + 1
         if count > 1:
             found.append(Axis(name, number if count <= most else number * most // count))
     return found
 
 
-def _set_values(name: str, column: Real) -> Rows:
-    """Number of the value that was set, ascending."""
+def _set_values(name: str, column: Real, most: int) -> Rows:
+    """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
     x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
     order = np.argsort(x, kind="stable")
     number = np.empty(len(x), dtype=np.int64)
     number[order] = np.cumsum(np.concatenate([[0], np.diff(x[order]) > HELD[name]]))
-    return number
+    part = np.zeros_like(number)
+    for value in range(int(number.max()) + 1):
+        rows = np.flatnonzero(number == value)
+        span = float(np.ptp(x[rows])) / HELD[name]
+        if span > SWEPT:
+            distinct, rank = np.unique(x[rows], return_inverse=True)
+            part[rows] = rank.ravel() * min(most, int(span), len(distinct)) // len(distinct)
+    return np.asarray(np.unique(number * most + part, return_inverse=True)[1].ravel(), dtype=np.int64)
 
 
 def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:

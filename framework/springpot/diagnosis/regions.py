@@ -10,10 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
+from math import inf
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.stats import chi2
 
 from springpot.rheology import Real
 
@@ -23,6 +26,11 @@ WHOLE = 0.8
 """Share of its points that a block must still hold, or it would describe those that are already told of."""
 DRAWS = 120
 """Simulated residuals."""
+FEW = 12000
+"""Points of all simulated residuals together up to which there are more of them: a rough threshold errs much where
+few points tell their own noise."""
+SCALES = 2000
+"""Values of the scale of the noise for which the chance of a residual is averaged."""
 Rows: TypeAlias = NDArray[np.int64]
 Span: TypeAlias = tuple[int, int]
 
@@ -109,14 +117,14 @@ class Blocks:
         ----------
         alarm : float
             The chance.
-        scale : ndarray, shape (DRAWS,), or float
-            Draws of estimated over true variance of the noise.
+        scale : ndarray, shape (m,), or float
+            Equally likely values of estimated over true variance of the noise, see `scales`.
         rng : numpy.random.Generator
             For the noise.
         """
-        draws = np.broadcast_to(scale, (DRAWS,))
-        most = np.array([self._furthest(rng.standard_normal(len(self._cell))) for _ in range(DRAWS)]) / np.sqrt(draws)
-        return rare(most, alarm)
+        n = len(self._cell)
+        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(max(DRAWS, FEW // n))])
+        return rare(most, alarm, np.sqrt(scale))
 
     def _furthest(self, values: Real) -> float:
         filled = self._count > 0
@@ -171,13 +179,36 @@ class Blocks:
         return found
 
 
-def rare(largest: Real, alarm: float) -> float:
-    """The value that the largest of many exceeds with the chance `alarm`, by Gumbel's law from draws (m,) of it.
+def scales(dof: float) -> Real | float:
+    """Equally likely values (SCALES,) of estimated over true variance, from so many degrees of freedom."""
+    if dof == inf:
+        return 1.0
+    return np.asarray(chi2.ppf((np.arange(SCALES) + 0.5) / SCALES, dof) / dof, dtype=np.float64)
 
-    A hundred draws do not reach that tail themselves.
+
+def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
+    """The value that the largest of many, over a divisor, exceeds with the chance `alarm`.
+
+    Parameters
+    ----------
+    largest : ndarray, shape (m,)
+        Draws of the largest, whose tail follows Gumbel's law: a hundred draws do not reach it themselves.
+    alarm : float
+        The chance.
+    divisor : ndarray, shape (k,), or float
+        Equally likely values of what it is divided by. A scale from few degrees of freedom has a heavy tail, to which
+        Gumbel's law would be blind.
     """
-    width = float(np.std(largest)) * np.sqrt(6.0) / np.pi
-    return float(np.mean(largest) + width * (-np.euler_gamma - np.log(-np.log1p(-alarm))))
+    width = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-300)
+    middle = float(np.mean(largest)) - width * np.euler_gamma
+    undivided = middle - width * float(np.log(-np.log1p(-alarm)))
+    low, high = undivided / float(np.max(divisor)), undivided / float(np.min(divisor))
+
+    def above(value: float) -> float:
+        with np.errstate(over="ignore"):
+            return float(np.mean(-np.expm1(-np.exp((middle - value * divisor) / width)))) - alarm
+
+    return low if high - low <= 1e-12 * abs(high) else float(brentq(above, low, high))
 
 
 def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:

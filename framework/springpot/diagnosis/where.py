@@ -11,7 +11,7 @@ from springpot.rheology import Complex, Real
 
 from .dependence import Part, condition_axes, dependences, level_words
 from .frame import Frame
-from .regions import DRAWS, Axis, Blocks, Region, Rows, rare
+from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
 from .result import Where
 from .structure import spectrum
 from .sweeps import sweeps_of
@@ -21,13 +21,15 @@ ALARM = 0.003
 BANDS = (24, 12, 6)
 """Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
 MOST = 5
-"""Places told of: those that weigh most."""
+"""Places told of at most: the most telling ones."""
 SLIGHT = 0.1
 """Share of the clearest place's standard deviations below which a place is not worth a sentence beside it."""
 ONE_PERIOD = 0.4
 """Share of the power beyond the noise's that lies at one period if a misfit is a ripple."""
+EVERYWHERE = "at all frequencies"
+LEVEL = "level along frequency"
 POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
-          0.0: "the same at all frequencies", 0.5: "growing slowly with frequency", 1.0: "growing as omega",
+          0.0: LEVEL, 0.5: "growing slowly with frequency", 1.0: "growing as omega",
           2.0: "growing as omega^2"}  # fmt: skip
 PLANES = ("stiffness", "compliance", "log-complex")
 
@@ -50,7 +52,7 @@ def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
 
 
 def where(frame: Frame) -> list[Where]:
-    """Places at which a fit fails, the worst first; empty where noise explains the residual.
+    """Places at which a fit fails, the most telling first, at most `MOST`; empty where noise explains the residual.
 
     A place is a range of frequencies, temperatures and amplitudes in which K' or K'' is off to one side.
 
@@ -64,17 +66,18 @@ def where(frame: Frame) -> list[Where]:
     most = BANDS[len(conditions)]
     axes = [_frequencies(frame.measurement.omega, most), *condition_axes(frame.measurement, most)]
     blocks = Blocks(axes)
-    threshold = blocks.threshold(ALARM, frame.scale_draws(DRAWS, rng), rng)
+    threshold = blocks.threshold(ALARM, scales(frame.scale_dof), rng)
     found = [(part, region) for part in _parts(frame) for region in blocks.regions(part.whitened, threshold)]
-    period = _period(frame, rng)
+    period, clear = _period(frame, rng)
     if period:
         found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
     found = [(part, region) for part, region in found if abs(region.sigma) > SLIGHT * abs(found[0][1].sigma)]
     plane = _simplest_plane(frame) if found else ""
     places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]]
-    places += [periodic(frame)] if period else []
-    return sorted(places, key=lambda place: -abs(place.size))
+    if period:
+        places.insert(sum(abs(region.sigma) > clear for _, region in found[:MOST]), periodic(frame))
+    return places[:MOST]
 
 
 def _length(frequencies: Axis, region: Region) -> float:
@@ -95,17 +98,18 @@ def periodic(frame: Frame) -> Where:
     period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
     longest = max(sweeps_of(frame.measurement), key=lambda sweep: len(sweep.rows))
     step = float(np.ptp(longest.x)) / max(len(longest.rows) - 1, 1) / np.log(10.0)
+    decades = np.ptp(longest.x) > 0 and np.array_equal(longest.x, np.log(frame.measurement.omega[longest.rows]))
     frequency = frame.measurement.frequency
     relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
     size = float(np.sqrt(2.0 * np.mean(relative**2)))
-    length = f" ({period * step:.2g} decades)" if np.ptp(frequency) > 0 else ""
+    length = f" ({period * step:.2g} decades)" if decades else ""
     says = f"the misfit swings by about {100 * size:.2g} % of |K| with a period of {period:.2g} points{length}"
     low, high = float(frequency.min()), float(frequency.max())
     return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 
 
-def _period(frame: Frame, rng: np.random.Generator) -> float:
-    """Period, in points, of a misfit that is a ripple; zero where it is none.
+def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
+    """Period, in points, of a misfit that is a ripple, and its standard deviations; zero where it is none.
 
     A slow misfit swings too, about as often as there are parameters that follow it.
     """
@@ -113,15 +117,15 @@ def _period(frame: Frame, rng: np.random.Generator) -> float:
     followed = int(frame.absorbed.shape[1])
     first = followed + 3
     if first + 2 >= len(power):
-        return 0.0
-    noise = rng.standard_normal((DRAWS, frame.size)) / np.sqrt(np.atleast_1d(frame.scale_draws(DRAWS, rng)))[:, None]
-    chance = spectrum(frame, noise)
+        return 0.0, 0.0
+    scale = scales(frame.scale_dof)
+    chance = spectrum(frame, rng.standard_normal((DRAWS, frame.size)))
     peak = int(np.argmax(power))
-    excess = np.maximum(power - np.mean(chance, axis=0), 0.0)
+    excess = np.maximum(power - np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale)), 0.0)
     alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > ONE_PERIOD * float(np.sum(excess))
-    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), ALARM):
-        return 0.0
-    return 2.0 * (len(power) - 1) / peak
+    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), ALARM, scale):
+        return 0.0, 0.0
+    return 2.0 * (len(power) - 1) / peak, float(np.sqrt(2.0 * power[peak] / (len(power) - 1)))
 
 
 def _parts(frame: Frame) -> Iterator[Part]:
@@ -146,9 +150,10 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     side = "low" if size > 0 else "high"
     levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
     place = f"{part.word} {100 * abs(size):.2g} % of |K| too {side} {_range(low, high, frequency)}"
+    growth = _growth(measurement, part, rows)
     told = [
         " ".join([place, *levels]),
-        _growth(measurement, part, rows),
+        "" if growth == LEVEL and place.endswith(EVERYWHERE) else growth,
         *dependences(measurement, conditions, part, rows),
     ]
     condition = ", ".join(levels) or _conditions(measurement)
@@ -160,7 +165,7 @@ def _range(low: float, high: float, frequency: Real) -> str:
     if most <= least * 1.001:
         return f"at {low:.3g} Hz"
     if low <= least * 1.001 and high >= most / 1.001:
-        return "at all frequencies"
+        return EVERYWHERE
     if low <= least * 1.001:
         return f"below {high:.3g} Hz"
     if high >= most / 1.001:
