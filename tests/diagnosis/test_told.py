@@ -89,3 +89,15 @@ def test_a_held_parameter_costs_what_its_profile_says():
     fitted = float(found.theta[found.model.names.index("alpha")])
     costs = held_costs(found, "alpha", np.array([ends[0], fitted, ends[1]]))
     assert costs == pytest.approx(found.cost + np.array([1.96**2, 0.0, 1.96**2]), rel=1e-3)
+
+
+def test_the_next_experiment_settles_the_more_open_question():
+    """The mass is certain; what stands beside it is not, and it is that which a measurement should tell."""
+    stiffness, _ = two()
+    diagnosis = springpot.diagnose(measured(WIDE, stiffness, level=0.004), ZENER.name)
+    beside = {each.effect: each for each in diagnosis.candidates if each.says.startswith("beside ")}
+    assert len(beside) >= 2
+    assert set(diagnosis.next_experiment.separates) <= set(beside)
+    for each in beside.values():
+        assert each.delta_bic > 10.0
+        assert each.error_after < 1.2 * diagnosis.error.noise_floor

@@ -57,3 +57,12 @@ def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
     assert diagnosis.verdict == "effect-missing"
     assert diagnosis.evidence["unknown"] < 0.01
     assert not told(diagnosis, "the measuring chain")
+
+
+def test_a_step_is_sought_among_many_frequencies_too():
+    dense = design(320, 0.1, 100.0)
+    (note,) = told(
+        springpot.diagnose(measured(dense, exact(KELVIN, dense) * gain(dense, "steps"), level=0.01), KELVIN.name),
+        "steps at",
+    )
+    assert float(note.partition("steps at ")[2].partition(" Hz")[0]) == pytest.approx(5.0, rel=0.15)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,17 @@ from .candidates import candidates_of
 from .experiment import next_experiment
 from .notes import notes, unexplained_harmonics
 from .outliers import Outlier
-from .posterior import Posterior, classes, explanations, leading, posterior, rivals_of, seconds
+from .posterior import (
+    Posterior,
+    classes,
+    explanations,
+    grown_beside,
+    leading,
+    partners,
+    posterior,
+    rivals_of,
+    seconds,
+)
 from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search
 from .settle import settled
@@ -128,12 +138,21 @@ def _places(found: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Ite
 
 
 def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment | None:
-    """What would separate the leading effect from its likeliest rival."""
+    """What would settle the more open of two questions: which effect leads, and which one stands beside it."""
     if not probabilities.together:
         return None
-    chances = rivals_of(found, probabilities, leading(found, probabilities))
-    first, *others = sorted(chances, key=lambda name: -chances[name])
-    if not others or chances[others[0]] < RIVAL * chances[first]:
+    leader = leading(found, probabilities)
+    chances, fits = rivals_of(probabilities, leader), explanations(found, probabilities)
+    beside = partners(found, probabilities)
+    if _openness(beside) > _openness(chances):
+        chances, fits = beside, {name: one.refit for name, one in grown_beside(found, leader, beside).items()}
+    if _openness(chances) < RIVAL:
         return None
-    fits, second = explanations(found, probabilities), others[0]
+    first, second = sorted(chances, key=lambda name: -chances[name])[:2]
     return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
+
+
+def _openness(chances: Mapping[str, float]) -> float:
+    """Odds of the second likeliest answer against the likeliest."""
+    most = sorted(chances.values())[-2:]
+    return most[0] / most[1] if len(most) == 2 and most[1] > 0.0 else 0.0

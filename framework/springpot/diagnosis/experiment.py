@@ -46,10 +46,13 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     linear = {action: _both(clashes(action), "linear") for action in actions(first.fit.measurement)}
     tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
-    best = max(tried, key=lambda action: worth(fitted[action], action))
-    expected = separation(shares, fitted[best])
-    if max(fitted[best]) < TELLING:
+    telling = [action for action in tried if max(fitted[action]) >= TELLING]
+    if not telling:
+        best = max(tried, key=lambda action: max(fitted[action]))
+        expected = separation(shares, fitted[best])
         return NextExperiment(_no_use(best, names, expected), names, expected)
+    best = max(telling, key=lambda action: worth(fitted[action], action))
+    expected = separation(shares, fitted[best])
     return NextExperiment(f"{best.says}: {promise(names, shares, fitted[best])}", names, expected, best.action)
 
 
@@ -58,7 +61,7 @@ def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
     size = plain(sigma, 2) if sigma > 0.1 else "less than 0.1"
     return (
         f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
-        f"separate them by {size} sigma; the simpler one will do"
+        f"separate them by {size} sigma"
     )
 
 

@@ -46,9 +46,10 @@ def notes(
     yield from _of_data(found, outliers, measured)
     for finding in unexplained_harmonics(found, verdict):
         yield f"{finding.says}; no effect here makes it, and K of the first harmonic does not tell of it"
-    if verdict == "unexplained" and found.structure.p_value < STRUCTURE_ALARM:
-        yield from _of_unknown(found)
-    if found.left.p_value < STRUCTURE_ALARM:
+    kind = _unknown(found) if verdict == "unexplained" else ""
+    if kind:
+        yield f"what is missing looks like {kind}: the measuring chain rather than the material"
+    elif found.left.p_value < STRUCTURE_ALARM:
         yield from _of_rest(found)
     if probabilities.narrow > WORTH_A_WORD:
         share = f"{100 * probabilities.narrow:.0f} %"
@@ -100,9 +101,10 @@ def _of_rest(found: Search) -> Iterator[str]:
     yield from discrepancy(best.frame(), log_shift_of(best))
 
 
-def _of_unknown(found: Search) -> Iterator[str]:
-    """What kind of structure explains the data, if one does that no effect of the library is."""
+def _unknown(found: Search) -> str:
+    """The kind of structure that explains the data, if one does that no effect of the library is."""
+    if found.structure.p_value >= STRUCTURE_ALARM:
+        return ""
     kind, frame = likeliest_unknown(found), found.frame
     left = float(frame.rest @ frame.rest) - kind.drop
-    if kind.says and left < EXPLAINED * (frame.size - frame.absorbed.shape[1]):
-        yield f"what is missing looks like {kind.says}: the measuring chain rather than the material"
+    return kind.says if left < EXPLAINED * (frame.size - frame.absorbed.shape[1]) else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,9 +20,11 @@ CREDIBLE = 0.93
 CLOSE = 0.35
 """Curves this close (root mean square, in units of the noise) are one curve for these data."""
 MOST_UNKNOWN = 1.0 - 1e-12
+ROUNDING = 1e-6
+"""Log-evidence that says nothing."""
 PRIOR_NOTHING = 0.5
 PRIOR_PAIR = 0.5
-"""Prior weight of two missing effects against one, spread over the pairs."""
+"""Prior weight of a second missing effect; pairs have no order, so that two against one weigh half of it."""
 OUTSIDE = 0.15
 """Chance, before the data, that what is missing is in no library."""
 BESIDE = 0.9
@@ -126,9 +128,9 @@ def posterior(found: Search) -> Posterior:
 def _distinct(grown: Sequence[Grown]) -> list[Grown]:
     """One model for each set of effects: the order in which they were added does not matter."""
     seen: dict[tuple[str, ...], Grown] = {}
-    for each in grown:
+    for each in sorted(grown, key=lambda one: one.names):
         key = tuple(sorted(each.names))
-        if key not in seen or each.refit.log_evidence > seen[key].refit.log_evidence:
+        if key not in seen or each.refit.log_evidence > seen[key].refit.log_evidence + ROUNDING:
             seen[key] = each
     return list(seen.values())
 
@@ -150,7 +152,7 @@ def classes(found: Search, probabilities: Posterior) -> list[list[str]]:
     if not ranked:
         return []
     leader = leading(found, probabilities)
-    chances = rivals_of(found, probabilities, leader)
+    chances = rivals_of(probabilities, leader)
     first = _credible(chances, sum(chances.values()))
     return [first, *_grouped(found, [name for name in ranked if name not in first])]
 
@@ -162,8 +164,8 @@ def leading(found: Search, probabilities: Posterior) -> str:
     return max(likeliest, key=lambda name: alone.get(name, -np.inf))
 
 
-def seconds(found: Search, probabilities: Posterior) -> list[str]:
-    """Effects one of which is missing beside the leading one, likeliest first; none where that may be all."""
+def partners(found: Search, probabilities: Posterior) -> dict[str, float]:
+    """Effects one of which is missing beside the leading one, with their chances; none where that may be all."""
     leader = leading(found, probabilities)
     chances: dict[str, float] = {}
     for names, weight in probabilities.together.items():
@@ -171,8 +173,23 @@ def seconds(found: Search, probabilities: Posterior) -> list[str]:
             partner = names[1 - names.index(leader)]
             chances[partner] = chances.get(partner, 0.0) + weight
     held = sum(weight for names, weight in probabilities.together.items() if leader in names)
-    paired = sum(chances.values())
-    return _credible(chances, paired) if paired > BESIDE * held else []
+    return chances if sum(chances.values()) > BESIDE * held else {}
+
+
+def seconds(found: Search, probabilities: Posterior) -> list[str]:
+    """The fewest of them that hold nearly all of their probability, the likeliest first."""
+    chances = partners(found, probabilities)
+    return _credible(chances, sum(chances.values()))
+
+
+def grown_beside(found: Search, leader: str, names: Iterable[str]) -> dict[str, Grown]:
+    """For each effect, the best fitted model that has it and the leading one."""
+    return {
+        name: grown
+        for name in names
+        for grown in reversed(found.grown)
+        if sorted(grown.names) == sorted((leader, name))
+    }
 
 
 def _credible(chances: dict[str, float], total: float) -> list[str]:
@@ -185,7 +202,7 @@ def _credible(chances: dict[str, float], total: float) -> list[str]:
     return kept
 
 
-def rivals_of(found: Search, probabilities: Posterior, leader: str) -> dict[str, float]:
+def rivals_of(probabilities: Posterior, leader: str) -> dict[str, float]:
     """Effects that could stand in the leading one's place, with their chances.
 
     Where the best explanation holds a second effect, that one stays while rivals of the leader are counted.

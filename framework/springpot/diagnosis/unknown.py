@@ -18,7 +18,7 @@ from .frame import Frame
 CREEP = 3
 """Degree of the polynomials by which a gain or a phase may change over the measurement."""
 MOST_STEPS = 200
-"""Places at which a step is sought."""
+"""Places at which a step is sought at most, evenly over the measured frequencies."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +78,10 @@ def _creep(along: Real) -> Real:
 def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
     """A gain that differs between two ranges of frequency."""
     levels = np.unique(np.round(log_omega, 6))
-    if not 4 <= len(levels) <= MOST_STEPS:
+    if len(levels) < 4:
         return
     between = 0.5 * (levels[1:-2] + levels[2:-1])
+    between = between[np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)]
     columns = frame.whiten(frame.model_stiffness * (log_omega > between[:, None])).T
     left = frame.project(columns)
     size = np.linalg.norm(left, axis=0)
