@@ -251,6 +251,7 @@ def _ladder(d: str, rows: list[Row]) -> list[Figure]:
     goal = 0.90 if d != "sweep" else 0.75
     return [
         share("error after acceptance / floor in 0.95-1.05", d, walked, lambda r: 0.95 <= settled(r) <= 1.05, 0.95),
+        mean("error after acceptance / floor, mean", d, (settled(r) for r in walked)),
         share(
             "the true model itself: its error / true floor in 0.95-1.05",
             d,
