@@ -49,7 +49,7 @@ def with_harmonics(second, third):
 
 def test_a_harmonic_that_nothing_makes_is_not_passed_over():
     diagnosis = springpot.diagnose(with_harmonics(0.08, 0.0), KELVIN.name)
-    assert "harmonics that no model here makes" in diagnosis.says
+    assert "harmonics that this model does not make" in diagnosis.says
     assert any("harmonic 2 is 8" in note for note in diagnosis.notes)
 
 

@@ -33,7 +33,7 @@ from .thinning import thinned
 from .verdict import STRUCTURE_ALARM, sentence, verdict_of
 from .where import periodic, where
 
-HARMONICS = "; the force holds harmonics that no model here makes"
+HARMONICS = "; the force holds harmonics that this model does not make"
 RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
 

@@ -45,7 +45,7 @@ def notes(
     """
     yield from _of_data(found, outliers, measured)
     for finding in unexplained_harmonics(found, verdict):
-        yield f"{finding.says}; no effect here makes it, and K of the first harmonic does not tell of it"
+        yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
     kind = _unknown(found) if verdict == "unexplained" else ""
     if kind:
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
