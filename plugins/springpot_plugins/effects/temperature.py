@@ -36,7 +36,7 @@ EFFECTS = (
         "the material relaxes faster when hot: all times follow the free volume above the glass transition",
         Layer.TEMPERATURE,
         "Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008",
-        ("wlf",),
+        ("wlf", "vft", "vogel-fulcher-tammann"),
         equation="K(omega * 10^(-C1 * (T - Tr) / (C2 + T - Tr)))",
     ),
     Effect(
