@@ -45,7 +45,7 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
         return number(value), f"[{number(low)}, {number(high)}]"
     if width == 0:
         return number(value), f"[{number(low)}, {number(high)}]"
-    size = _exponent(value or width)
+    size = _exponent(value if abs(value) >= TINY else width)
     place = max(_place(width), size - MOST_DIGITS + 1)
     if place > size:  # the interval says little more than the size of the value
         return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
