@@ -87,43 +87,37 @@ def test_a_spring_in_series_is_a_filter(base, level, seed):
 
 
 @pytest.mark.parametrize(
-    ("law", "inside", "outside", "level", "seed"),
-    [
-        (60.0 + in_series(400.0, 40.0 * SWEEP_S**0.43), "fractional-kelvin", "fractional-maxwell", 0.002, 1),
-        (60.0 + in_series(400.0, 6.0 * SWEEP_S), "kelvin", "maxwell", 0.02, 3),
-    ],
-    ids=["alpha=0.43", "alpha=1"],
-)
-def test_the_zener_forms_are_reached_from_both_sides(law, inside, outside, level, seed):
-    """A spring in series with Kelvin, a spring beside Maxwell: each is found, and both end at the same error."""
-    data = measured(SWEEP, law, seed, level)
-    one, other = springpot.diagnose(data, inside), springpot.diagnose(data, outside)
-    assert "series-spring" in one.best.alike
-    assert "parallel-spring" in other.best.alike
-    assert of(one, "series-spring").error_after == pytest.approx(of(other, "parallel-spring").error_after, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("law", "inside", "outside", "level", "seed"),
+    ("kind", "law", "inside", "outside", "level", "seed"),
     [
         (
+            "spring",
+            60.0 + in_series(400.0, 40.0 * SWEEP_S**0.43),
+            "fractional-kelvin",
+            "fractional-maxwell",
+            0.002,
+            1,
+        ),
+        ("spring", 60.0 + in_series(400.0, 6.0 * SWEEP_S), "kelvin", "maxwell", 0.02, 3),
+        (
+            "dashpot",
             0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 12.0 * SWEEP_S**0.4),
             "fractional-kelvin-dashpot",
             "fractional-maxwell-dashpot",
             0.02,
             3,
         ),
-        (0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0), "kelvin", "maxwell", 0.002, 1),
+        ("dashpot", 0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0), "kelvin", "maxwell", 0.002, 1),
     ],
-    ids=["alpha=0.4", "spring"],
+    ids=["zener alpha=0.43", "zener alpha=1", "jeffreys alpha=0.4", "jeffreys spring"],
 )
-def test_the_jeffreys_forms_are_reached_from_both_sides(law, inside, outside, level, seed):
-    """The same with dashpots: slip in series with a fluid, or a solvent beside it."""
+def test_zener_and_jeffreys_forms_are_reached_from_both_sides(kind, law, inside, outside, level, seed):
+    """In series with Kelvin's form or beside Maxwell's: each is found, and both end at the same error."""
     data = measured(SWEEP, law, seed, level)
     one, other = springpot.diagnose(data, inside), springpot.diagnose(data, outside)
-    assert "series-dashpot" in one.best.alike
-    assert "parallel-dashpot" in other.best.alike
-    assert of(one, "series-dashpot").error_after == pytest.approx(of(other, "parallel-dashpot").error_after, rel=1e-3)
+    series, parallel = f"series-{kind}", f"parallel-{kind}"
+    assert series in one.best.alike
+    assert parallel in other.best.alike
+    assert of(one, series).error_after == pytest.approx(of(other, parallel).error_after, rel=1e-3)
 
 
 # E3: mounting compliance and an instantaneous spring

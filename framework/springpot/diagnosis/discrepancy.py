@@ -87,7 +87,7 @@ def log_shift_of(found: Refit) -> Real | None:
     """Ln a_T of a fitted model at the points (n,), or None where it has no shift with temperature."""
     model, points = found.model, found.fit.measurement.points
     total: Real | None = None
-    for effect, prefix in model._named_effects():  # the second of one name has a prefix of its own
+    for effect, prefix in model.named_effects():  # the second of one name has a prefix of its own
         if effect.composition is shift and "temperature" in effect.needs:
             names = [name for name in model.names if name.rpartition(".")[0] == prefix]
             theta = found.theta[[model.names.index(name) for name in names]]

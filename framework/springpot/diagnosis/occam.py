@@ -80,7 +80,7 @@ def _refund(found: Search, grown: Grown) -> float:
 def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
     """How sharply the data determine some parameters together, all others free: principal precisions (q,).
 
-    Parameters that only a combination of is determined have one sharp direction and open ones.
+    Where only a combination of them is determined, one direction is sharp and the others are open.
     """
     slopes = np.where(at_bound == 0, refit.fit.jacobian_u, 0.0)
     others = orthonormal(np.delete(slopes, rows, axis=1))
@@ -130,7 +130,7 @@ def unknown_marginal(found: Search) -> float:
 
 
 def _evidence_of(found: Search, kind: Unknown) -> float:
-    """The same for structure on top of the base model: costly, the more shapes it takes and the more were tried."""
+    """Log-evidence of one kind on top of the base model: it costs the more, the more shapes and places it has."""
     frame = found.frame
     left = float(frame.rest @ frame.rest) - kind.drop
     likelihood = found.base.noise.log_likelihood(left, frame.size)

@@ -80,13 +80,14 @@ class Model:
             A known mass that moves with the specimen, in units of stiffness times s^2.
         """
         network, resized = self.material, factor == 1.0 and mass == 0.0
-        for effect, prefix in sorted(self._named_effects(), key=lambda pair: pair[0].position):
+        for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
             if not resized and effect.layer > Layer.SPECIMEN:
                 network, resized = _loaded(network, factor, mass), True
             network = effect.composition(network, effect.element.with_prefix(prefix))
         return network if resized else _loaded(network, factor, mass)
 
-    def _named_effects(self) -> list[tuple[Effect, str]]:
+    def named_effects(self) -> list[tuple[Effect, str]]:
+        """The effects, each with the prefix of its parameters' names; a second one of its kind has `#2`."""
         seen: Counter[str] = Counter()
         named = []
         for effect in self.effects:
@@ -151,7 +152,7 @@ class Model:
             has none or does not act in parallel.
         """
         total = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
-        for effect, prefix in self._named_effects():
+        for effect, prefix in self.named_effects():
             own = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
             force = effect.third_harmonic(theta[own], at)
             if force is None or ("amplitude" in effect.needs and effect.composition is not parallel):
