@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help test lint demo bench clean
+.PHONY: help test lint demo bench soak clean
 
 help:  ## show this
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 8
@@ -22,6 +22,9 @@ demo: $(READY)  ## the whole story on embedded data; figures in results/demo/
 
 bench: $(READY)  ## speed, side by side with the libraries
 	$(BIN)/python -m pytest --benchmark-enable --benchmark-only tests/benchmarks
+
+soak: $(READY)  ## the long tests of reliability, on all that can be broken; table in results/soak/
+	$(BIN)/python tests/reliability/soak.py
 
 clean:  ## remove the environment and whatever tools left behind
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks

@@ -1,0 +1,42 @@
+"""The runner of the long tests: it finds its parts, writes their tables and tells a broken promise."""
+
+import sys
+from types import SimpleNamespace
+
+import pytest
+import soak
+from soak import Row
+
+
+@pytest.fixture
+def part(monkeypatch):
+    """A part that is not in the folder, with the rows that a test gives it."""
+
+    def add(name, *rows):
+        monkeypatch.setitem(sys.modules, soak.PREFIX + name, SimpleNamespace(rows=lambda rng, scale: iter(rows)))
+        known = soak.parts()
+        monkeypatch.setattr(soak, "parts", lambda: [*known, name])
+
+    return add
+
+
+def test_a_broken_promise_is_told_by_the_exit_code_and_kept_in_the_table(part, tmp_path, capsys):
+    part("good", Row("kills", 5, 5, "nothing lost"))
+    part("bad", Row("flips", 3, 2))
+    assert soak.main(["good", "--out", str(tmp_path)]) == 0
+    assert soak.main(["bad", "--out", str(tmp_path)]) == 1
+    assert "BROKEN" in capsys.readouterr().out
+    page = (tmp_path / "README.md").read_text()
+    assert "| kills | 5 | 5 | nothing lost |" in page, "a part that was run before stays on the page"
+    assert "| flips | 3 | 2 |  |" in page
+
+
+def test_an_unknown_part_is_refused(capsys):
+    with pytest.raises(SystemExit):
+        soak.main(["nothing-of-that-kind"])
+    assert "no part nothing-of-that-kind" in capsys.readouterr().err
+
+
+def test_every_part_can_be_called():
+    for name in soak.parts():
+        assert callable(__import__(soak.PREFIX + name).rows), name
