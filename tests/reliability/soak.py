@@ -1,8 +1,9 @@
 """The long tests of reliability: ``python tests/reliability/soak.py [PART ...] [--scale X] [--seed N] [--out DIR]``.
 
 A part is a module ``soak_NAME.py`` in this folder with a function ``rows(rng, scale)`` that yields a `Row` for
-each promise that it put to the test. ``scale`` is the share of the full number of cases: 1 in ``make soak``, far less in the
-test that the soak itself works. The tables go to ``results/soak``; the exit code is 1 if a promise was broken.
+each promise that it put to the test. ``scale`` is the share of the full number of cases: 1 in ``make soak``, far
+less in the test that the soak itself works. The tables go to ``results/soak``; the exit code is 1 if a promise was
+broken.
 """
 
 from __future__ import annotations
