@@ -9,7 +9,7 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, exact, hidden, measur
 import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
-from springpot.diagnosis.directions import Window, shown
+from springpot.identification import Window, shown
 from springpot.diagnosis.frame import orthonormal
 from springpot.diagnosis.posterior import Posterior, explanations, posterior
 from springpot.diagnosis.separation import Clash

@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 
+from springpot.identification import Window, settings
 from springpot.measurement import Measurement
-from springpot.rheology import Complex, Effect, Model, Parameter, Real
-
-DECADES = 5.0
-"""How far below and above the natural size of the data the size of an effect is tried."""
-BEYOND = 0.7
-"""Decades beyond the measured times and amplitudes to which an effect's own are tried."""
-EDGE = 1e-3
-"""Share of its range within which a bounded parameter counts as at its bound."""
-
+from springpot.rheology import Complex, Effect, Model, Real
 
 @dataclass(frozen=True, eq=False)
 class Influence:
@@ -50,103 +42,6 @@ class Influence:
         values = {name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added}
         values[self.added[0]] *= factor if self.effect.vanishes_at == 0.0 else 1.0 / factor
         return values
-
-
-@dataclass(frozen=True)
-class Window:
-    """Natural sizes of a measurement: where its stiffness, time and amplitude lie, and how far they reach."""
-
-    stiffness: float
-    time: float
-    amplitude: float
-    time_decades: float
-    amplitude_decades: float
-
-    @classmethod
-    def of(cls, measurement: Measurement) -> Window:
-        """The window of a measurement."""
-        log_omega = np.log10(measurement.omega)
-        amplitude = np.log10(np.maximum(measurement.conditions.get("amplitude", np.ones(1)), 1e-300))
-        return cls(
-            float(np.exp(np.mean(np.log(measurement.magnitude)))),
-            float(10.0 ** -np.mean(log_omega)),
-            float(10.0 ** np.mean(amplitude)),
-            float(np.ptp(log_omega)),
-            float(np.ptp(amplitude)),
-        )
-
-
-def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> Real:
-    """Quasi-random settings (count, q) of an effect's parameters over all that is physically possible."""
-    unit = _low_discrepancy(count, len(parameters))
-    columns: dict[str, Real] = {}
-    for u, parameter in sorted(
-        zip(unit.T, parameters, strict=True), key=lambda pair: isinstance(pair[1].unit.time, str)
-    ):
-        columns[parameter.name] = _setting(parameter, u, window, columns)
-    return np.column_stack([columns[parameter.name] for parameter in parameters])
-
-
-def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real]) -> Real:
-    unit = parameter.unit
-    power = done[unit.time] if isinstance(unit.time, str) else unit.time
-    natural = window.stiffness**unit.stiffness * window.time**power * window.amplitude**unit.amplitude
-    natural = natural * parameter.typical
-    if parameter.scale == "linear" and parameter.upper < inf and parameter.lower > -inf:
-        return parameter.lower + (parameter.upper - parameter.lower) * u
-    if parameter.scale == "linear":
-        sign = np.where(u < 0.5, -1.0, 1.0)
-        reach = np.abs(2.0 * u - 1.0)
-        return np.clip(sign * natural * 10.0 ** (DECADES * (reach - 1.0)), parameter.lower, parameter.upper)
-    decades = _reach(parameter, window)
-    return np.clip(natural * 10.0 ** (decades * (2.0 * u - 1.0)), max(parameter.lower, 1e-300), parameter.upper)
-
-
-def _reach(parameter: Parameter, window: Window) -> float:
-    """Decades to either side of the natural size in which a positive parameter is tried."""
-    unit = parameter.unit
-    if unit.stiffness:
-        return DECADES
-    if unit.time and isinstance(unit.time, int | float):
-        return 0.5 * abs(unit.time) * window.time_decades + BEYOND
-    if unit.amplitude:
-        return 0.5 * abs(unit.amplitude) * window.amplitude_decades + BEYOND
-    return 1.5
-
-
-def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
-    """Where the data would show a parameter: further off its effect has become a simpler one.
-
-    Parameters
-    ----------
-    parameter : Parameter
-        One of an effect's own.
-    window : Window
-        Where and how far the data reach.
-
-    Returns
-    -------
-    tuple of float
-        The ends of the range; empty where its unit depends on another parameter.
-    """
-    unit = parameter.unit
-    if parameter.scale == "linear":
-        room = EDGE * (parameter.upper - parameter.lower)
-        return parameter.lower + room, parameter.upper - room
-    if isinstance(unit.time, str):
-        return inf, -inf
-    natural = window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
-    reach = 10.0 ** ((_reach(parameter, window) if not unit.stiffness else 1.0 + BEYOND) - BEYOND)
-    return natural * parameter.typical / reach, natural * parameter.typical * reach
-
-
-def _low_discrepancy(count: int, dimension: int) -> Real:
-    """Additive recurrence with the generalised golden ratio, shape (count, dimension)."""
-    ratio = 1.5
-    for _ in range(60):
-        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
-    steps = ratio ** -np.arange(1.0, dimension + 1.0)
-    return (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
 
 
 def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, measurement: Measurement) -> Influence:

@@ -7,10 +7,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Uncertainty, held_costs
+from springpot.identification import Uncertainty, Window, held_costs, shown
 from springpot.rheology import Real
 
-from .directions import Window, shown
 from .frame import orthonormal
 from .harmonics import harmonic_evidence
 from .refit import Refit

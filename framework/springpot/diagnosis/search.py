@@ -8,10 +8,11 @@ from math import inf
 
 import numpy as np
 
+from springpot.identification import EDGE
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
-from .directions import EDGE, influence
+from .directions import influence
 from .frame import Frame
 from .pairs import best_pairs
 from .refit import Refit, refit

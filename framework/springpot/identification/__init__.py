@@ -3,12 +3,14 @@
 from .bounded import BoundedDescent, minima_in_box
 from .identify import Identification, identify
 from .leastsquares import Solution, levenberg_marquardt
+from .material import is_material, own_parameters
 from .native import Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
 from .problem import Problem
 from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
 from .run import Run, run, run_batch
+from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, paper_box, require_conditions
 from .uncertainty import Uncertainty, bootstrap, held_costs, profile
 
@@ -17,6 +19,7 @@ __all__ = [
     "BoundedDescent",
     "BudgetSpent",
     "Card",
+    "EDGE",
     "Fit",
     "Identification",
     "Objective",
@@ -28,12 +31,15 @@ __all__ = [
     "SearchSpace",
     "Solution",
     "Uncertainty",
+    "Window",
     "all_points",
     "bootstrap",
     "default_objective",
     "fit",
     "fit_batch",
     "identify",
+    "is_material",
+    "own_parameters",
     "levenberg_marquardt",
     "minima_in_box",
     "paper_box",
@@ -43,5 +49,7 @@ __all__ = [
     "run",
     "run_batch",
     "scanned_starts",
+    "settings",
+    "shown",
     "weighted",
 ]

@@ -143,7 +143,7 @@ def _layout(parameters: tuple[Parameter, ...]) -> _Layout:
     sized = [_size(p) for p in parameters]
     return _Layout(
         np.array([size[0] for size in sized]),
-        np.array([size[1:] for size in sized]).T,
+        np.array([size[1:] for size in sized]).reshape(-1, 3).T,
         np.array([p.scale == "log" for p in parameters]),
         pairs,
     )

@@ -14,6 +14,7 @@ from springpot.markup import table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Model, Parameter, Real
 
+from .material import is_material
 from .native import Fit, default_objective, fit, require_enough
 from .notes import notes_on
 from .objective import Objective
@@ -133,6 +134,8 @@ class Identification:
         orders = dict(zip((p.name for p in parameters), values.tolist(), strict=True))
         printed = {}
         for i, parameter in enumerate(parameters):
+            if parameter.detail:
+                continue
             time = parameter.unit.time
             order = orders.get(time) if isinstance(time, str) else None
             factor, label = self.measurement.units.of(parameter.unit, order)
@@ -278,6 +281,8 @@ def _by_native(
     rng = None if seed is None else np.random.default_rng(seed)
     found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng)
     notes = []
+    if is_material(model):
+        return found, "converged" if found.converged else "not converged", notes
     if not (found.converged and found.confirmed):
         found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[found.theta]))
     inner = [fit(part, measurement, objective, starts=STARTS) for part in (*_without_effects(model), *simpler)]

@@ -15,6 +15,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Points, Real
 
 from .leastsquares import Rows, Solution
+from .material import fit_spectrum, is_material
 from .objective import Objective
 from .problem import Problem
 from .space import require_conditions
@@ -96,8 +97,17 @@ class Fit:
 
     @property
     def dof(self) -> int:
-        """Degrees of freedom: twice the number of points less the number of parameters."""
-        return 2 * len(self.measurement) - len(self.theta)
+        """Degrees of freedom: twice the number of points less the number of parameters that follow them."""
+        return 2 * len(self.measurement) - len(self.theta) + self.silent
+
+    @property
+    def silent(self) -> int:
+        """Weights of a spectrum that the data put at zero: these follow nothing (Meyer and Woodroofe 2000,
+        doi:10.1214/aos/1015956708).
+        """
+        if not is_material(self.model):
+            return 0
+        return int(np.sum(self.theta[: len(self.model.material.parameters)] == 0.0))
 
     @cached_property
     def residual(self) -> Real:
@@ -182,6 +192,8 @@ def fit(
     require_conditions(model, measurement)
     require_enough(model, measurement)
     objective = default_objective(measurement) if objective is None else objective
+    if is_material(model):
+        return _fit_material(model, measurement, objective, starts, seeds_theta)
     task = _task(model, measurement, objective)
     offset = 0.0 if rng is None else _offset(rng)
     size = task.coordinates.size[0]
@@ -203,6 +215,18 @@ def fit(
         bool(solution.converged[best]),
         perf_counter() - began,
         _settled(solution, task.floor[0], 2, 1e-6),
+    )
+
+
+def _fit_material(
+    model: Model, measurement: Measurement, objective: Objective, starts: int, seeds_theta: Sequence[Real]
+) -> Fit:
+    """Any linear passive material, with the lines of its spectrum that the data ask for."""
+    began = perf_counter()
+    found = fit_spectrum(model, measurement, objective, seeds_theta, starts)
+    seconds = perf_counter() - began
+    return Fit(
+        found.model, measurement, objective, found.theta, found.cost, found.evaluations, found.converged, seconds
     )
 
 

@@ -1,5 +1,6 @@
 """Rheology: elements, the four compositions, parameters and models."""
 
+from .continuum import Continuum
 from .drawing import draw, drawing_of
 from .effect import Effect, Layer
 from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
@@ -128,6 +129,7 @@ __all__ = [
     "AMPLITUDE",
     "Chain",
     "Complex",
+    "Continuum",
     "Composition",
     "Dimension",
     "Effect",

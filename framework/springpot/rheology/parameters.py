@@ -63,6 +63,8 @@ class Parameter:
         Whether the parameter is searched by its logarithm (positive, of unknown size) or as it is.
     typical : float
         Size in the natural unit of the data; starts are drawn around it.
+    detail : bool
+        Whether it is one of many that are told as a whole, such as a line of a spectrum, and left out of lists.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Parameter:
     upper: float = inf
     scale: Scale = "log"
     typical: float = 1.0
+    detail: bool = False
 
     def renamed(self, name: str) -> Parameter:
         """The same parameter under another name; an order named in its unit moves along."""

@@ -8,7 +8,7 @@ from springpot.hooks import hookimpl
 from springpot.rheology import Model
 from springpot.rheology.family import Family
 
-from . import asphalt, classical, fluids, fractional, paper, relaxation, spectra
+from . import asphalt, classical, fluids, fractional, paper, passive, relaxation, spectra
 
 
 @hookimpl
@@ -21,5 +21,6 @@ def springpot_models() -> Iterable[Model | Family]:
         *fractional.MODELS,
         *asphalt.MODELS,
         *relaxation.MODELS,
+        *passive.MODELS,
         *spectra.FAMILIES,
     )

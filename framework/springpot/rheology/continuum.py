@@ -1,0 +1,76 @@
+"""Any linear passive material: a spring, a dashpot and as many Maxwell elements as the data can tell apart.
+
+Springs, dashpots and springpots, in whatever network, have K(s) = K_e + c s + integral H(r) s / (s + r) dln r with
+H >= 0 (Bernstein's theorem; Ferry, Viscoelastic Properties of Polymers, 1980, ch. 3). With lines of weight g at
+given rates r in place of H the stiffness is linear in K_e, c and g, all of which are positive or zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .nodes import FULL, VALUE, Node, Response
+from .parameters import Parameter, stiffness, viscosity
+from .points import Complex, Points, Real
+
+EQUILIBRIUM = Parameter("K_e", "K_e", stiffness().unit)
+VISCOSITY = viscosity("c")
+
+
+@dataclass(frozen=True)
+class Continuum(Node):
+    """K = K_e + c s + sum of g_j s / (s + r_j) over the lines of a spectrum.
+
+    Parameters
+    ----------
+    rates : tuple of float
+        The rates r_j in rad/s, ascending. Without any the node stands for a material that has not been fitted yet:
+        the fit chooses them.
+    """
+
+    rates: tuple[float, ...] = ()
+    kind: str = "material"
+
+    @cached_property
+    def _parameters(self) -> tuple[Parameter, ...]:
+        unit = EQUILIBRIUM.unit
+        lines = [Parameter(f"g{j}", f"g_{j}", unit, detail=True) for j in range(1, len(self.rates) + 1)]
+        return (EQUILIBRIUM, VISCOSITY, *lines)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """K_e, c and the weight of each line."""
+        return self._parameters
+
+    @cached_property
+    def _log_rates(self) -> Real:
+        return np.log(np.array(self.rates, dtype=float))
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K, linear in all parameters."""
+        basis, slopes = self._basis(at.log_omega, depth == FULL)
+        value = np.matmul(theta[..., None, :], basis)[..., 0, :]
+        if depth == VALUE:
+            return Response(value)
+        by_theta = np.broadcast_to(basis, (*value.shape[:-1], *basis.shape[-2:]))
+        if depth < FULL:
+            return Response(value, by_theta)
+        return Response(value, by_theta, np.matmul(theta[..., None, :], slopes)[..., 0, :])
+
+    def _basis(self, log_omega: Real, with_slopes: bool) -> tuple[Complex, Complex]:
+        """dK/dtheta (..., 2 + m, n), and its derivative by ln omega."""
+        shape = (*log_omega.shape[:-1], 2 + len(self.rates), log_omega.shape[-1])
+        basis = np.empty(shape, dtype=np.complex128)
+        basis[..., 0, :] = 1.0
+        basis[..., 1, :] = 1j * np.exp(log_omega)
+        # s / (s + r) in terms of r / omega, which stays finite where the two lie far apart.
+        basis[..., 2:, :] = 1.0 / (1.0 - 1j * np.exp(self._log_rates[:, None] - log_omega[..., None, :]))
+        if not with_slopes:
+            return basis, basis
+        slopes = np.zeros_like(basis)
+        slopes[..., 1, :] = basis[..., 1, :]
+        slopes[..., 2:, :] = basis[..., 2:, :] * (1.0 - basis[..., 2:, :])
+        return basis, slopes
