@@ -107,6 +107,8 @@ def printed(refit: Refit) -> dict[str, Value]:
     low, high = Uncertainty(refit.fit, absolute=fits).interval()
     rows = {}
     for i, parameter in enumerate(refit.model.parameters):
+        if parameter.detail:
+            continue
         factor, label = units.of(parameter.unit)
         rows[parameter.name] = Value(
             float(refit.theta[i]) * factor, float(low[i]) * factor, float(high[i]) * factor, label

@@ -44,7 +44,7 @@ def marginal(found: Search, grown: Grown) -> float:
     better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
     (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
     """
-    spent = len(grown.refit.theta) - len(found.base.theta)
+    spent = len(grown.refit.own) - len(found.base.own)
     cost = UNKNOWN_SIGN * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
     explained = _discounted(found, grown.refit.log_likelihood, spent, len(grown.effects))
     return explained + harmonic_evidence(grown.refit) - cost + _refund(found, grown)
@@ -93,7 +93,7 @@ def _extras(found: Search, grown: Grown) -> list[list[int]]:
     mine: dict[str, list[int]] = {}
     for i, parameter in enumerate(grown.refit.model.parameters):
         owner, _, short = parameter.name.rpartition(".")
-        if parameter.name not in found.base.model.names and (owner.partition("#")[0], short) not in sizes:
+        if owner and parameter.name not in found.base.model.names and (owner.partition("#")[0], short) not in sizes:
             mine.setdefault(owner, []).append(i)
     return list(mine.values())
 

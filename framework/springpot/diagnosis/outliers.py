@@ -142,5 +142,5 @@ def are_outliers(found: Search, reduced: Search, count: int) -> bool:
     weights = reduced.base.noise.weights
     scale = np.median(np.abs(weights)) / np.median(np.abs(found.base.noise.weights))
     gain = scale**2 * found.best.rss - reduced.best.rss
-    spent = len(found.best.theta) - len(reduced.best.theta)
+    spent = len(found.best.own) - len(reduced.best.own)
     return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + PRICE))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Fit, Objective, fit, weighted
+from springpot.identification import Fit, Objective, fit, is_material, own_parameters, weighted
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
@@ -59,15 +59,37 @@ class Refit:
         return self.model.stiffness(self.theta, self.fit.measurement.points)
 
     @property
+    def own(self) -> list[int]:
+        """Numbers of the parameters that are the model's own: all but those of a free spectrum."""
+        return own_parameters(self.model) if is_material(self.model) else list(range(len(self.theta)))
+
+    @property
+    def lines(self) -> int:
+        """Weights of a free spectrum that are above zero; none for a model with a name."""
+        return len(self.theta) - len(self.own) - self.fit.silent
+
+    @property
     def log_likelihood(self) -> float:
-        """Log-likelihood at the fit."""
-        return self.noise.log_likelihood(self.rss, 2 * len(self.fit.measurement))
+        """Log-likelihood at the fit, less what the lines of a free spectrum follow of the noise.
+
+        Each takes one from the expected chi-square, and how many there are is chance: without this two fits of a
+        material could not be compared (Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708).
+        """
+        return self.noise.log_likelihood(self.rss, 2 * len(self.fit.measurement)) - 0.5 * self.lines
 
     @property
     def log_evidence(self) -> float:
-        """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136)."""
-        size = 2 * len(self.fit.measurement)
-        return self.log_likelihood - 0.5 * len(self.theta) * float(np.log(size))
+        """Minus half the Bayesian information criterion (Schwarz 1978, doi:10.1214/aos/1176344136).
+
+        That all models with a free spectrum share it, is no reason to prefer one of them: it costs them nothing.
+        """
+        return self.log_likelihood - 0.5 * len(self.own) * float(np.log(2 * len(self.fit.measurement)))
+
+    @property
+    def log_evidence_of_all(self) -> float:
+        """The same with a price for each line, to be held beside models with a name."""
+        price = float(np.log(2 * len(self.fit.measurement)))
+        return self.log_evidence - 0.5 * self.lines * (price - 1.0)
 
     @cached_property
     def relative_rms(self) -> float:

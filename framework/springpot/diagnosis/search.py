@@ -181,7 +181,7 @@ def _resolved(found: Search, grown: Grown) -> bool:
 def _strained(found: Search) -> bool:
     """Whether the best single effect is a rare one, or one with so many parameters that it may stand for two."""
     best = found.grown[0]
-    spent = len(best.refit.theta) - len(found.base.theta)
+    spent = len(best.refit.own) - len(found.base.own)
     return spent > 1 or any(effect.prior < COMMON for effect in best.effects)
 
 

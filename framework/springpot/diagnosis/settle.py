@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.identification import is_material
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model, Real
 
@@ -89,6 +90,8 @@ def better_start(found: Search) -> Real | None:
     base = found.base
     if not found.grown or min(found.scan.p_value, found.structure.p_value) > SUSPICIOUS:
         return None
+    if is_material(base.model):
+        return None  # its spectrum has no other minimum
     seeds = []
     for grown in found.grown[:TOLD]:
         values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))

@@ -54,7 +54,7 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     total, count = 0.0, 0
     for fold in folds:
         less = refit(fitted.model, _without(fitted.data, fold), _noise_of(fitted, ~fold), [fitted.theta], starts=0)
-        off = fitted.fit.measurement.stiffness - fitted.model.stiffness(less.theta, fitted.fit.measurement.points)
+        off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
         sd = fitted.noise.sd
         total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
         count += 2 * int(np.sum(fold))

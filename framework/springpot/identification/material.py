@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -31,17 +30,23 @@ REFINEMENTS = 3
 SETTINGS = 48
 """Settings of the effects' parameters that are tried for each of them."""
 MOST_SETTINGS = 192
-KEPT = 3
+KEPT = 2
 """Settings from which the search begins."""
 ITERATIONS = 40
-STILL = 1e-9
+STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
+SHORTEST = 1e-7
+"""Step in coordinates, most of them logarithms, that changes nothing that is printed."""
 REACH = 3.0
 """Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
 INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
 LINEAR = 1e-6
 """Relative difference between foretold and real objective up to which K counts as linear in the weights."""
+ROUNDING = 1e-12
+"""Objective that is no more than rounding."""
+CLOSER = 0.25
+"""Each refined lattice has lines this much closer than the one before."""
 STEP = float(np.log(10.0)) / PER_DECADE
 
 
@@ -102,33 +107,26 @@ class _Trial:
     """The best spectrum at given parameters of the effects."""
 
     u: Real
-    lines: Real
+    log_rates: Real
     weights: Real
     cost: float
-    value: Complex
-    by_weights: Complex
-    by_own: Complex
-    model: Model
-
-    @property
-    def theta(self) -> Real:
-        """Weights and the effects' parameters as the model takes them; filled in by the search."""
-        return self.weights
 
 
 class _Search:
     """Variable projection for one model and one set of data."""
 
     def __init__(self, model: Model, measurement: Measurement, weights: Complex) -> None:
-        self.model, self.measurement, self.weights = model, measurement, weights
+        self.model, self.data, self.weights = model, measurement.stiffness, weights
         self.points = measurement.points
         self.own = tuple(model.parameters[i] for i in own_parameters(model))
-        scale = float(np.exp(np.mean(np.log(measurement.magnitude))))
+        self.scale = float(np.exp(np.mean(np.log(measurement.magnitude))))
         amplitude = self.points.amplitude
         typical = 1.0 if amplitude is None else float(np.mean(amplitude))
-        self.coordinates = Coordinates.of(self.own, float(np.mean(self.points.log_omega)), np.array([scale]), typical)
+        log_omega = float(np.mean(self.points.log_omega))
+        self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
-        self.scale = scale
+        self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
+        self.linear = False
         self.evaluations = 0
 
     def theta_of(self, u: Real) -> Real:
@@ -137,14 +135,11 @@ class _Search:
         return np.clip(theta, [p.lower for p in self.own], [p.upper for p in self.own])
 
     def u_of(self, own: Real) -> Real:
+        """Search coordinates (q,) of the effects' parameters."""
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
 
-    @cached_property
-    def _bounds(self) -> tuple[Real, Real]:
-        low, high = self.coordinates.bounds()
-        return low[0], high[0]
-
     def with_lines(self, log_rates: Real) -> Model:
+        """The model with a spectrum of these lines."""
         return replace(self.model, material=Continuum(tuple(np.exp(log_rates).tolist())))
 
     def lattice(self, own: Real) -> Real:
@@ -157,96 +152,99 @@ class _Search:
         # On multiples of the step, so that spectra of neighbouring settings have their lines in common.
         return STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1.0)
 
-    def solve(self, u: Real, lines: Real | None = None, start: Real | None = None) -> _Trial:
-        """The best spectrum for the effects' parameters `u`."""
-        own = self.theta_of(u)
-        lines = self.lattice(own) if lines is None else lines
-        model = self.with_lines(lines)
-        count = 2 + len(lines)
-        weights = np.full(count, self.scale / count) if start is None else start
-        data = self.measurement.stiffness
-        foretold, trial = -1.0, None
-        for _ in range(INNER):
-            with np.errstate(all="ignore"):
-                response = model.network.respond(np.concatenate([weights, own]), self.points, GRADIENT)
-            self.evaluations += 1
-            value, by_theta = response.value, response.by_theta
-            if not (np.all(np.isfinite(value)) and np.all(np.isfinite(by_theta))):
-                break
-            residual = weighted(data - value, self.weights)
-            cost = float(residual @ residual)
-            if trial is None or cost < trial.cost or foretold < 0.0:
-                trial = _Trial(u, lines, weights, cost, value, by_theta[:count], by_theta[count:], model)
-            if foretold >= 0.0 and abs(cost - foretold) <= LINEAR * max(foretold, 1e-300) + 1e-12:
-                break
-            columns = weighted(by_theta[:count], self.weights)
-            weights, foretold = non_negative(columns.T, residual + weights @ columns)
-        if trial is None:
-            nothing = np.zeros((0, len(self.points.log_omega)), dtype=np.complex128)
-            return _Trial(u, lines, weights, np.inf, data, nothing, nothing, model)
-        return trial
+    def respond(self, trial: _Trial) -> Response:
+        """K of a trial and its derivative."""
+        self.evaluations += 1
+        theta = np.concatenate([trial.weights, self.theta_of(trial.u)])
+        with np.errstate(all="ignore"):
+            return self.with_lines(trial.log_rates).network.respond(theta, self.points, GRADIENT)
 
-    def descend(self, u: Real) -> tuple[_Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters."""
-        trial, damping = self.solve(u), 1e-3
-        low, high = self._bounds
+    def solve(self, u: Real, log_rates: Real | None = None) -> _Trial:
+        """The best spectrum for the effects' parameters `u`; of infinite cost where K is no number."""
+        log_rates = self.lattice(self.theta_of(u)) if log_rates is None else log_rates
+        count = 2 + len(log_rates)
+        best = trial = _Trial(u, log_rates, np.full(count, self.scale / count), np.inf)
+        foretold = np.inf
+        for _ in range(INNER):
+            response = self.respond(trial)
+            if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
+                break
+            residual = weighted(self.data - response.value, self.weights)
+            cost = float(residual @ residual)
+            if np.isfinite(foretold):
+                self.linear = abs(cost - foretold) <= LINEAR * foretold + ROUNDING
+                if cost < best.cost:
+                    best = replace(trial, cost=cost)
+                if self.linear:
+                    break
+            columns = weighted(response.by_theta[:count], self.weights)
+            weights, foretold = non_negative(columns.T, residual + trial.weights @ columns)
+            trial = replace(trial, weights=weights)
+            if self.linear:
+                return replace(trial, cost=foretold)
+        return best
+
+    def descend(self, trial: _Trial) -> tuple[_Trial, bool]:
+        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest."""
+        if not len(trial.u) or not np.isfinite(trial.cost):
+            return trial, True
+        damping, slopes = 1e-3, self._slopes(trial)
         for _ in range(ITERATIONS):
-            if not np.isfinite(trial.cost) or not len(u):
+            moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
+            if float(np.max(np.abs(moved - trial.u))) < SHORTEST:
                 return trial, True
-            step = self._step(trial, damping)
-            moved = np.clip(trial.u + step, low, high)
             other = self.solve(moved)
             drop = trial.cost - other.cost
-            if drop > 0.0:
-                trial, damping = other, max(0.1 * damping, 1e-9)
-                if drop <= STILL * trial.cost:
-                    return trial, True
-            else:
-                if float(np.max(np.abs(moved - trial.u), initial=0.0)) < 1e-7 or damping > 1e8:
-                    return trial, True
+            if not drop > 0.0:
                 damping *= 10.0
+                continue
+            trial, damping = other, max(0.1 * damping, 1e-9)
+            if drop <= STILL * trial.cost:
+                return trial, True
+            slopes = self._slopes(trial)
         return trial, False
 
-    def _step(self, trial: _Trial, damping: float) -> Real:
-        """A step (q,) along which the lines that carry weight follow."""
-        residual = weighted(self.measurement.stiffness - trial.value, self.weights)
-        own = self.theta_of(trial.u)
-        slopes = weighted(self.coordinates.carry(trial.by_own.copy(), own, self.size), self.weights).T
-        carrying = weighted(trial.by_weights[trial.weights > 0.0], self.weights).T
+    def _slopes(self, trial: _Trial) -> tuple[Real, Real]:
+        """Residual (2n,) and its fall (2n, q) with u where the lines that carry weight follow; 0 at a bound."""
+        response, own = self.respond(trial), self.theta_of(trial.u)
+        count = len(trial.weights)
+        residual = weighted(self.data - response.value, self.weights)
+        slopes = weighted(self.coordinates.carry(response.by_theta[count:].copy(), own, self.size), self.weights).T
+        carrying = weighted(response.by_theta[:count][trial.weights > 0.0], self.weights).T
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
-        size = np.linalg.norm(slopes, axis=0)
-        size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-300))
-        low, high = self._bounds
         downhill = slopes.T @ residual
-        free = ~(((trial.u <= low) & (downhill < 0.0)) | ((trial.u >= high) & (downhill > 0.0)))
-        inner = slopes[:, free] / size[free]
-        matrix = inner.T @ inner + damping * np.eye(inner.shape[1])
-        step = np.zeros(len(trial.u))
-        step[free] = np.linalg.lstsq(matrix, inner.T @ residual, rcond=None)[0] / size[free]
-        return np.clip(step, -REACH, REACH)
+        held = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
+        return residual, np.where(held, 0.0, slopes)
 
     def refined(self, trial: _Trial) -> _Trial:
         """The same with lines between those that carry weight, ever closer, as long as that explains more."""
         spacing = STEP
         for _ in range(REFINEMENTS):
-            carrying = trial.lines[trial.weights[2:] > 0.0]
-            if len(carrying) == 0:
-                break
-            spacing *= 0.25
-            near = carrying[:, None] + spacing * np.arange(-4, 5)
-            lines = np.unique(np.round(near.ravel() / spacing)) * spacing
-            finer = self.solve(trial.u, lines)
+            carrying = trial.log_rates[trial.weights[2:] > 0.0]
+            spacing *= CLOSER
+            near = carrying[:, None] + spacing * np.arange(-1.0 / CLOSER, 1.0 / CLOSER + 1.0)
+            finer = self.solve(trial.u, np.unique(np.round(near.ravel() / spacing)) * spacing)
             if not finer.cost < trial.cost:
                 break
             trial = finer
         return trial
 
     def result(self, trial: _Trial, converged: bool) -> Spectral:
+        """The fitted model with the lines that carry weight."""
         kept = trial.weights[2:] > 0.0
-        model = self.with_lines(trial.lines[kept])
+        model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
         return Spectral(model, theta, trial.cost, self.evaluations, converged)
+
+
+def _step(residual: Real, slopes: Real, damping: float) -> Real:
+    """A damped Gauss-Newton step (q,), no coordinate of it beyond `REACH`."""
+    size = np.linalg.norm(slopes, axis=0)
+    size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-300))
+    scaled = slopes / size
+    matrix = scaled.T @ scaled + damping * np.eye(len(size))
+    return np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
@@ -295,17 +293,10 @@ def fit_spectrum(
     search = _Search(model, measurement, np.asarray(weights, dtype=np.complex128))
     count = len(search.own)
     seeds = [search.u_of(np.asarray(seed, dtype=float)[len(seed) - count :]) for seed in seeds_theta]
-    if count and (starts or not seeds):
-        seeds += _scanned(search)
-    ends = [search.descend(u) for u in (seeds if count else [np.zeros(0)])]
+    if count and starts and not seeds:
+        number = min(SETTINGS * count, MOST_SETTINGS)
+        seeds = [search.u_of(own) for own in settings(search.own, Window.of(measurement), number)]
+    trials = sorted((search.solve(u) for u in (seeds if count else [np.zeros(0)])), key=lambda trial: trial.cost)
+    ends = [search.descend(trial) for trial in trials[:KEPT]]
     best, converged = min(ends, key=lambda end: end[0].cost)
     return search.result(search.refined(best), converged)
-
-
-def _scanned(search: _Search) -> list[Real]:
-    """The most promising of many settings of the effects' parameters."""
-    number = min(SETTINGS * len(search.own), MOST_SETTINGS)
-    grid = settings(search.own, Window.of(search.measurement), number)
-    trials = [search.solve(search.u_of(own)) for own in grid]
-    trials.sort(key=lambda trial: trial.cost)
-    return [trial.u for trial in trials[:KEPT]]

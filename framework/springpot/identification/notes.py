@@ -57,7 +57,7 @@ def _is_order(fit: Fit, parameter: Parameter) -> bool:
 def _bounds(known: Uncertainty) -> Iterator[str]:
     for parameter, side in zip(known.fit.model.parameters, known.at_bound.tolist(), strict=True):
         name = parameter.name
-        if side == 0 or _is_order(known.fit, parameter):
+        if side == 0 or parameter.detail or _is_order(known.fit, parameter):
             continue
         if side < 0 and parameter.lower == 0.0:
             yield f"{name} is zero as far as these data show: a model without it fits as well"
@@ -82,8 +82,9 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
 
 
 def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
-    for i, name in enumerate(known.fit.model.names):
-        if known.at_bound[i]:
+    for i, parameter in enumerate(known.fit.model.parameters):
+        name = parameter.name
+        if known.at_bound[i] or parameter.detail:
             continue
         width = high[i] - low[i]
         size = abs(known.fit.theta[i])
@@ -96,7 +97,10 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
 def _correlated(known: Uncertainty) -> list[str]:
     """The few most strongly correlated pairs."""
     names = known.fit.model.names
+    detail = [i for i, parameter in enumerate(known.fit.model.parameters) if parameter.detail]
     correlation = np.nan_to_num(known.correlation)
+    # Neighbouring lines of a spectrum are nearly one: nobody asks for either by itself.
+    correlation[detail] = correlation[:, detail] = 0.0
     rows, columns = np.tril_indices(len(names), -1)
     order = np.argsort(-np.abs(correlation[rows, columns]), kind="stable")[:PAIRS].tolist()
     pairs = [(int(rows[k]), int(columns[k])) for k in order]
