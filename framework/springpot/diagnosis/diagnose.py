@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.identification import require_conditions
+from springpot.identification import is_material, require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model, Real
 
 from .candidates import candidates_of
 from .experiment import next_experiment
+from .material import MaterialFloor, material_floor, split_in_words
 from .notes import notes, unexplained_harmonics
 from .outliers import Outlier
 from .posterior import (
@@ -27,12 +28,19 @@ from .posterior import (
     seconds,
 )
 from .result import Diagnosis, Error, NextExperiment, Verdict, Where
-from .search import Search
-from .settle import settled
+from .refit import Refit
+from .search import Search, search
+from .settle import DECISIVE, settled
 from .thinning import thinned
 from .verdict import STRUCTURE_ALARM, sentence, verdict_of
 from .where import periodic, where
 
+BESIDE_MATERIAL = {
+    "effect-missing": ", and beside it a part of the material that no single effect supplies",
+    "unexplained": "; any linear material comes nearer than the model with any effect",
+    "inconclusive": "; any linear material comes nearer than the model with any effect",
+}
+"""What is added where effects are named beside a free spectrum."""
 HARMONICS = "; the force holds harmonics that this model does not make"
 RIVAL = 1e-3
 """Chance, beside that of the leading effect, from which another is worth a measurement."""
@@ -45,7 +53,11 @@ class Case:
     Attributes
     ----------
     found : Search
-        Fits and scans.
+        Fits and scans of the model.
+    named : Search
+        Those by which effects are named: of the model, or of any material where the model does not follow it.
+    floor : MaterialFloor
+        The least error that any material reaches.
     probabilities : Posterior
         Of every effect.
     diagnosis : Diagnosis
@@ -53,6 +65,8 @@ class Case:
     """
 
     found: Search
+    named: Search
+    floor: MaterialFloor
     probabilities: Posterior
     diagnosis: Diagnosis
 
@@ -94,38 +108,61 @@ def examine(
     require_conditions(model, measurement)
     measured, measurement = len(measurement), thinned(measurement)
     found, outliers = settled(measurement, model, library, rng, seeds)
-    base = found.base
-    probabilities = posterior(found)
-    verdict = verdict_of(found, probabilities, outliers)
+    floor = material_floor(found.base, rng)
+    named = _named_by(found, floor, library, rng)
+    probabilities = posterior(named)
+    verdict = verdict_of(named, probabilities, outliers)
+    if verdict == "adequate" and named is not found:
+        verdict = "unexplained"  # by effects: a material follows the data, but no single element mends the model
     if verdict == "effect-missing":
         probabilities = probabilities.without_unknown()
     elif verdict == "unexplained":
-        probabilities = probabilities.doubted(found.left.p_value)
-    groups = [] if verdict == "adequate" else classes(found, probabilities)
-    second = seconds(found, probabilities) if verdict == "effect-missing" else []
-    ranked = candidates_of(found, probabilities, groups, verdict)
+        probabilities = probabilities.doubted(named.left.p_value)
+    groups = [] if verdict == "adequate" else classes(named, probabilities)
+    second = seconds(named, probabilities) if verdict == "effect-missing" else []
+    says = sentence(found, verdict, groups[0] if groups else (), second, probabilities.imitators, outliers)
+    if named is not found:
+        says = f"{says}{BESIDE_MATERIAL[verdict]}"
     diagnosis = Diagnosis(
         data=measurement.name,
         model=model,
-        error=Error(base.relative_rms, base.floor, base.noise.source, base.noise.doubt),
+        error=error_of(found.base, floor),
         verdict=verdict,
-        says=sentence(found, verdict, groups[0] if groups else (), second, probabilities.imitators, outliers)
-        + (HARMONICS if unexplained_harmonics(found, verdict) else ""),
+        says=says + (HARMONICS if unexplained_harmonics(named, verdict) else ""),
+        split="" if verdict == "adequate" else split_in_words(found.base, floor, STRUCTURE_ALARM),
         where=tuple(_places(found, outliers, verdict)),
-        candidates=tuple(ranked),
+        candidates=tuple(candidates_of(named, probabilities, groups, verdict)),
         classes=tuple(tuple(group) for group in groups),
-        next_experiment=_next_experiment(found, probabilities) if groups else None,
-        notes=tuple(notes(found, probabilities, verdict, outliers, measured)),
+        next_experiment=_next_experiment(named, probabilities) if groups else None,
+        notes=tuple(notes(named, probabilities, verdict, outliers, measured)),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,
-            "p_left": found.left.p_value,
+            "p_left": named.left.p_value,
             "p_repeats": found.repeats.p_value,
             "nothing": probabilities.nothing,
             "unknown": probabilities.unknown + probabilities.narrow,
         },
     )
-    return Case(found, probabilities, diagnosis)
+    return Case(found, named, floor, probabilities, diagnosis)
+
+
+def error_of(base: Refit, floor: MaterialFloor) -> Error:
+    """The three lines: a model's error, the noise floor, the material floor."""
+    noise = base.noise
+    return Error(base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance)
+
+
+def _named_by(found: Search, floor: MaterialFloor, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+    """The search by which effects are named: that on any material, where the model and its effects leave structure.
+
+    A model that cannot follow the material hides every other effect under its own misfit, and bends them to mend it.
+    """
+    if is_material(found.base.model) or found.left.p_value >= STRUCTURE_ALARM:
+        return found
+    free = search(floor.refit, library, rng)
+    gain = 2.0 * (free.best.log_evidence_of_all - found.best.log_evidence_of_all)
+    return free if gain > DECISIVE else found
 
 
 def _places(found: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:

@@ -178,8 +178,8 @@ def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
     diagnosis = case.diagnosis
     if diagnosis.verdict not in ("effect-missing", "unexplained") or not diagnosis.candidates:
         return None
-    alarm = min(case.found.scan.p_value, case.found.structure.p_value)
-    gain = 2.0 * (case.found.best.log_evidence - case.found.base.log_evidence)
+    alarm = min(case.named.scan.p_value, case.named.structure.p_value)
+    gain = 2.0 * (case.named.best.log_evidence - case.named.base.log_evidence)
     if alarm > CLEAR or gain < DECISIVE:
         return None
     best = diagnosis.candidates[0]

@@ -15,12 +15,30 @@ EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 
 @dataclass(frozen=True)
 class Error:
-    """Error of the model against the noise floor, both relative to |K|."""
+    """Error of the model against the noise floor and the material floor, all relative to |K|.
+
+    Attributes
+    ----------
+    relative_rms : float
+        Root mean square of |K - K_m| / |K_m|.
+    noise_floor : float
+        The same for noise alone.
+    noise_source : {"given", "repeats", "estimated"}
+        Where the noise comes from.
+    doubt : str
+        One sentence where given standard deviations disagree with the data's own scatter.
+    material_floor : float
+        The least error that any linear passive material reaches beside the model's effects.
+    material_chance : float
+        That noise alone leaves a residual like that material's.
+    """
 
     relative_rms: float
     noise_floor: float
     noise_source: str
     doubt: str = ""
+    material_floor: float = 0.0
+    material_chance: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -119,6 +137,8 @@ class Diagnosis:
         Overall.
     says : str
         The verdict in one sentence.
+    split : str
+        What the material floor says: how much of what is missing is a part of the material.
     where : tuple of Where
         Where the model fails.
     candidates : tuple of Candidate
@@ -136,6 +156,7 @@ class Diagnosis:
     error: Error
     verdict: Verdict
     says: str
+    split: str
     where: tuple[Where, ...]
     candidates: tuple[Candidate, ...]
     classes: tuple[tuple[str, ...], ...]
@@ -160,6 +181,7 @@ class Diagnosis:
             "error": asdict(self.error),
             "verdict": self.verdict,
             "says": self.says,
+            "split": self.split,
             "where": [where.to_dict() for where in self.where],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "classes": [list(names) for names in self.classes],

@@ -8,6 +8,11 @@ def times(ratio: float) -> str:
     return f"{ratio:.0f} x" if ratio >= 99.5 else f"{ratio:.2g} x"
 
 
+def percent(fraction: float) -> str:
+    """A share of |K| with three digits, such as ``0.572 %``."""
+    return f"{100.0 * fraction:.3g} %"
+
+
 def plain(value: float, digits: int = 3) -> str:
     """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
     text = f"{value:.{digits}g}"

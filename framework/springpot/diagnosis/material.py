@@ -1,0 +1,94 @@
+"""The third line: the least error that any linear passive material reaches, beside the same effects.
+
+Below it lies what a spring, dashpot, springpot or mode may mend; above it what no material does at one temperature
+and amplitude: a mass, the instrument, temperature, amplitude, history.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.identification import is_material
+from springpot.rheology import Continuum
+
+from .refit import Refit, refit
+from .structure import Structure, structure
+from .words import percent, times
+
+NAME = "material"
+MOSTLY = 0.8
+"""Share of a misfit, in chi-square, from which it is told as being all of one kind."""
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialFloor:
+    """Any linear passive material with the effects of a model.
+
+    Attributes
+    ----------
+    refit : Refit
+        Its fit, in units of the same noise.
+    rest : Structure
+        The test on its residual.
+    """
+
+    refit: Refit
+    rest: Structure
+
+    @property
+    def relative_rms(self) -> float:
+        """The least error, relative to |K|."""
+        return self.refit.relative_rms
+
+    @property
+    def chance(self) -> float:
+        """That noise alone leaves a residual like this."""
+        return self.rest.p_value
+
+
+def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
+    """The least error that any material reaches in the place of a model's own, its effects fitted anew.
+
+    Parameters
+    ----------
+    base : Refit
+        A fitted model.
+    rng : numpy.random.Generator
+        For simulated noise.
+    """
+    found = base
+    if not is_material(base.model):
+        free = replace(base.model, base=NAME, material=Continuum(), search=None)
+        seed = base.theta[len(base.model.material.parameters) :]
+        found = refit(free, base.data, base.noise, [seed])
+    return MaterialFloor(found, structure(found.frame(), rng))
+
+
+def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
+    """What the third line says of a model that fails; nothing where it is the material itself.
+
+    Parameters
+    ----------
+    base : Refit
+        The model.
+    floor : MaterialFloor
+        What any material reaches.
+    alarm : float
+        Chance of noise below which something is held to be left.
+    """
+    if is_material(base.model):
+        return ""
+    spare = base.fit.dof
+    misfit, left = max(base.rss - spare, 0.0), max(floor.refit.rss - floor.refit.fit.dof, 0.0)
+    could = f"a material could be at {percent(floor.relative_rms)}"
+    beside = f" ({times(floor.relative_rms / floor.refit.floor)} the noise floor)"
+    if left > MOSTLY * misfit:
+        would = f"any linear material would be {percent(floor.relative_rms)} off"
+        return f"{would}: what is missing is no part of the material"
+    if floor.chance >= alarm:
+        return f"{could}: a spring, dashpot, springpot or mode is missing, or an effect that looks like one"
+    if left > (1.0 - MOSTLY) * misfit:
+        return f"{could}{beside}: a part of the material is missing, and something that is no part of it"
+    return f"{could}{beside}: most of what is missing is a part of the material, the rest is not"
