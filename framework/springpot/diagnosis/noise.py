@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal, NamedTuple, TypeAlias
@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
+from scipy.stats import f as f_distribution
 
 from springpot.measurement import CONDITIONS, Measurement
 from springpot.rheology import Complex, Model, Real
@@ -18,13 +19,16 @@ Rows: TypeAlias = NDArray[np.int64]
 Source = Literal["given", "repeats", "estimated"]
 LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
+MOST_DIGITS = 9
+"""Digits from which a value counts as written in full: single precision has seven."""
+POINTS_OF_A_RUN = 6
+"""Points of a run from which its own gain says little of each of them."""
+RUNS_DIFFER = 1e-4
+"""Chance of replicates that differ as a whole by so much where only their points scatter."""
 DOUBT = 1e-4
 """Chance below which given standard deviations are held to be misstated."""
 OUTLYING = 2e-4
 """Chance below which the scatter at one frequency is held to be no noise."""
-HELD = {"amplitude": 0.02, "temperature": 0.5}
-"""How nearly a rig holds what was set: repeats whose amplitudes (as a share) or temperatures (in kelvin) lie closer
-than this to one another are repeats of one point."""
 UNUSUAL = 10.0
 """Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
 some shape fits chance best, and structure is then seen where there is none."""
@@ -152,16 +156,27 @@ class Averaged:
         Of the repeats about their mean, with no degree of freedom where nothing is repeated.
     group : ndarray of int, shape (N,)
         Row of `mean` that each measured row belongs to.
+    gains : ndarray of complex, shape (N,), optional
+        By how much the run that a row belongs to is larger than the mean of its replicates, relative to K, where
+        runs differ by more than the scatter of their points: another specimen, loaded anew. It was taken away before
+        the mean and the scatter were formed.
     """
 
     raw: Measurement
     mean: Measurement
     scatter: Scatter
     group: Rows
+    gains: Complex | None = None
+
+    @property
+    def own_gain(self) -> float:
+        """Root mean square of what sets replicates apart as a whole, relative to |K|."""
+        return 0.0 if self.gains is None else float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
 
     def deviations(self) -> Complex:
-        """Each measured row less the mean of its repeats, over |K|; shape (N,)."""
-        return (self.raw.stiffness - self.mean.stiffness[self.group]) / self.raw.magnitude
+        """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
+        gains = 0.0 if self.gains is None else self.gains
+        return (self.raw.stiffness / (1.0 + gains) - self.mean.stiffness[self.group]) / self.raw.magnitude
 
     def relative_rms(self, model: Model, theta: Real) -> float:
         """Root mean square of |K - K_m| / |K_m| over all measured rows."""
@@ -172,48 +187,115 @@ class Averaged:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
         count = self.scatter.dof + 1.0
         single = (noise.sd.real**2 + noise.sd.imag**2) * count / self.mean.magnitude**2
-        return float(np.sqrt(np.sum(count * single) / np.sum(count)))
+        return float(np.sqrt(np.sum(count * single) / np.sum(count) + self.own_gain**2))
 
 
 def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     """Standard deviations (n,) no smaller than what writing the values with few digits has rounded away."""
-    least = [_last_digit(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
+    least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
     size = LEAST_RELATIVE * measurement.magnitude
     parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 
 
-def _last_digit(values: Real) -> float:
-    """Power of ten of which all values are multiples; 0 where they carry all the digits of a number."""
-    if not np.any(values):
-        return 0.0
-    for power in range(12, -13, -1):
-        step = 10.0**power
-        steps = values / step
+def rounding_step(values: Real) -> Real:
+    """How far apart the next values lie that could have been written in place of each; shape (n,).
+
+    A column is written with so many decimals, or with so many significant digits, or both: the coarser step counts.
+    Zero where the values carry all the digits of a number.
+    """
+    size = np.abs(values[values != 0.0])
+    if len(size) == 0:
+        return np.zeros(len(values))
+    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
+    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
+    step = np.zeros(len(values))
+    if decimals is not None:
+        step = np.maximum(step, 10.0**decimals)
+    if digits is not None:
+        step = np.maximum(step, 10.0 ** (exponent + digits))
+    return step
+
+
+def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
+    """The largest number whose powers of ten (n,) divide all values; None where only a full number's digits do."""
+    for power in range(12, -MOST_DIGITS, -1):
+        step = 10.0 ** power_of(power)
+        steps = size / step
         if np.all(np.abs(steps - np.round(steps)) <= 1e-9 * np.abs(steps)):
-            return step if np.max(np.abs(steps)) < 1e9 else 0.0
-    return 0.0
+            return power if np.max(np.abs(steps)) < 10.0**MOST_DIGITS else None
+    return None
 
 
 def average_repeats(measurement: Measurement) -> Averaged:
     """Mean of the repeats of each point, and their scatter about it."""
     group, first = _groups(measurement)
     count = np.bincount(group).astype(float)
-    mean = (np.bincount(group, measurement.storage) + 1j * np.bincount(group, measurement.loss)) / count
-    off = measurement.stiffness - mean[group]
-    real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
-    scatter = Scatter(real, imag, count - 1.0)
     if len(first) == len(measurement):
-        return Averaged(measurement, measurement, scatter, group)
+        nothing = np.zeros(len(first))
+        return Averaged(measurement, measurement, Scatter(nothing, nothing, nothing), group)
+    mean = _means(measurement.stiffness, group)
+    gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, count[group])
+    stiffness = measurement.stiffness if gains is None else measurement.stiffness / (1.0 + gains)
+    mean = _means(stiffness, group)
+    off = stiffness - mean[group]
+    real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
+    # A gain is estimated from all points of a run: each point pays its share of that degree of freedom.
+    free = max(1.0 - spent / max(float(np.sum(count - 1.0)), 1.0), 0.0)
+    scatter = Scatter(real, imag, (count - 1.0) * free)
     averaged = measurement.subset(first)
     sd = None if averaged.sd is None else averaged.sd / np.sqrt(count)
-    return Averaged(measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group)
+    return Averaged(measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains)
+
+
+def _means(values: Complex, group: Rows) -> Complex:
+    """Mean of each group, shape (groups,)."""
+    count = np.bincount(group)
+    return np.asarray((np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count)
+
+
+def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -> tuple[Complex | None, float]:
+    """The gain (N,) of the run that each row belongs to, and how many were estimated.
+
+    A run is what was measured in one repeat under one set of conditions. None where runs do not differ as a whole by
+    an analysis of variance, or where they differ in slope as well: then only their full scatter is honest.
+    """
+    columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
+    if measurement.repeat is not None:
+        columns.append(measurement.repeat)
+    _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    run = run.ravel()
+    usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
+    if not np.any(usable):
+        return None, 0.0
+    run, values = np.unique(run[usable], return_inverse=True)[1], relative[usable]
+    x = np.log(measurement.omega[usable])
+    mean = _means(values, run)
+    gain_spent = float(np.max(run) + 1) * (1.0 - float(np.mean(1.0 / count[usable])))
+    x = x - _means(x.astype(np.complex128), run).real[run]
+    slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
+    slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
+    by_gain = float(np.sum(np.abs(mean[run]) ** 2))
+    by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
+    left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
+    free = 2.0 * (float(np.sum(1.0 - 1.0 / count[usable])) - 2.0 * gain_spent)
+    if free < 1.0:
+        return None, 0.0
+    unit = max(left / free, 1e-300)
+    differ = [f_distribution.sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
+              for part in (by_gain, by_slope)]  # fmt: skip
+    if not differ[0] or differ[1]:
+        return None, 0.0
+    gains = np.zeros(len(relative), dtype=np.complex128)
+    gains[usable] = mean[run]
+    return gains, gain_spent
 
 
 def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     """Which averaged row each row belongs to, and the first row of each; only marked repeats are merged."""
     columns: list[Real] = [np.asarray(np.round(np.log(measurement.omega), 6), dtype=np.float64)]
-    columns += [_nominal(measurement, name) for name in CONDITIONS if name in measurement.conditions]
+    columns += [measurement.levels(name).astype(float) for name in CONDITIONS if name in measurement.conditions]
     if measurement.repeat is None:
         columns = [np.arange(len(measurement), dtype=float)]
     _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
@@ -221,17 +303,6 @@ def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     rank = np.empty(len(first), dtype=np.int64)
     rank[order] = np.arange(len(first))
     return rank[group.ravel()], first[order].astype(np.int64)
-
-
-def _nominal(measurement: Measurement, name: str) -> Real:
-    """Number of the value that was set, in ascending order, for values that a rig holds only nearly."""
-    column = measurement.conditions[name]
-    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
-    order = np.argsort(x, kind="stable")
-    step = np.concatenate([[0], np.diff(x[order]) > HELD[name]])
-    number = np.empty(len(x))
-    number[order] = np.cumsum(step)
-    return number
 
 
 def noise_of_repeats(averaged: Averaged) -> Noise | None:

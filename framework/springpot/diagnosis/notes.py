@@ -15,12 +15,14 @@ from .result import Verdict
 from .search import Search
 from .validation import validation
 from .verdict import REPEATS_ALARM, STRUCTURE_ALARM
-from .words import times
+from .words import percent, times
 
 WORTH_A_WORD = 0.03
 """Probability from which narrow features of unknown origin are told of."""
 EXPLAINED = 1.5
 """Chi-square per degree of freedom up to which nothing worth a word is left."""
+MOST_OF_IT = 0.2
+"""Share of a misfit beyond the noise that may be left by what is said to explain most of it."""
 LOUD = 0.01
 """Share of the first harmonic from which a higher one is told of: less is the rig's."""
 
@@ -72,6 +74,9 @@ def _of_data(found: Search, outliers: Sequence[Outlier], measured: int) -> Itera
     used = len(found.base.data.raw) + len(outliers)
     if measured > used:
         yield f"diagnosed on {used} of the {measured} points"
+    own_gain = found.base.data.own_gain
+    if own_gain > 0.0:
+        yield f"replicates differ as a whole by {percent(own_gain)} (rms): each run was given a gain of its own"
     if found.repeats.p_value < REPEATS_ALARM:
         yield f"repeats differ by more than chance ({found.repeats.kind}): drift or a disturbance common to a sweep"
 
@@ -106,5 +111,9 @@ def _unknown(found: Search) -> str:
     if found.structure.p_value >= STRUCTURE_ALARM:
         return ""
     kind, frame = likeliest_unknown(found), found.frame
-    left = float(frame.rest @ frame.rest) - kind.drop
-    return kind.says if left < EXPLAINED * (frame.size - frame.absorbed.shape[1]) else ""
+    spare = frame.size - frame.absorbed.shape[1]
+    misfit = float(frame.rest @ frame.rest)
+    left = misfit - kind.drop
+    all_of_it = left < EXPLAINED * spare
+    most_of_it = left - spare < MOST_OF_IT * (misfit - spare)
+    return kind.says if all_of_it or most_of_it else ""

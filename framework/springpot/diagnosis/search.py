@@ -112,7 +112,7 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     effects = [
         effect
         for effect in held(library, base.fit.measurement)
-        if not effect.narrow and _fits(base, base.model + effect)
+        if not effect.narrow and _fits(base, base.model + effect) and not _twice(base.model, effect)
     ]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
@@ -185,6 +185,11 @@ def _strained(found: Search) -> bool:
     return spent > 1 or any(effect.prior < COMMON for effect in best.effects)
 
 
+def _twice(model: Model, effect: Effect) -> bool:
+    """Whether a model already has this shift: two of one law are a law with a kink, which is no physics."""
+    return effect.plane == "shift" and effect.name in {own.name for own in model.effects}
+
+
 def _fits(base: Refit, model: Model) -> bool:
     """Whether the data are numbers enough for a grown model."""
     return len(model.names) <= 2 * len(base.fit.measurement)
@@ -234,7 +239,12 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
     ]
     for first in found.grown[:BEAM]:
         frame = first.refit.frame()
-        others = [effect for effect in effects if not (effect.narrow and any(one.narrow for one in first.effects))]
+        others = [
+            effect
+            for effect in effects
+            if not (effect.narrow and any(one.narrow for one in first.effects))
+            and not _twice(first.refit.model, effect)
+        ]
         seconds = scan_effects(first.refit, frame, others).scores[:SECONDS]
         pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
     found.grown += _clear(found, pairs)

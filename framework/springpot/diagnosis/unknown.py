@@ -11,12 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.measurement import CONDITIONS
 from springpot.rheology import Complex, Real
 
 from .frame import Frame
 
 CREEP = 3
 """Degree of the polynomials by which a gain or a phase may change over the measurement."""
+FEWEST_LEVELS = 3
+"""Levels of a condition from which a gain of its own at each is no other name for a trend."""
+POINTS_OF_EACH = 4
+"""Points of each level at least, so that the levels do not follow the noise."""
 MOST_STEPS = 200
 """Places at which a step is sought at most, evenly over the measured frequencies."""
 
@@ -60,12 +65,33 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
             curves = _creep(along)
             yield _family(frame, curves, f"a gain that changes slowly {words}")
             yield _family(frame, np.multiply(1j, curves), f"a phase that changes slowly {words}")
+    for name in CONDITIONS:
+        curves = _own_levels(frame, name)
+        if len(curves):
+            yield _family(frame, curves, f"a gain of its own at each {name}")
+            yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
     yield from _step(frame, log_omega)
 
 
 def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
     basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
     return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
+
+
+def _own_levels(frame: Frame, name: str) -> Real:
+    """Shapes (m, n) that are one at one level of a condition and zero elsewhere, for all but the first of them.
+
+    None where there are fewer than three levels, or so few points at each that they could follow anything.
+    """
+    column = frame.measurement.conditions.get(name)
+    if column is None:
+        return np.zeros((0, len(frame.measurement)))
+    level = frame.measurement.levels(name)
+    count = int(level.max()) + 1
+    if count < FEWEST_LEVELS or len(level) < POINTS_OF_EACH * count:
+        return np.zeros((0, len(level)))
+    shapes: Real = (level == np.arange(1, count)[:, None]).astype(np.float64)
+    return shapes
 
 
 def _creep(along: Real) -> Real:

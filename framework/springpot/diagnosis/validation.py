@@ -1,4 +1,4 @@
-"""Leaving out a temperature or an amplitude, and asking whether the grown model predicts it better."""
+"""Leaving out a temperature, an amplitude or a band of frequencies, and asking whether a model predicts it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.measurement import CONDITIONS, Measurement
+
 from .noise import Averaged, Noise, Scatter
 from .refit import Refit, refit
 from .sweeps import temperatures_differ
@@ -16,11 +18,17 @@ from .words import times
 BETTER = 0.98
 """Share of an error from which on a smaller one is better."""
 FOLDS = 4
-"""Values left out at most, each by itself."""
+"""Levels or bands left out at most, each by itself."""
+POINTS_OF_EACH = 4
+"""Points of each level at least: of fewer one says little."""
+FEWEST_LEVELS = 4
+"""Levels from which two inner ones can be left out between others."""
+BANDS = 6
+"""Bands into which frequencies are divided where no condition has levels."""
 
 
 def validation(base: Refit, grown: Refit) -> Iterator[str]:
-    """One sentence for each condition of which several values were measured.
+    """One sentence for each condition of which several levels were measured.
 
     Parameters
     ----------
@@ -29,9 +37,8 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
     grown : Refit
         The model with what is missing.
     """
-    conditions = ("temperature", "amplitude") if temperatures_differ(base.fit.measurement) else ("amplitude",)
-    for name in conditions:
-        folds = _folds(base, name)
+    for name in CONDITIONS:
+        folds = _of_levels(base.fit.measurement, name)
         if not folds:
             continue
         old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
@@ -39,6 +46,25 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
         yield (
             f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
         )
+
+
+def prediction_gain(before: Refit, after: Refit) -> float:
+    """Error of prediction after over before, where something inside the data is left out; one where nothing can be.
+
+    What is physics predicts what it has not seen; a curve that was bent to a misfit does not.
+
+    Parameters
+    ----------
+    before, after : Refit
+        A model, and the same with an effect.
+    """
+    measurement = after.fit.measurement
+    folds = next((folds for name in CONDITIONS if (folds := _of_levels(measurement, name))), _of_bands(measurement))
+    if not folds:
+        return 1.0
+    # Both on the same data in units of the same noise: outliers may have been set aside on one rung only.
+    again = refit(before.model, after.data, after.noise, [before.theta], starts=2)
+    return left_out_error(after, folds) / max(left_out_error(again, folds), 1e-300)
 
 
 def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
@@ -61,22 +87,36 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     return float(np.sqrt(total / count))
 
 
-def _folds(base: Refit, name: str) -> list[NDArray[np.bool_]]:
-    column = base.fit.measurement.conditions.get(name)
-    if column is None:
+def _of_levels(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
+    """Rows of a few inner levels of a condition; the ends would have to be extrapolated."""
+    column = measurement.conditions.get(name)
+    if column is None or (name == "temperature" and not temperatures_differ(measurement)):
         return []
-    rounded = np.round(column / max(float(np.max(np.abs(column))), 1e-300), 3)
-    values = np.unique(rounded)
-    if not 3 <= len(values) <= len(column) // 4:
+    level = measurement.levels(name)
+    count = int(level.max()) + 1
+    if count < FEWEST_LEVELS or len(level) < POINTS_OF_EACH * count:
         return []
-    chosen = values[np.unique(np.linspace(0, len(values) - 1, FOLDS).round().astype(int))]
-    return [rounded == value for value in chosen]
+    return [level == number for number in _inner(count)]
+
+
+def _of_bands(measurement: Measurement) -> list[NDArray[np.bool_]]:
+    """Rows of inner bands of frequency."""
+    _, which = np.unique(np.round(np.log(measurement.omega), 6), return_inverse=True)
+    distinct = int(which.max()) + 1
+    if distinct < 2 * BANDS:
+        return []
+    band = which.ravel() * BANDS // distinct
+    return [band == number for number in _inner(BANDS)]
+
+
+def _inner(count: int) -> list[int]:
+    """A few of the numbers 1 to count - 2, evenly."""
+    return np.unique(np.linspace(1, count - 2, min(FOLDS, count - 2)).round().astype(int)).tolist()
 
 
 def _without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:
     """The averaged data without some rows; the reference temperature stays."""
     mean = data.mean.subset(np.flatnonzero(~fold))
-    mean.__dict__["reference_temperature"] = data.mean.reference_temperature
     scatter = Scatter(*(column[~fold] for column in data.scatter))
     return Averaged(mean, mean, scatter, np.arange(len(mean)))
 

@@ -49,8 +49,6 @@ def verdict_of(found: Search, probabilities: Posterior, outliers: Sequence[Outli
 def _without_outliers(found: Search, probabilities: Posterior) -> Verdict:
     by_library = found.scan.p_value < LIBRARY_ALARM
     by_structure = found.structure.p_value < STRUCTURE_ALARM
-    if found.repeats.p_value < REPEATS_ALARM:
-        return "unexplained"
     gain = _gain(found)
     if not (by_library or by_structure):
         likely = gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5

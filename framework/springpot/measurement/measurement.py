@@ -24,6 +24,9 @@ KELVIN = 273.15
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""
+HELD = {"amplitude": 0.02, "temperature": 0.5}
+"""How nearly a rig holds what was set: amplitudes (as a share) or temperatures (in kelvin) that lie closer than this
+to one another are one level. Rheometers state 0.1 to 0.5 K and 1 to 2 %."""
 _DTYPES: dict[str, np.dtype[Any]] = {
     "omega": np.dtype(np.float64), "stiffness": np.dtype(np.complex128), "sd": np.dtype(np.complex128),
     "repeat": np.dtype(np.int64), "harmonics": np.dtype(np.complex128),
@@ -242,6 +245,13 @@ class Measurement:
 
         return as_stiffness(self, geometry, unit, amplitude)
 
+    def levels(self, name: str) -> NDArray[np.int64]:
+        """Number (n,) of the level of a condition that each row belongs to, ascending.
+
+        Neighbouring values that lie closer than a rig holds what was set are one level.
+        """
+        return _levels(name, self.conditions[name])
+
     def sweeps(self, tolerance: float = 2e-3) -> Iterator[tuple[str, NDArray[np.int64]]]:
         """Labels and row numbers of the frequency sweeps, one for each set of conditions and repeat.
 
@@ -261,6 +271,15 @@ class Measurement:
         for i in range(len(combinations)):
             rows = np.flatnonzero(which.ravel() == i)
             yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+
+
+def _levels(name: str, column: Real) -> NDArray[np.int64]:
+    """Number of the level that each value belongs to, in ascending order, for values that a rig holds only nearly."""
+    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
+    order = np.argsort(x, kind="stable")
+    number = np.empty(len(x), dtype=np.int64)
+    number[order] = np.cumsum(np.concatenate([[0], np.diff(x[order]) > HELD.get(name, 0.0)]))
+    return number
 
 
 def misspelt(condition: str) -> str:
