@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Complex, Real
 
-from .frame import Frame, orthonormal
+from .bases import orthonormal
+from .frame import Frame
 
 Rows: TypeAlias = NDArray[np.int64]
 WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)

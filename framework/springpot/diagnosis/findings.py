@@ -14,7 +14,7 @@ from scipy.stats import chi2, f, norm, t
 from springpot.rheology import Real
 
 from .frame import Frame
-from .noise import Source, robust_variance
+from .noise import Source, trimmed
 from .sweeps import sweeps_of
 from .words import times
 
@@ -219,7 +219,7 @@ def _outliers(frame: Frame) -> Iterator[Finding]:
         return
     n = len(frame.measurement)
     left = 1.0 - np.sum(frame.absorbed**2, axis=1) - np.sum(frame.structured**2, axis=1)
-    scale = np.sqrt(np.maximum(left, 0.05) * robust_variance(frame.rough, frame.rough_dof, frame.measurement.omega))
+    scale = np.sqrt(np.maximum(left, 0.05) * trimmed(frame).variance)
     size = np.abs(frame.rough) / scale
     each = 2.0 * t.sf(size, frame.rough_dof)
     chance = float(min(1.0, np.min(each) * frame.size))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
+from math import comb, inf
 
 import numpy as np
 from scipy.stats import f
@@ -17,13 +17,14 @@ from .noise import (
     Averaged,
     Noise,
     Scatter,
+    Trimmed,
     at_least_rounding,
     average_repeats,
     best_shape,
     checked,
     noise_of_repeats,
     plausible,
-    robust_variance,
+    trimmed,
 )
 from .refit import Refit, refit
 from .sweeps import sweeps_of
@@ -31,8 +32,9 @@ from .sweeps import sweeps_of
 ROUNDS = 2
 SHARPER = 0.7
 """The noise is estimated anew where the scatter about the best model is less than this share of the estimate."""
-DIFFERENCES = 0.5
-"""Degrees of freedom that a second difference is worth: neighbouring ones share points."""
+DIFFERENCES = (2, 3, 4, 5)
+"""Orders of the differences: of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
+order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points."""
 ENOUGH_NEIGHBOURS = 10
 """Degrees of freedom below which second differences say too little."""
 FASTER = 1e-3
@@ -88,20 +90,25 @@ def borne_out(best: Refit) -> bool:
 def _scatter(frame: Frame) -> tuple[float, float]:
     """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
 
-    A ripple too fast for the slow curves would pass for scatter, but neighbours along a sweep share most of it:
-    where their second differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these
-    tell the noise.
+    A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,
+    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their differences
+    vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
     """
-    dof = max(frame.rough_dof, 1)
-    whole = robust_variance(frame.rough, dof, frame.measurement.omega)
-    lines = [sweep.rows for sweep in sweeps_of(frame.measurement) if len(sweep.rows) >= 3]
-    parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
-    bend = np.concatenate([np.zeros(0), *(np.diff(part, 2) for part in parts)])
-    efficient = DIFFERENCES * len(bend)
-    if efficient < ENOUGH_NEIGHBOURS:
-        return whole, float(dof)
-    near = float(np.mean(bend**2)) / 6.0 / (1.0 - frame.absorbed.shape[1] / frame.size)
-    return (near, efficient) if near < whole * f.ppf(FASTER, efficient, dof) else (whole, float(dof))
+    variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
+    kept = 1.0 - frame.absorbed.shape[1] / frame.size
+    along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
+    for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
+        parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
+        for order in DIFFERENCES:
+            left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
+            power = comb(2 * order, order)
+            efficient = len(left) * power**2 / comb(4 * order, 2 * order)
+            if efficient < ENOUGH_NEIGHBOURS:
+                continue
+            near = float(np.mean(left**2)) / power / kept
+            if near < variance * f.ppf(FASTER, efficient, dof):
+                variance, dof = near, efficient
+    return variance, dof
 
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
@@ -136,7 +143,8 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     dof = frame.size - int(frame.absorbed.shape[1])
     if base.noise.source != "estimated" or dof < FEWEST:
         return None
-    noise = _of_residual(best, frame.rest, dof)
+    everything = np.ones(frame.size, dtype=bool)
+    noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
     if base.data.floor(noise) > SHARPER * base.data.floor(base.noise):
         return None
     return refit(base.model, base.data, noise, [base.theta], starts=8)
@@ -144,13 +152,14 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
 
 def _shaped(found: Refit) -> Noise:
     """Noise with the dependence on the point that the scatter about slow curves favours."""
-    frame = found.frame()
-    return _of_residual(found, frame.rough, max(frame.rough_dof, 1))
+    return _of_residual(found, trimmed(found.frame()))
 
 
-def _of_residual(found: Refit, whitened: Real, dof: int) -> Noise:
-    weights, n = found.noise.weights, len(whitened) // 2
-    real, imag = whitened[:n] / weights.real, whitened[n:] / weights.imag
-    scatter = Scatter(real**2, imag**2, np.full(n, dof / (2.0 * n)))
-    sd = at_least_rounding(best_shape(found.data.mean, scatter), found.data.mean)
-    return Noise(sd, float(dof), "estimated")
+def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
+    """Noise of the shape and size of a whitened scatter; points set aside say nothing of it."""
+    weights, n = found.noise.weights, len(scatter.left) // 2
+    squares = np.where(scatter.kept, scatter.left, 0.0) ** 2
+    each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
+    parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
+    sd = at_least_rounding(best_shape(found.data.mean, parts), found.data.mean)
+    return Noise(sd, scatter.dof, "estimated")

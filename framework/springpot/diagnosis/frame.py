@@ -7,12 +7,12 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from scipy.linalg import svd
 
 from springpot.identification import weighted
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
+from .bases import orthonormal
 from .sweeps import shared_shapes, slow_shapes
 
 
@@ -89,12 +89,12 @@ class Frame:
         Polynomials along each sweep, in magnitude and in phase: what a missing effect looks like,
         whichever it is.
         """
-        return self.beyond(self._relative(slow_shapes(self.measurement)))
+        return self.beyond(self.relative(slow_shapes(self.measurement)))
 
     @cached_property
     def shared(self) -> Real:
         """Orthonormal basis (2n, q) of what is alike in all sweeps at a frequency and is not slow."""
-        columns = self._relative(shared_shapes(self.measurement))
+        columns = self.relative(shared_shapes(self.measurement))
         return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
 
     @cached_property
@@ -112,21 +112,7 @@ class Frame:
         """Degrees of freedom of `rough`."""
         return self.size - int(self.absorbed.shape[1]) - int(self.structured.shape[1])
 
-    def _relative(self, shapes: Real) -> Real:
+    def relative(self, shapes: Real) -> Real:
         """Shapes (m, n) as changes of magnitude and of phase, whitened, as columns (2n, 2m)."""
         columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
         return np.concatenate(columns).T
-
-
-def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
-    """Orthonormal basis of the column space; columns are scaled first, so that units do not matter."""
-    size = np.sqrt(np.sum(columns * columns, axis=0))
-    columns = columns[:, size > 0] / size[size > 0]
-    if columns.shape[1] == 0:
-        return np.zeros((len(columns), 0))
-    try:
-        u, s, _ = np.linalg.svd(columns, full_matrices=False)
-    except np.linalg.LinAlgError:
-        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does not.
-        u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
-    return u[:, s > tolerance * s[0]]

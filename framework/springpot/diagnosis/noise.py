@@ -5,20 +5,38 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, gamma
 from scipy.stats import f as f_distribution
 
 from springpot.measurement import CONDITIONS, Measurement
 from springpot.rheology import Complex, Model, Real
 
+from .bases import orthonormal
+from .sweeps import drift_shapes, spectrum, sweeps_of, waves
+
+if TYPE_CHECKING:
+    from .frame import Frame
+
 Rows: TypeAlias = NDArray[np.int64]
 Source = Literal["given", "repeats", "estimated"]
 LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
+MOST_RIPPLES = 2
+"""Periods that are taken out of the scatter; a third could follow noise."""
+RIPPLE_ALARM = 1e-4
+"""Chance of white noise whose strongest period is as strong as one that is taken out."""
+SLOWEST_RIPPLE = 16.0
+"""Points of the longest period: longer waves are slow structure already."""
+LEAST_NEW = 1e-3
+"""Share of a curve that those already taken out must leave for it to count."""
+FEWEST_FREE = 20.0
+"""Degrees of freedom below which a period would take too many of them."""
+LEAST_KEPT = 0.7
+"""Share of the data below which what is left out is no few frequencies any more."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
 POINTS_OF_A_RUN = 6
@@ -351,30 +369,119 @@ def plausible(dof: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def robust_variance(rough: Real, dof: int, omega: Real) -> float:
-    """Variance of whitened scatter without the frequencies at which it is far larger than elsewhere.
+class Trimmed(NamedTuple):
+    """What slow curves leave of a residual, and the frequencies whose scatter is noise.
 
-    An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not.
+    Attributes
+    ----------
+    left : ndarray, shape (2n,)
+        The residual without the curves, which are fitted to the kept rows alone.
+    kept : ndarray of bool, shape (2n,)
+        Rows that are kept.
+    dof : float
+        Degrees of freedom of what is left in them.
+    """
+
+    left: Real
+    kept: NDArray[np.bool_]
+    dof: float
+
+    @property
+    def variance(self) -> float:
+        """Of the scatter."""
+        return float(np.sum(self.left[self.kept] ** 2)) / self.dof
+
+
+def trimmed(frame: Frame) -> Trimmed:
+    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger."""
+    followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
+    found = trimmed_residual(frame.residual, followed, omega)
+    drift = frame.relative(drift_shapes(len(frame.measurement)))
+    if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
+        followed = np.concatenate([followed, drift], axis=1)
+        found = trimmed_residual(frame.residual, followed, omega)
+    for _ in range(MOST_RIPPLES):
+        if found.dof < FEWEST_FREE or (period := _ripple(frame, found)) == 0.0:
+            break
+        ripple = frame.relative(waves(frame.measurement, period))
+        followed = np.concatenate([followed, ripple], axis=1)
+        found = trimmed_residual(frame.residual, followed, omega)
+    return found
+
+
+def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
+    """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
+    rows = scatter.kept
+    inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
+    kept = np.linalg.norm(inner, axis=0) > LEAST_NEW * np.linalg.norm(columns[rows], axis=0)
+    basis = orthonormal(inner[:, kept])
+    spent = float(basis.shape[1])
+    if spent == 0.0 or scatter.dof <= spent:
+        return False
+    explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
+    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
+    ratio = (explained / spent) / (left / (scatter.dof - spent))
+    return bool(f_distribution.sf(ratio, spent, scatter.dof - spent) < RIPPLE_ALARM)
+
+
+def _ripple(frame: Frame, scatter: Trimmed) -> float:
+    """Period, in points, of a ripple that the scatter holds; zero where the strongest one may be chance.
+
+    Of white noise the power at each of n independent frequencies is a sum of exponentials, one for each part of each
+    sweep; a periodic error of the analysis or of a resonance of the chain is not (Fisher 1929,
+    doi:10.1098/rspa.1929.0151).
+    """
+    left = np.where(scatter.kept, scatter.left, 0.0)
+    power = spectrum(frame.measurement, left[None])[0]
+    lines = 2 * len(sweeps_of(frame.measurement))
+    longest = len(power) - 1
+    # Slow waves are structure, and told of elsewhere.
+    first = int(np.ceil(2.0 * longest / SLOWEST_RIPPLE))
+    if first + 1 >= len(power):
+        return 0.0
+    peak = first + int(np.argmax(power[first:]))
+    mean = float(np.sum(left**2)) / lines
+    chance = longest * float(gamma.sf(power[peak] / mean, lines))
+    if chance > RIPPLE_ALARM:
+        return 0.0
+    fine = np.linspace(peak - 1.0, peak + 1.0, 41)[1:-1]
+    tried = [float(np.sum((orthonormal(frame.relative(waves(frame.measurement, 2.0 * longest / x))).T @ left) ** 2))
+             for x in fine]  # fmt: skip
+    return 2.0 * longest / float(fine[int(np.argmax(tried))])
+
+
+def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
+    """What curves leave of a residual, without the frequencies at which it is far larger.
+
+    An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not. The
+    curves are fitted anew without them, or they would be drawn towards what is left out; the first guess is the
+    median over frequencies, which a notch of a few points does not move.
 
     Parameters
     ----------
-    rough : ndarray, shape (2n,)
-        Whitened scatter, of variance one if the weights are right.
-    dof : int
-        Its degrees of freedom.
+    residual : ndarray, shape (2n,)
+        Whitened residual.
+    followed : ndarray, shape (2n, q)
+        Orthonormal basis of the curves.
     omega : ndarray, shape (n,)
         Angular frequencies.
     """
     _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
-    squares = np.bincount(group, rough**2) * len(rough) / dof
-    usual = chi2.ppf(1.0 - OUTLYING, count)
+    usual, middle = chi2.ppf(1.0 - OUTLYING, count), chi2.median(count)
     kept = np.ones(len(count), dtype=bool)
-    for _ in range(10):
-        variance = np.sum(squares[kept]) / np.sum(count[kept])
+    for turn in range(10):
+        rows = kept[group]
+        left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
+        found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))
+        # Curves take their share from every frequency alike.
+        squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof
+        mean = float(np.sum(squares[kept]) / np.sum(count[kept]))
+        variance = float(np.median(squares / middle)) if turn == 0 else mean
         within = squares <= usual * variance
-        if np.array_equal(within, kept) or np.sum(count[within]) < 0.7 * len(rough):
-            break
+        too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
+        if too_many or (turn > 0 and np.array_equal(within, kept)):
+            return found
         kept = within
-    return float(np.sum(squares[kept]) / np.sum(count[kept]))
+    return found

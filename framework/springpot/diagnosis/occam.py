@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from springpot.identification import Uncertainty, Window, held_costs, shown
 from springpot.rheology import Real
 
-from .frame import orthonormal
+from .bases import orthonormal
 from .harmonics import harmonic_evidence
 from .refit import Refit
 from .search import Grown, Search

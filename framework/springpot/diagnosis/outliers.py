@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from springpot.measurement import Measurement
 
 from .frame import Frame
-from .noise import robust_variance
+from .noise import trimmed_residual
 from .result import Where
 from .search import Search
 from .sweeps import sweeps_of
@@ -97,8 +97,7 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     basis, _ = np.linalg.qr(followed[both])
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
     free = 1.0 - np.sum(basis**2, axis=1)
-    dof = max(len(both) - basis.shape[1], 1)
-    variance = robust_variance(left, dof, frame.measurement.omega[rows])
+    variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
     scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0).reshape(2, -1).sum(axis=0)
     worst = int(np.argmax(scaled))
     return int(rows[worst]), float(chi2.sf(scaled[worst] / variance, 2))

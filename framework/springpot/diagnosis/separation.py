@@ -16,7 +16,7 @@ from springpot.identification import weighted
 from springpot.rheology import GRADIENT, Complex, Real
 
 from .actions import Action
-from .frame import orthonormal
+from .bases import orthonormal
 from .refit import Refit
 
 EVALUATIONS = 40

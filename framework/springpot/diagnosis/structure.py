@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
-from .frame import Frame, orthonormal
+from .bases import orthonormal
+from .frame import Frame
 from .noise import Averaged
-from .sweeps import slow_shapes, sweeps_of
+from .sweeps import slow_shapes, spectrum, sweeps_of
 
 DRAWS = 2000
 FEWEST_REPEATS = 8
@@ -155,24 +156,7 @@ def _local(frame: Frame) -> Real:
 
 def _ripple(frame: Frame, sample: Real) -> Real:
     """Largest power of a periodic residual along the sweeps, of one period in all of them."""
-    return np.asarray(spectrum(frame, sample).max(axis=1), dtype=np.float64)
-
-
-def spectrum(frame: Frame, sample: Real) -> Real:
-    """Power of whitened residuals (m, 2n) along the sweeps, all of them and both parts together.
-
-    Returns
-    -------
-    ndarray, shape (m, k)
-        At periods of infinity, 2 (k - 1), 2 (k - 1) / 2, ..., 2 points.
-    """
-    n, orders = len(frame.measurement), _along_frequency(frame)
-    length = 2 * max(len(rows) for rows in orders)
-    power: Real = np.zeros((len(sample), length // 2 + 1))
-    for rows in orders:
-        for offset in (0, n):
-            power += np.abs(np.fft.rfft(sample[:, rows + offset], length)) ** 2
-    return power
+    return np.asarray(spectrum(frame.measurement, sample).max(axis=1), dtype=np.float64)
 
 
 def _along_frequency(frame: Frame) -> list[NDArray[np.int64]]:

@@ -21,6 +21,8 @@ FEWEST_ALIKE = 3
 """Sweeps in which a residual must be alike to count as structure rather than as noise."""
 MOST_SHARED = 60
 """Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
+DRIFT_DEGREE = 3
+"""Degree of the polynomials by which a gain or a phase may creep from row to row."""
 DRIFT = 1.0
 """Kelvin by which temperatures differ at least if they were chosen."""
 
@@ -106,3 +108,38 @@ def shared_shapes(measurement: Measurement) -> Real:
     together = which.ravel() == np.arange(len(distinct))[:, None]
     shared: Real = together[together.sum(axis=1) >= FEWEST_ALIKE].astype(np.float64)
     return shared
+
+
+def spectrum(measurement: Measurement, sample: Real) -> Real:
+    """Power of whitened residuals (m, 2n) along the sweeps, all of them and both parts together.
+
+    Returns
+    -------
+    ndarray, shape (m, k)
+        At periods of infinity, 2 (k - 1), 2 (k - 1) / 2, ..., 2 points.
+    """
+    n, orders = len(measurement), [sweep.rows for sweep in sweeps_of(measurement)]
+    length = 2 * max(len(rows) for rows in orders)
+    power: Real = np.zeros((len(sample), length // 2 + 1))
+    for rows in orders:
+        for offset in (0, n):
+            power += np.abs(np.fft.rfft(sample[:, rows + offset], length)) ** 2
+    return power
+
+
+def waves(measurement: Measurement, period: float) -> Real:
+    """Cosine and sine along every sweep, of a period in points, shape (2 sweeps, n), zero outside their sweep."""
+    shapes = []
+    for rows, _ in sweeps_of(measurement):
+        phase = 2.0 * np.pi * np.arange(len(rows)) / period
+        for wave in (np.cos(phase), np.sin(phase)):
+            shape = np.zeros(len(measurement))
+            shape[rows] = wave
+            shapes.append(shape)
+    return np.array(shapes)
+
+
+def drift_shapes(count: int) -> Real:
+    """Slow curves from row to row, shape (DRIFT_DEGREE, n): what creeps while a measurement is made."""
+    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), DRIFT_DEGREE).T[1:]
+    return np.asarray(curves, dtype=np.float64)

@@ -111,7 +111,7 @@ def _of_bands(measurement: Measurement) -> list[NDArray[np.bool_]]:
 
 def _inner(count: int) -> list[int]:
     """A few of the numbers 1 to count - 2, evenly."""
-    return np.unique(np.linspace(1, count - 2, min(FOLDS, count - 2)).round().astype(int)).tolist()
+    return sorted({round(x) for x in np.linspace(1, count - 2, min(FOLDS, count - 2)).tolist()})
 
 
 def _without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:

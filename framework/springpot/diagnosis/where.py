@@ -13,8 +13,7 @@ from .dependence import Part, condition_axes, dependences, level_words
 from .frame import Frame
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
 from .result import Where
-from .structure import spectrum
-from .sweeps import sweeps_of
+from .sweeps import spectrum, sweeps_of
 
 ALARM = 0.003
 """Chance that noise alone makes a place of one part of K."""
@@ -94,7 +93,7 @@ def periodic(frame: Frame) -> Where:
     frame : Frame
         A fit whose residual has this kind of structure.
     """
-    power = spectrum(frame, frame.rest[None])[0]
+    power = spectrum(frame.measurement, frame.rest[None])[0]
     period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
     longest = max(sweeps_of(frame.measurement), key=lambda sweep: len(sweep.rows))
     step = float(np.ptp(longest.x)) / max(len(longest.rows) - 1, 1) / np.log(10.0)
@@ -113,13 +112,13 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
 
     A slow misfit swings too, about as often as there are parameters that follow it.
     """
-    power = spectrum(frame, frame.rest[None])[0]
+    power = spectrum(frame.measurement, frame.rest[None])[0]
     followed = int(frame.absorbed.shape[1])
     first = followed + 3
     if first + 2 >= len(power):
         return 0.0, 0.0
     scale = scales(frame.scale_dof)
-    chance = spectrum(frame, rng.standard_normal((DRAWS, frame.size)))
+    chance = spectrum(frame.measurement, rng.standard_normal((DRAWS, frame.size)))
     peak = int(np.argmax(power))
     excess = np.maximum(power - np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale)), 0.0)
     alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > ONE_PERIOD * float(np.sum(excess))

@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Parameter, Real
+from springpot.rheology import Complex, Parameter, Real
+
+Slopes = TypeVar("Slopes", Real, Complex)
 
 WIDEST = 12.0 * float(np.log(10.0))
 """A parameter twelve decades from its natural size leaves no trace in the data."""
@@ -98,7 +101,7 @@ class Coordinates:
         tiny = np.exp(-2.0 * WIDEST)
         return np.where(self.log, np.log(np.where(self.log, np.maximum(ratio, tiny), 1.0)), ratio)
 
-    def carry(self, by_theta: Real, theta: Real, size: Real) -> Real:
+    def carry(self, by_theta: Slopes, theta: Real, size: Real) -> Slopes:
         """Turn derivatives by theta (..., p, m) into those by u, in place."""
         for constant, order in self.pairs:
             drift = -self.log_omega * theta[..., constant, None]

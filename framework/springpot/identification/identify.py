@@ -280,7 +280,7 @@ def _by_native(
     """The native fit, checked against the simpler models that it contains."""
     rng = None if seed is None else np.random.default_rng(seed)
     found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng)
-    notes = []
+    notes: list[str] = []
     if is_material(model):
         return found, "converged" if found.converged else "not converged", notes
     if not (found.converged and found.confirmed):

@@ -220,7 +220,8 @@ class _Search:
         response, own = self.respond(trial), self.theta_of(trial.u)
         count = len(trial.weights)
         residual = weighted(self.data - response.value, self.weights)
-        slopes = weighted(self.coordinates.carry(response.by_theta[count:].copy(), own, self.size), self.weights).T
+        by_u = self.coordinates.carry(response.by_theta[count:].copy(), own, self.size)
+        slopes = weighted(by_u, self.weights).T
         carrying = weighted(response.by_theta[:count][trial.weights > 0.0], self.weights).T
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
@@ -255,7 +256,8 @@ def _step(residual: Real, slopes: Real, damping: float) -> Real:
     size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-300))
     scaled = slopes / size
     matrix = scaled.T @ scaled + damping * np.eye(len(size))
-    return np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)
+    step: Real = np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)
+    return step
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
