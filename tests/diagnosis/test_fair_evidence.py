@@ -9,10 +9,10 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, exact, hidden, measur
 import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.actions import actions
-from springpot.identification import Window, shown
 from springpot.diagnosis.frame import orthonormal
 from springpot.diagnosis.posterior import Posterior, explanations, posterior
 from springpot.diagnosis.separation import Clash
+from springpot.identification import Window, shown
 from springpot.registry import plugins
 from springpot.report.answers import doubt_text
 

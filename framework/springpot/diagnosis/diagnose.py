@@ -27,8 +27,8 @@ from .posterior import (
     rivals_of,
     seconds,
 )
-from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .refit import Refit
+from .result import Diagnosis, Error, NextExperiment, Verdict, Where
 from .search import Search, search
 from .settle import DECISIVE, settled
 from .thinning import thinned

@@ -11,8 +11,8 @@ from scipy.stats import chi2, f, norm
 
 from springpot.rheology import Complex, Real, shift
 
-from .causality import causal_evidence, step_of
 from .bases import orthonormal
+from .causality import causal_evidence, step_of
 from .frame import Frame
 from .refit import Refit
 from .sweeps import sweeps_of, temperatures_differ

@@ -91,8 +91,8 @@ def _scatter(frame: Frame) -> tuple[float, float]:
     """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
 
     A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,
-    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their differences
-    vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
+    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their
+    differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
     """
     variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
     kept = 1.0 - frame.absorbed.shape[1] / frame.size

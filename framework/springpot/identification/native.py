@@ -102,8 +102,9 @@ class Fit:
 
     @property
     def silent(self) -> int:
-        """Weights of a spectrum that the data put at zero: these follow nothing (Meyer and Woodroofe 2000,
-        doi:10.1214/aos/1015956708).
+        """Weights of a spectrum that the data put at zero: these follow nothing.
+
+        See Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708.
         """
         if not is_material(self.model):
             return 0
