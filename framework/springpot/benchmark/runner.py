@@ -121,7 +121,7 @@ def _work(
     ran = failed = 0
     tasks = plan.tasks(lambda cell: store.finished(numbers[cell.index]))
     try:
-        with closing(make_engine(plan, script, workers, engine).run(tasks)) as stream:  # type: ignore[type-var]
+        with closing(make_engine(plan, script, workers, engine, quiet).run(tasks)) as stream:  # type: ignore[type-var]
             for results in stream:
                 store.add(results, numbers)
                 ran += len(results)
