@@ -1,6 +1,7 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
 from . import geometry
+from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .geometry import Geometry
 from .geometry_text import parse_geometry
@@ -32,6 +33,7 @@ from .units import (
 __all__ = [
     "AMPLITUDE_UNITS",
     "ANGLE_UNITS",
+    "Budget",
     "CONDITIONS",
     "Choice",
     "DataSet",
@@ -55,6 +57,7 @@ __all__ = [
     "Units",
     "as_modulus",
     "as_stiffness",
+    "budget_of",
     "geometry",
     "harmonics_of",
     "known_unit",
@@ -69,4 +72,5 @@ __all__ = [
     "temperature_in_celsius",
     "through",
     "with_noise",
+    "within_budget",
 ]
