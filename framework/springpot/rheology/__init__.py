@@ -72,6 +72,7 @@ from .signal import (
     gain,
     phase,
 )
+from .spectrum import Slopes, Spectrum
 from .thermal import (
     Heated,
     arrhenius,
@@ -155,6 +156,8 @@ __all__ = [
     "SearchForm",
     "Series",
     "Shift",
+    "Slopes",
+    "Spectrum",
     "Springpot",
     "TIME_FORM",
     "VALUE",

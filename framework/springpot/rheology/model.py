@@ -17,6 +17,7 @@ from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
 from .parameters import Parameter
 from .points import Complex, Points, Real
+from .spectrum import Spectrum, spectrum_of
 from .twice import same_twice
 
 
@@ -185,6 +186,61 @@ class Model:
     def slope(self, theta: Real, at: Points | Real | float) -> Complex:
         """Exact derivative dK / d ln omega, shape (..., n)."""
         return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
+
+    def spectrum(
+        self,
+        theta: Real,
+        band: tuple[float, float] | None = None,
+        *,
+        tolerance: float = 1e-6,
+        temperature: float | None = None,
+        reference_temperature: float = 293.15,
+    ) -> Spectrum:
+        """The relaxation spectrum: K(s) = K_e + c s + m s^2 + sum of w s / (s + r), w >= 0, from the network itself.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        band : (float, float), optional
+            Angular frequencies in rad/s between which the sum is to hold; by default two decades beyond the model's
+            own relaxation times.
+        tolerance : float
+            Relative error of K that is aimed at; each factor of ten costs about a quarter term a decade.
+        temperature, reference_temperature : float, optional
+            In kelvin, for models with a temperature effect; by default at the reference temperature.
+
+        Returns
+        -------
+        Spectrum
+            With the error that it has, and its derivatives by theta.
+
+        Raises
+        ------
+        ModelError
+            If the model is no relaxing material: it has an effect of the signals, of the amplitude or of waves, or a
+            part that no sum of relaxations can follow (a loss that is not causal, a mass in series, Basset's layer).
+
+        Notes
+        -----
+        The weights are H(r) = Im K(r exp(i pi)) / pi on the nodes of the trapezoidal rule in ln r, whose error with n
+        terms a decade is 2 exp(-4.29 n); relaxation at single rates is found as the poles of K.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, dashpot, series, spring
+        >>> found = Model("maxwell", series(spring(), dashpot())).spectrum([2.0, 8.0])
+        >>> found.rates, found.weights, found.equilibrium
+        (array([0.25]), array([2.]), 0.0)
+        """
+        return spectrum_of(
+            self,
+            theta,
+            band,
+            tolerance=tolerance,
+            temperature=temperature,
+            reference_temperature=reference_temperature,
+        )
 
     def __add__(self, effect: Effect | str) -> Model:
         """The model with one more effect, given as an object or by name.
