@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
@@ -298,13 +299,8 @@ class Sum:
 
         The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2 from the axis.
         """
-        margin = np.log(2.0 / tolerance)
-        step = np.pi**2 / margin
-        sizes = self._sizes(low, high)
-        modes = self._modes(low - margin, high + margin, step, max(sizes), find_peaks)
-        keep = _needed(modes.rates, modes.weights, sizes, (low, high), tolerance)
-        order = np.flatnonzero(keep)[np.argsort(modes.rates[keep])]
-        modes = Lines(*(field[order] for field in modes))
+        modes = self._modes(low, high, tolerance, find_peaks)
+        modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
         ends, end_slopes = self._ends(low, high, modes)
         by_theta = Slopes(end_slopes[0], end_slopes[1], self.mass_slopes, modes.rate_slopes, modes.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
@@ -326,32 +322,31 @@ class Sum:
         return first, last
 
     def _modes(
-        self,
-        low: float,
-        high: float,
-        step: float,
-        largest: float,
-        find_peaks: Callable[[Branch, Edge], Complex],
+        self, low: float, high: float, tolerance: float, find_peaks: Callable[[Branch, Edge], Complex]
     ) -> Lines:
+        """All single lines, and nodes for what is spread: as many of them as the band needs."""
+        margin = np.log(2.0 / tolerance)
         own = self.classical
         found = [Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)]
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
-            edge = edge_of(part, low, high)
+            edge = edge_of(part, low - margin, high + margin)
             if edge.discrete:
                 found.append(lines_of(part, edge))
             else:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
         if spread:
-            u, share = nodes_of(low, high, step, np.concatenate(peaks))
+            u, share = nodes_of(low - margin, high + margin, np.pi**2 / margin, np.concatenate(peaks))
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
+            sizes = self._sizes(low, high)
             height = value.imag / np.pi
-            if np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * largest):
+            if np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
             fixed = np.zeros((len(u), len(self.mass_slopes)))
-            weights = share * np.maximum(height, 0.0)
-            found.append(Lines(np.exp(u), weights, fixed, (share * by_theta.imag / np.pi).T))
+            modes = Lines(np.exp(u), share * np.maximum(height, 0.0), fixed, (share * by_theta.imag / np.pi).T)
+            needed = _needed(modes.rates, modes.weights, sizes, (low, high), tolerance)
+            found.append(Lines(*(field[needed] for field in modes)))
         return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
     def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
@@ -422,14 +417,12 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
 
 def _needed(
     rates: Real, weights: Real, sizes: tuple[float, float], band: tuple[float, float], tolerance: float
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+) -> NDArray[np.bool_]:
     """Modes that the band sees as more than a spring (slower ones) or a dashpot (faster ones)."""
     low, high = np.exp(band)
     slow = weights * rates / low * (rates < low)
     fast = weights * (high / rates) ** 2 * (rates > high)
-    order = np.argsort(rates)
-    lost_slow = np.cumsum(slow[order]) < 0.1 * tolerance * sizes[0]
-    lost_fast = np.cumsum(fast[order][::-1])[::-1] < 0.1 * tolerance * sizes[1]
-    keep = np.empty(len(rates), dtype=bool)
-    keep[order] = ~(lost_slow & (rates[order] < low)) & ~(lost_fast & (rates[order] > high))
-    return keep
+    lost_slow = (np.cumsum(slow) < 0.1 * tolerance * sizes[0]) & (rates < low)
+    lost_fast = (np.cumsum(fast[::-1])[::-1] < 0.1 * tolerance * sizes[1]) & (rates > high)
+    needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
+    return needed
