@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -207,13 +208,16 @@ def _dask(address: str, parcel: Parcel) -> Engine:
         distributed: Any = import_module("distributed")
     except ImportError:
         raise StudyError(f"engine dask:{address} needs dask: pip install distributed") from None
+    # What it logs of a scheduler that is gone fills a screen; we tell it in one line.
+    for name in ("distributed", "tornado"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=ANSWER)
+        threads = sum(client.nthreads().values())
+        # Scattered once: every batch then carries a key instead of the data.
+        future = client.scatter(parcel, broadcast=True)
     except (OSError, ValueError, TimeoutError) as error:
         raise StudyError(f"no dask scheduler answers at {address}: {error}") from None
-    threads = sum(client.nthreads().values())
-    # Scattered once: every batch then carries a key instead of the data.
-    future = client.scatter(parcel, broadcast=True)
 
     def complaint() -> str:
         return "" if client.status == "running" else f"the dask scheduler at {address} is gone"

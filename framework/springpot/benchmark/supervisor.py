@@ -5,7 +5,7 @@ Each process is forked from a clean server for one optimiser and sees no trial o
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -30,7 +30,8 @@ AHEAD = 0.02
 DEEPEST = 32
 """Most tasks that wait there."""
 ORPHANED = 3
-"""Times that the server may end with nobody to blame before the study gives up."""
+"""Times that the server may end during a trial that runs alone before that is blamed, and between trials before the
+study gives up. Once proves nothing: the trial before may have ended the server, and its result have come first."""
 
 
 @dataclass(eq=False)
@@ -115,7 +116,7 @@ class LocalEngine:
         self._numbers = count(1)
         self._nursery: Nursery | None = None
         self._asked = 0.0
-        self._orphaned = 0
+        self._orphaned: Counter[Task | None] = Counter()
         self._suspects: deque[Task] = deque()
         self._means: dict[int, float] = {}
 
@@ -237,6 +238,7 @@ class LocalEngine:
     def _take(self, worker: Worker, claimed: list[TrialResult], worn: bool) -> list[TrialResult]:
         results = self._audit(worker.tasks[0], claimed)
         worker.tasks.popleft()
+        self._orphaned[None] = 0
         now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
         # A sliding mean: early trials carry first-use costs that later ones do not.
         self._means[worker.entrant] = mean + (now - worker.since - mean) * (0.2 if mean else 1.0)
@@ -282,15 +284,16 @@ class LocalEngine:
         cause = nursery.cause()
         if not nursery.ready:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
-        results: list[TrialResult] = []
         running = [worker for worker in self._workers.values() if worker.tasks]
-        self._orphaned += not running
-        if self._orphaned > ORPHANED:
+        alone = running[0].tasks[0] if len(running) == 1 else None
+        self._orphaned[alone] += len(running) < 2
+        if self._orphaned[None] >= ORPHANED:
             raise StudyError(f"study {self._plan.name}: the server of workers ends again and again ({cause})")
+        results: list[TrialResult] = []
         for worker in running:
             task = worker.tasks.popleft()
-            if len(running) == 1:
-                results += failure(task, Status.CRASH, f"the server of workers ended during it ({cause})")
+            if self._orphaned[task] >= ORPHANED:
+                results += failure(task, Status.CRASH, f"it ends the server of workers ({cause})")
             else:
                 self._suspects.append(task)
             self._backlog.put_back(worker.tasks)
