@@ -209,7 +209,7 @@ def _dask(address: str, parcel: Parcel) -> Engine:
     except ImportError:
         raise StudyError(f"engine dask:{address} needs dask: pip install distributed") from None
     # What it logs of a scheduler that is gone fills a screen; we tell it in one line.
-    for name in ("distributed", "tornado"):
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=ANSWER)
