@@ -3,6 +3,7 @@
 from . import geometry
 from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
+from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .interface import as_modulus, as_stiffness, through
@@ -59,6 +60,8 @@ __all__ = [
     "as_stiffness",
     "budget_of",
     "geometry",
+    "guarded",
+    "guarded_line",
     "harmonics_of",
     "known_unit",
     "measurement_from_signals",
@@ -71,6 +74,8 @@ __all__ = [
     "select",
     "temperature_in_celsius",
     "through",
+    "unguarded",
+    "unguarded_line",
     "with_noise",
     "within_budget",
 ]
