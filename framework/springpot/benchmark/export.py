@@ -15,7 +15,8 @@ from springpot.files import write_text, write_with
 from springpot.measurement import guarded
 
 from .columns import TABLES, Columns, required
-from .store import CellRow, ProblemRow, Store, TrialRow
+from .rows import CellRow, ProblemRow, TrialRow
+from .store import Store
 from .study import Study
 from .summary import store_path
 

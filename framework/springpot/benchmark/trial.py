@@ -32,6 +32,7 @@ class Status(StrEnum):
     TIMEOUT = "timeout"
     CRASH = "crash"
     CHANGED = "changed"
+    DAMAGED = "damaged"
 
     @property
     def failed(self) -> bool:
