@@ -7,6 +7,8 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .history import InTime
+from .intime import Traced
 from .linear import (
     basset,
     diffusion,
@@ -137,6 +139,7 @@ __all__ = [
     "FixedPower",
     "GRADIENT",
     "INERTANCE",
+    "InTime",
     "KELVIN_FORM",
     "Layer",
     "MAXWELL_FORM",
@@ -160,6 +163,7 @@ __all__ = [
     "Spectrum",
     "Springpot",
     "TIME_FORM",
+    "Traced",
     "VALUE",
     "VISCOSITY",
     "chain",

@@ -80,6 +80,12 @@ class Branch:
         element = _innermost(self.node)
         return isinstance(element, KnownMass) or (isinstance(element, FixedPower) and element.exponent == 2.0)
 
+    @property
+    def is_layer(self) -> bool:
+        """Whether it is a layer of fluid that is set in motion (Basset), between a dashpot and a mass."""
+        element = _innermost(self.node)
+        return isinstance(element, FixedPower) and 1.0 < element.exponent < 2.0
+
     def mass(self) -> tuple[float, Real]:
         """The constant of a mass and its derivative (p,), read at s = i."""
         found = self.respond(np.zeros(1), GRADIENT)

@@ -13,6 +13,7 @@ from springpot.errors import ModelError
 from .effect import Effect, Layer
 from .elements import KnownMass
 from .forms import SearchForm
+from .history import InTime
 from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
 from .parameters import Parameter
@@ -241,6 +242,106 @@ class Model:
             temperature=temperature,
             reference_temperature=reference_temperature,
         )
+
+    def in_time(
+        self,
+        theta: Real,
+        *,
+        temperature: float | Real | None = None,
+        reference_temperature: float = 293.15,
+        tolerance: float = 1e-9,
+    ) -> InTime:
+        """The model with its parameters, to be asked for relaxation, creep or any history with exact derivatives.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        temperature : float or ndarray, shape (n,), optional
+            In kelvin; one for each sample of a history lets shift effects follow it in reduced time.
+        reference_temperature : float
+            In kelvin.
+        tolerance : float
+            Relative error of K, and so of what follows in time; each factor of ten costs a few modes.
+
+        Returns
+        -------
+        InTime
+            Its methods return the values and their derivatives (n, p) by the parameters.
+        """
+        return InTime(self, np.asarray(theta, dtype=float), temperature, reference_temperature, tolerance)
+
+    def relaxation(self, theta: Real, t: Real, *, temperature: float | None = None) -> Real:
+        """Relaxation function: force over displacement after a step of the displacement.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        t : ndarray, shape (n,)
+            Time since the step in s, not negative.
+        temperature : float, optional
+            In kelvin, for models with a temperature effect; by default 293.15 K, where a shift is one.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            In the unit of K. A dashpot and a mass answer with an impulse at t = 0 and add nothing after it.
+
+        Raises
+        ------
+        ModelError
+            If the model has an effect that is not linear, belongs to the signals or has no law in time.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, dashpot, series, spring
+        >>> Model("maxwell", series(spring(), dashpot())).relaxation([2.0, 8.0], [0.0, 4.0]).round(6)
+        array([2.      , 0.735759])
+        """
+        return self.in_time(theta, temperature=temperature).relaxation(t).value
+
+    def creep(self, theta: Real, t: Real, *, temperature: float | None = None) -> Real:
+        """Creep function: displacement over force after a step of the force; see `relaxation`.
+
+        With a mass the displacement swings.
+        """
+        return self.in_time(theta, temperature=temperature).creep(t).value
+
+    def respond(self, theta: Real, t: Real, displacement: Real, *, temperature: float | Real | None = None) -> Real:
+        """Force for any history of the displacement, exact where that is straight between its samples.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        t, displacement : ndarray, shape (n,)
+            The history, at any rising times. Before it the displacement was held at its first value.
+        temperature : float or ndarray, shape (n,), optional
+            In kelvin, one for all or one for each sample.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Force, at each sample. Friction, sliders, stops and the like are followed as they are; signal effects act
+            on the force signal. Velocity and acceleration, which a dashpot and a mass feel, are second differences.
+
+        Raises
+        ------
+        ModelError
+            If the history is none, or an effect has no law in time.
+        """
+        return self.in_time(theta, temperature=temperature).respond(t, displacement).value
+
+    def respond_force(self, theta: Real, t: Real, force: Real, *, temperature: float | None = None) -> Real:
+        """Displacement for any history of the force, exact where that is straight between its samples; see `respond`.
+
+        Raises
+        ------
+        ModelError
+            As `respond`; also if an effect is not linear, or if a fluid was under force before the history began.
+        """
+        return self.in_time(theta, temperature=temperature).respond_force(t, force).value
 
     def __add__(self, effect: Effect | str) -> Model:
         """The model with one more effect, given as an object or by name.

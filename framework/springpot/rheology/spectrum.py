@@ -7,9 +7,10 @@ The trapezoidal rule in ln r turns the integral into a sum of exponentials with 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,12 +127,25 @@ def spectrum_of(
     conditions = conditions_at(temperature, reference_temperature)
     theta = np.asarray(theta, dtype=float)
     limits = None if band is None else _checked(band)
+    with blaming(model, theta, conditions):
+        return _spectrum(model.network, theta, conditions, limits, tolerance)
+
+
+@contextmanager
+def blaming(model: Model, theta: Real, conditions: Points) -> Iterator[None]:
+    """Name the part of the model that has no spectrum, where one is found to have none.
+
+    Raises
+    ------
+    ModelError
+        In one line.
+    """
     try:
         # A network may meet a pole on the way; what comes of it is seen in the error.
         with np.errstate(all="ignore"):
-            return _spectrum(model.network, theta, conditions, limits, tolerance)
+            yield
     except _NoSpectrumError as fault:
-        raise ModelError(_guilty(model, theta, conditions, limits, str(fault))) from None
+        raise ModelError(_guilty(model, theta, conditions, str(fault))) from None
 
 
 def conditions_at(temperature: float | None, reference_temperature: float) -> Points:
@@ -167,19 +181,14 @@ def _reason(effect: Effect) -> str:
     return ""
 
 
-def _guilty(model: Model, theta: Real, conditions: Points, band: tuple[float, float] | None, fault: str) -> str:
+def _guilty(model: Model, theta: Real, conditions: Points, fault: str) -> str:
     """Which part of the model has no spectrum: the first effect with which it is lost."""
     values = dict(zip(model.names, theta, strict=True))
     for count in range(len(model.effects)):
         smaller = replace(model, effects=model.effects[:count])
         try:
             _spectrum(
-                smaller.network,
-                np.array([values[name] for name in smaller.names]),
-                conditions,
-                band,
-                1e-3,
-                attempts=1,
+                smaller.network, smaller.vector({n: values[n] for n in smaller.names}), conditions, None, 1e-3, 1
             )
         except _NoSpectrumError:
             part = f"'{smaller.effects[-1].name}'" if count else f"'{model.base}'"
@@ -210,18 +219,42 @@ def _spectrum(
 ) -> Spectrum:
     whole = Sum.of(network, theta, conditions)
     low, high = band or whole.own_band()
+    return summed(whole, low, high, tolerance, attempts=attempts)
+
+
+def summed(
+    whole: Sum, low: float, high: float, tolerance: float, *, attempts: int = FINEST, signed: bool = False
+) -> Spectrum:
+    """The sum of exponentials for the band from exp(low) to exp(high), with steps as fine as the tolerance asks.
+
+    Parameters
+    ----------
+    whole : Sum
+        The network taken apart.
+    low, high : float
+        The band in ln omega.
+    tolerance : float
+        Relative error of K that is aimed at.
+    attempts : int
+        How often a smaller step may be tried.
+    signed : bool
+        Let a layer of fluid that is set in motion (Basset) count as modes of negative weight.
+    """
     wanted = 0.3 * tolerance
-    found = whole.summed(low, high, wanted, peaks_of)
+    found = whole.summed(low, high, wanted, peaks_of, signed)
     for _ in range(attempts):
         if found.error <= tolerance:
             break
         # An error not far off is a step a little too wide; a large one is a peak that was not seen.
         finder = peaks_of if found.error < NEARLY * tolerance else all_peaks_of
         wanted = wanted**1.5
-        found = min(found, whole.summed(low, high, wanted, finder), key=lambda each: each.error)
+        found = min(found, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
     if not found.error < REFUSED:
         raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * found.error:.2g} %")
     return found
+
+
+PeakFinder: TypeAlias = Callable[[Branch, Edge], Complex]
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,19 +326,23 @@ class Sum:
         return float(at.min() - MARGIN), float(at.max() + MARGIN)
 
     def summed(
-        self, low: float, high: float, tolerance: float, find_peaks: Callable[[Branch, Edge], Complex]
+        self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool = False
     ) -> Spectrum:
         """The sum of exponentials for the band from exp(low) to exp(high).
 
         The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2 from the axis.
         """
-        modes = self._modes(low, high, tolerance, find_peaks)
+        own, modes = self.classical, self._modes(low, high, tolerance, find_peaks, signed)
+        ends, slopes = self._ends(low, high, modes)
+        ends += [*own.ends, self.mass]
+        slopes += np.vstack([own.end_slopes, self.mass_slopes])
+        lines = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
+        modes = Lines(*(np.concatenate(pair) for pair in zip(lines, modes, strict=True)))
         modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
-        ends, end_slopes = self._ends(low, high, modes)
-        by_theta = Slopes(end_slopes[0], end_slopes[1], self.mass_slopes, modes.rate_slopes, modes.weight_slopes)
+        by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
-        spring, dashpot = ends.tolist()
-        found = Spectrum(spring, dashpot, self.mass, modes.rates, modes.weights, band, np.inf, by_theta)
+        spring, dashpot, mass = ends.tolist()
+        found = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
         return replace(found, error=self._error(found, low, high))
 
     def _whole(self, log_omega: Anywhere) -> Complex:
@@ -321,13 +358,10 @@ class Sum:
         first, last = np.abs(self._whole(np.array([low, high]))).tolist()
         return first, last
 
-    def _modes(
-        self, low: float, high: float, tolerance: float, find_peaks: Callable[[Branch, Edge], Complex]
-    ) -> Lines:
-        """All single lines, and nodes for what is spread: as many of them as the band needs."""
+    def _modes(self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool) -> Lines:
+        """Single lines of the parts, and nodes for what is spread: as many of them as the band needs."""
         margin = np.log(2.0 / tolerance)
-        own = self.classical
-        found = [Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)]
+        found = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
             edge = edge_of(part, low - margin, high + margin)
@@ -341,47 +375,50 @@ class Sum:
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
             sizes = self._sizes(low, high)
             height = value.imag / np.pi
-            if np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
+            if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
             fixed = np.zeros((len(u), len(self.mass_slopes)))
-            modes = Lines(np.exp(u), share * np.maximum(height, 0.0), fixed, (share * by_theta.imag / np.pi).T)
-            needed = _needed(modes.rates, modes.weights, sizes, (low, high), tolerance)
+            modes = Lines(
+                np.exp(u),
+                share * (height if signed else np.maximum(height, 0.0)),
+                fixed,
+                (share * by_theta.imag / np.pi).T,
+            )
+            order = 3 if any(part.is_layer for part in spread) else 2
+            needed = _needed(modes, sizes, (low, high), tolerance, order)
             found.append(Lines(*(field[needed] for field in modes)))
         return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
     def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
-        """Spring and dashpot: those of the network and what stands for all slower and faster modes.
+        """Spring, dashpot and mass that stand for all modes slower and faster than `modes`, with their derivatives.
 
-        The latter are told from two real s, where K is real.
+        They are told from real s, where K is real. Only a layer of fluid needs a mass.
         """
-        own = self.classical
-        where = np.array([low, high])
+        layered = any(part.is_layer for part in self.parts)
+        powers = np.arange(3.0 if layered else 2.0)
+        where = np.linspace(low, high, len(powers))
         s = np.exp(where)[:, None]
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
         if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
             raise _NoSpectrumError("is no material: without oscillation its force would not be real")
-
-        def at_real(modes: Lines) -> tuple[Real, Real]:
-            kernel = s / (s + modes.rates)
-            slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
-            return kernel @ modes.weights, slopes
-
-        kept, kept_slopes = at_real(modes)
-        all_own, all_slopes = at_real(Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes))
-        rest, rest_slopes = value.real + all_own - kept, by_theta.real.T + all_slopes - kept_slopes
-        inverse = np.array([[s[1, 0], -s[0, 0]], [-1.0, 1.0]]) / (s[1, 0] - s[0, 0])
-        ends = inverse @ rest
+        kernel = s / (s + modes.rates)
+        slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
+        # In units of the highest s, or the matrix would be singular to rounding.
+        inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
+        found = inverse @ (value.real - kernel @ modes.weights)
         # What rounding leaves of a spring or dashpot that is not there is none.
-        there = ends > ROUNDING * (np.abs(value.real) + all_own) / np.array([1.0, s[1, 0]])
-        beyond, beyond_slopes = np.where(there, ends, 0.0), np.where(there[:, None], inverse @ rest_slopes, 0.0)
-        return own.ends + beyond, own.end_slopes + beyond_slopes
+        there = layered | (found > ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers)
+        ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
+        ends[: len(powers)] = np.where(there, found, 0.0)
+        end_slopes[: len(powers)] = np.where(there[:, None], inverse @ (by_theta.real.T - slopes), 0.0)
+        return ends, end_slopes
 
     def _error(self, found: Spectrum, low: float, high: float) -> float:
         grid = np.linspace(low, high, max(9, int(4 * (high - low))))
         exact = self._whole(grid)
         if not np.all(np.isfinite(exact)):
             raise _NoSpectrumError("is not finite on the band")
-        own = found.stiffness(np.exp(grid)) + found.mass * np.exp(2.0 * grid)
+        own = found.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))
 
@@ -416,12 +453,12 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
 
 
 def _needed(
-    rates: Real, weights: Real, sizes: tuple[float, float], band: tuple[float, float], tolerance: float
+    modes: Lines, sizes: tuple[float, float], band: tuple[float, float], tolerance: float, order: int
 ) -> NDArray[np.bool_]:
-    """Modes that the band sees as more than a spring (slower ones) or a dashpot (faster ones)."""
-    low, high = np.exp(band)
+    """Modes that the band sees as more than a spring (slower ones) or, to that order, a dashpot (faster ones)."""
+    (low, high), rates, weights = np.exp(band), modes.rates, np.abs(modes.weights)
     slow = weights * rates / low * (rates < low)
-    fast = weights * (high / rates) ** 2 * (rates > high)
+    fast = weights * (high / rates) ** order * (rates > high)
     lost_slow = (np.cumsum(slow) < 0.1 * tolerance * sizes[0]) & (rates < low)
     lost_fast = (np.cumsum(fast[::-1])[::-1] < 0.1 * tolerance * sizes[1]) & (rates > high)
     needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
