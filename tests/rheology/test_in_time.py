@@ -364,11 +364,15 @@ def test_a_history_of_temperatures_is_reduced_time(name: str):
     np.testing.assert_allclose(softer[:3], cold[:3], rtol=1e-3, atol=1e-6)
 
 
-def test_derivatives_with_a_history_of_temperatures():
-    model = parse_model("fractional-zener + wlf-shift")
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [("fractional-zener", [1.0, 3.0, 2.0, 0.6]), ("kelvin", [1.0, 3.0]), ("burgers", [1.0, 3.0, 2.0, 0.6])],
+)
+def test_derivatives_with_a_history_of_temperatures(name: str, own: list[float]):
+    model = parse_model(f"{name} + wlf-shift")
     t = np.linspace(0.0, 4.0, 81)
     warming = np.linspace(295.0, 310.0, len(t))
-    theta = np.array([1.0, 3.0, 2.0, 0.6, 8.0, 90.0])
+    theta = np.array([*own, 8.0, 90.0])
 
     def ask(point: np.ndarray) -> Traced:
         options = {"temperature": warming, "reference_temperature": 300.0, "tolerance": 1e-10}

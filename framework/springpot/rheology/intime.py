@@ -152,8 +152,10 @@ class Passive:
         """Whether something has a mass, so that it can swing."""
         return self.parts.mass > 0.0 or any(part.is_layer for part in self.parts.parts)
 
-    def respond(self, t: Any, displacement: Real, *, slopes: bool = True) -> Traced:
+    def respond(self, t: Any, displacement: Any, *, slopes: bool = True) -> Traced:
         """Force for a displacement that was held at its first value before; reduced times may be complex."""
+        # Of the kind of the times, so that a complex one is not cast to real on its way.
+        displacement = displacement.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(displacement, prepend=displacement[0])
         modes = self.spectrum(*_times(t.real))
         by = modes.by_theta
