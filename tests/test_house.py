@@ -16,6 +16,7 @@ FRAMEWORK = ROOT / "framework" / "springpot"
 PLUGINS = ROOT / "plugins" / "springpot_plugins"
 
 FLOORS = {
+    "plain": -1,
     "errors": 0,
     "rheology": 1,
     "measurement": 2,

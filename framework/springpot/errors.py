@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from springpot.plain import plain
+
 
 class SpringpotError(Exception):
     """Something the user gave cannot be used: one line that says what, where and how to mend it."""
+
+    def __str__(self) -> str:
+        # Names of files and words in them come from strangers, and an error ends on a terminal.
+        return plain(super().__str__())
 
 
 class DataError(SpringpotError):

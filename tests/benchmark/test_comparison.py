@@ -10,9 +10,9 @@ from benchmark_fakes import moody_study, small_study
 
 from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.comparison import OVER_ALL, choose, profiles, quality, rank, rankings, scopes
+from springpot.benchmark.rows import CellRow, ProblemRow
 from springpot.benchmark.scores import CellScores, Race, Scale, races_of, score_cell
 from springpot.benchmark.statistics import expected_running_time
-from springpot.benchmark.store import CellRow, ProblemRow
 from springpot.benchmark.trace import at
 
 INF = np.inf

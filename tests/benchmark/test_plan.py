@@ -94,7 +94,15 @@ def test_streams_do_not_depend_on_what_else_is_in_the_study():
 def test_only_what_is_missing_is_to_be_done():
     plan = small_study(repetitions=3).plan()
     tasks = list(plan.tasks(lambda cell: {0, 2} if cell.index else {0, 1, 2}))
-    assert [(task.cell, task.repetitions) for task in tasks] == [(i, (1,)) for i in range(1, len(plan.cells))]
+    assert sorted((task.cell, task.repetitions) for task in tasks) == [(i, (1,)) for i in range(1, len(plan.cells))]
+
+
+def test_the_work_goes_from_optimiser_to_optimiser():
+    """A worker serves one of them, so that the fewest possible have to be forked."""
+    plan = small_study(repetitions=3).plan()
+    entrants = [plan.cells[task.cell].entrant for task in plan.tasks(lambda cell: set())]
+    assert entrants == sorted(entrants)
+    assert len(set(entrants)) == 2
 
 
 def test_one_run_of_an_optimiser_without_chance_stands_for_a_block(tmp_path):

@@ -117,6 +117,8 @@ def old_store(folder):
     study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
     path = run_study(study, engine="serial", out=folder, quiet=True).store
     with sqlite3.connect(path) as db:
+        for table in ("fact", "problem", "cell", "trial"):
+            db.execute(f"ALTER TABLE {table} DROP COLUMN seal")
         db.execute("ALTER TABLE trial DROP COLUMN batched")
         db.execute("ALTER TABLE trace DROP COLUMN recommended")
         db.execute("ALTER TABLE trace DROP COLUMN seen")

@@ -2,6 +2,9 @@
 
 import hashlib
 import os
+import shutil
+import ssl
+import subprocess
 import sys
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -32,7 +35,7 @@ sha256 = "{sha256}"
 class Server(ThreadingHTTPServer):
     """Answers with `content`, of which `sent` bytes arrive; counts the requests."""
 
-    content, sent, requests = CONTENT, None, 0
+    content, sent, requests, moved = CONTENT, None, 0, ""
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -41,6 +44,11 @@ class Handler(BaseHTTPRequestHandler):
         server.requests += 1
         if self.path.startswith("/gone"):
             self.send_error(404)
+            return
+        if server.moved:
+            self.send_response(302)
+            self.send_header("Location", server.moved)
+            self.end_headers()
             return
         self.send_response(200)
         self.send_header("Content-Length", str(len(server.content)))
@@ -51,12 +59,29 @@ class Handler(BaseHTTPRequestHandler):
         """Say nothing."""
 
 
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory):
+    """Of this machine, for two days."""
+    program = shutil.which("openssl")
+    if program is None:
+        pytest.skip("no openssl to make a certificate with")
+    folder = tmp_path_factory.mktemp("certificate")
+    made = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1"]
+    names = ["-addext", "subjectAltName=IP:127.0.0.1", "-keyout", str(folder / "key"), "-out", str(folder / "own")]
+    subprocess.run([program, *made, *names], check=True, capture_output=True)
+    return folder
+
+
 @pytest.fixture
-def server(tmp_path, monkeypatch):
+def server(tmp_path, monkeypatch, certificate):
     pytest.importorskip("pooch")
+    monkeypatch.setenv("REQUESTS_CA_BUNDLE", str(certificate / "own"))
     monkeypatch.setenv(download.CACHE, str(tmp_path / "cache"))
     monkeypatch.setenv("NO_PROXY", "*")
+    secure = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    secure.load_cert_chain(certificate / "own", certificate / "key")
     with Server(("127.0.0.1", 0), Handler) as running:
+        running.socket = secure.wrap_socket(running.socket, server_side=True)
         thread = threading.Thread(target=running.serve_forever, daemon=True)
         thread.start()
         yield running
@@ -65,7 +90,7 @@ def server(tmp_path, monkeypatch):
 
 
 def manifest(server, file="raw.csv", content=CONTENT, text=MANIFEST):
-    url = f"http://127.0.0.1:{server.server_port}/{file}"
+    url = f"https://127.0.0.1:{server.server_port}/{file}"
     said = text.format(url=url, sha256=hashlib.sha256(content).hexdigest())
     return read_manifest(said, folders.NOWHERE / "my-damper", "manifest")
 
@@ -85,20 +110,69 @@ def test_a_set_is_downloaded_once(server, tmp_path):
     assert [path.name for path in left(tmp_path)] == ["raw.csv"]
 
 
-def test_a_spoilt_copy_is_fetched_again(server, tmp_path):
+def test_a_file_of_other_content_is_never_replaced(server, tmp_path):
     dataset = manifest(server).dataset()
     dataset.open()
     [copy] = left(tmp_path)
-    copy.write_bytes(b"half of i")
+    copy.write_bytes(b"something of mine")
+    assert "is not replaced; remove it" in complaint(dataset)
+    assert copy.read_bytes() == b"something of mine"
+    assert server.requests == 1
+    copy.unlink()
     assert len(dataset.open()) == 2
-    assert server.requests == 2
+
+
+def test_a_file_that_appears_during_the_download_is_not_replaced_either(server, tmp_path, monkeypatch):
+    put = download._put
+
+    def late(draft, path):
+        path.write_bytes(b"another's")
+        put(draft, path)
+
+    monkeypatch.setattr(download, "_put", late)
+    assert "is not replaced" in complaint(manifest(server).dataset())
+    assert [path.read_bytes() for path in left(tmp_path)] == [b"another's"]
+
+
+def test_without_hard_links_it_is_copied_and_replaces_nothing(server, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr(download.os, "link", refuse)
+    dataset = manifest(server).dataset()
+    assert len(dataset.open()) == 2
+    [copy] = left(tmp_path)
+    with pytest.raises(FileExistsError):
+        download._put(copy, copy)
+
+
+def test_a_link_in_the_cache_leads_nowhere_else(server, tmp_path):
+    elsewhere, sha256 = tmp_path / "elsewhere", hashlib.sha256(CONTENT).hexdigest()
+    elsewhere.mkdir()
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / sha256[:16]).symlink_to(elsewhere)
+    with pytest.raises(DataError, match="leads out of its folder"):
+        manifest(server).load()
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_a_redirection_to_another_scheme_is_not_followed(server, tmp_path):
+    server.moved = f"http://127.0.0.1:{server.server_port}/other.csv"
+    assert "without https" in complaint(manifest(server).dataset())
+    assert server.requests == 1
+    assert left(tmp_path) == []
+
+
+def test_a_stranger_with_a_certificate_of_his_own_is_not_trusted(server, monkeypatch):
+    monkeypatch.delenv("REQUESTS_CA_BUNDLE")
+    assert "certificate is not trusted" in complaint(manifest(server).dataset())
 
 
 def test_a_file_that_is_here_is_not_fetched(server, tmp_path, monkeypatch):
     place = tmp_path / "data" / "my-damper"
     place.mkdir(parents=True)
     (place / "raw.csv").write_bytes(CONTENT + b"4;5;6\n")
-    (place / "dataset.toml").write_text(MANIFEST.format(url="http://127.0.0.1:9/raw.csv", sha256="0" * 64))
+    (place / "dataset.toml").write_text(MANIFEST.format(url="https://127.0.0.1:9/raw.csv", sha256="0" * 64))
     monkeypatch.setenv(folders.VARIABLE, str(tmp_path / "data"))
     [dataset] = [found for found in folders.datasets() if found.name == "my-damper"]
     assert len(dataset.open()) == 3
@@ -157,13 +231,24 @@ def test_without_pooch_it_says_what_to_install(tmp_path, monkeypatch):
     ("old", "new", "message"),
     [
         ('sha256 = "{sha256}"', "", "url and sha256"),
-        ("{url}", "file:///etc/passwd", "url with https"),
+        ("{url}", "file:///etc/passwd", "no address with https"),
+        ("https:", "http:", "no address with https"),
+        ("{url}", "https:///a.csv", "no address with https"),
+        ("a.csv", "", "names no file"),
+        ("a.csv", "%2f..%2f..%2fmine.csv", "names no file"),
+        ("a.csv", "%2e%2e%2f%2e%2e%2fmine.csv", "names no file"),
+        ("a.csv", "..", "names no file"),
+        ("a.csv", ".bashrc", "names no file"),
+        ("a.csv", "a%00.csv", "names no file"),
+        ("a.csv", "a%5cb.csv", "names no file"),
         ("{sha256}", "abc", "64 hexadecimal"),
         ('licence = "CC0"', "", "licence that allows it"),
     ],
 )
 def test_a_faulty_entry(tmp_path, old, new, message):
-    text = MANIFEST.replace(old, new).format(url="https://example.org/a.csv", sha256="0" * 64)
+    text = MANIFEST.format(url="https://example.org/a.csv", sha256="0" * 64)
+    made = MANIFEST.replace(old, new).format(url="https://example.org/a.csv", sha256="0" * 64)
+    text = text.replace(old, new) if made == text else made
     with pytest.raises(DataError, match=message):
         read_manifest(text, tmp_path, "manifest")
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from springpot.errors import StudyError
 
-from .store import CellRow, Store, TrialRow
+from .rows import CellRow, TrialRow
+from .store import Store
 from .study import Study
 from .summary import store_path
 from .trace import at, geometric_grid

@@ -13,7 +13,6 @@ from functools import cached_property
 from math import comb
 
 import numpy as np
-from scipy.stats import rankdata
 
 from springpot.rheology import Real
 
@@ -94,6 +93,8 @@ def choices(races: Sequence[Race], scale: Scale) -> list[Choice]:
 
 def choose(race: Race, mark: int, scale: Scale) -> Choice:
     """The choice for one problem at one mark."""
+    from scipy.stats import rankdata
+
     budget, reached = scale.marks[mark], quality(race, mark, scale.target)
     ranks = rankdata(reached, axis=None).reshape(reached.shape).mean(axis=1)
     hits = np.where(race.hits <= budget, race.hits, np.inf)
@@ -201,6 +202,8 @@ def rankings(races: Sequence[Race], scale: Scale) -> list[Ranking]:
 
 def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
     """The ranking over some races at one mark."""
+    from scipy.stats import rankdata
+
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = len(labels) * (len(labels) - 1) // 2

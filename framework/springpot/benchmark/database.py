@@ -31,6 +31,7 @@ def connect(path: Path, write: bool) -> sqlite3.Connection:
         If it cannot be opened.
     """
     db = sqlite3.connect(_address(path, write), uri=True, timeout=PATIENCE, isolation_level=None)
+    db.text_factory = lenient
     try:
         if write:
             _log_ahead(db)
@@ -41,6 +42,40 @@ def connect(path: Path, write: bool) -> sqlite3.Connection:
         db.close()
         raise
     return db
+
+
+def lenient(text: bytes) -> str:
+    """Any bytes as text: what is damaged is noticed by its seal, not by the one who reads it."""
+    return text.decode("utf-8", "replace")
+
+
+def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
+    """Look into a file that is there without touching it.
+
+    Raises
+    ------
+    StudyError
+        If it is a database of other tables, or no database.
+    """
+    if not path.is_file() or not path.stat().st_size:
+        return
+    db = sqlite3.connect(path.resolve().as_uri() + "?mode=ro&immutable=1", uri=True)
+    try:
+        found = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    except (sqlite3.OperationalError, UnicodeDecodeError):
+        return  # another program is just writing it, or it is damaged: told by whoever reads on
+    finally:
+        db.close()
+    # An empty database is a store of which nothing but the beginning has been written yet.
+    if found and not tables <= found:
+        raise StudyError(f"{path} is damaged or no study store: move it away and run again")
+
+
+def replace_store(fresh: Path, path: Path) -> None:
+    """Put a closed database in the place of another, with whose log it has nothing to do."""
+    for suffix in ("-wal", "-shm"):
+        path.with_name(path.name + suffix).unlink(missing_ok=True)
+    fresh.replace(path)
 
 
 def _address(path: Path, write: bool) -> str:
@@ -88,12 +123,14 @@ def one_line(path: Path) -> Iterator[None]:
         yield
     except sqlite3.DatabaseError as error:
         raise StudyError(_explained(path, error)) from error
+    except UnicodeDecodeError as error:  # SQLite's own message holds a damaged name
+        raise StudyError(_explained(path, sqlite3.DatabaseError("its tables have damaged names"))) from error
     except OSError as error:
         raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 def _explained(path: Path, error: sqlite3.DatabaseError) -> str:
-    told = str(error)
+    told = " ".join(str(error).split())
     if "full" in told:
         return f"cannot write {path}: the disk is full; free some space and run again, finished trials are kept"
     if "readonly" in told or "unable to open" in told:

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from contextlib import ExitStack, redirect_stderr, redirect_stdout, suppress
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
 
-from springpot.errors import StudyError
+from springpot.errors import SpringpotError, StudyError
 
+from .audit import Audit
 from .plan import Plan, Task
+from .remote import run_tasks
+from .supervisor import LocalEngine
 from .trial import Status, TrialResult, Workshop, failure
-from .worker import Parcel, run_tasks
+from .worker import Parcel
 
 ANSWER = 10.0
 """Seconds in which a scheduler must answer."""
+LOOK = 1.0
+"""Seconds after which an executor is looked after where nothing has come."""
 
 
 class Engine(Protocol):
@@ -29,19 +37,35 @@ class Engine(Protocol):
 
 
 class SerialEngine:
-    """Runs tasks one by one in this process, without protection: for tests and debugging."""
+    """Runs tasks one by one in this process, without protection: for tests and debugging.
 
-    def __init__(self, plan: Plan) -> None:
-        self._shop = Workshop(plan)
+    Parameters
+    ----------
+    plan : Plan
+        The study.
+    quiet : bool
+        Drop what optimisers print; otherwise it goes to standard error.
+    """
+
+    def __init__(self, plan: Plan, quiet: bool = False) -> None:
+        self._shop, self._audit, self._quiet = Workshop(plan), Audit(plan), quiet
 
     def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
         """Results in the order of the tasks."""
         for task in tasks:
-            yield self._shop.run(task)
+            with ExitStack() as stack:
+                aside = stack.enter_context(open(os.devnull, "w")) if self._quiet else sys.stderr
+                stack.enter_context(redirect_stdout(aside))
+                stack.enter_context(redirect_stderr(aside))
+                self._shop.warm_up(task)
+                results = self._audit(task, self._shop.run(task))
+            yield results
 
 
 class ExecutorEngine:
     """Runs tasks on anything shaped like `concurrent.futures.Executor`.
+
+    Each of its workers runs them in supervised processes of its own, so that what a trial does harms nobody there.
 
     Parameters
     ----------
@@ -55,13 +79,21 @@ class ExecutorEngine:
         Tasks in each.
     close : callable, optional
         Called at the end of a run.
+    complaint : callable, optional
+        Asked every second: why nothing more can be expected of the executor, or nothing.
     """
 
     def __init__(
-        self, executor: Executor, parcel: Any, width: int, batch: int = 4, close: Callable[[], None] | None = None
+        self,
+        executor: Executor,
+        parcel: Any,
+        width: int,
+        batch: int = 4,
+        close: Callable[[], None] | None = None,
+        complaint: Callable[[], str] = str,
     ) -> None:
         self._executor, self._parcel, self._width, self._batch = executor, parcel, width, batch
-        self._close = close
+        self._close, self._complaint = close, complaint
 
     def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
         """Results in no order; a batch whose worker dies is tried once more, task by task.
@@ -79,7 +111,10 @@ class ExecutorEngine:
                     self._submit(busy, batch)
                 if not busy:
                     return
-                for future in wait(busy, return_when=FIRST_COMPLETED).done:
+                done = wait(busy, timeout=LOOK, return_when=FIRST_COMPLETED).done
+                if lost := self._complaint():
+                    raise StudyError(f"{lost}; finished trials are kept, run again to go on")
+                for future in done:
                     yield from self._collect(busy, future)
         finally:
             for future in busy:
@@ -97,9 +132,13 @@ class ExecutorEngine:
         self, busy: dict[Future[list[TrialResult]], list[Task]], future: Future[list[TrialResult]]
     ) -> Iterator[list[TrialResult]]:
         batch = busy.pop(future)
+        if future.cancelled():
+            raise StudyError("the executor has cancelled its work; finished trials are kept, run again to go on")
         error = future.exception()
         if error is None:
             yield future.result()
+        elif isinstance(error, SpringpotError):
+            raise error
         elif isinstance(error, BrokenExecutor):
             raise StudyError(f"the executor is broken: {error}")
         elif len(batch) > 1:
@@ -122,7 +161,9 @@ def check_engine(engine: str | Executor | None) -> None:
         raise StudyError(f"unknown engine '{engine}': use local, serial, dask:ADDRESS or an executor")
 
 
-def make_engine(plan: Plan, script: Path | None, workers: int | None, engine: str | Executor | None) -> Engine:
+def make_engine(
+    plan: Plan, script: Path | None, workers: int | None, engine: str | Executor | None, quiet: bool = False
+) -> Engine:
     """The engine that a user asked for.
 
     Parameters
@@ -135,6 +176,8 @@ def make_engine(plan: Plan, script: Path | None, workers: int | None, engine: st
         Processes; by default one for each core.
     engine : str or Executor, optional
         ``local`` (default), ``serial``, ``dask:ADDRESS`` or an executor.
+    quiet : bool
+        Drop what optimisers print; otherwise it goes to standard error.
 
     Raises
     ------
@@ -144,14 +187,13 @@ def make_engine(plan: Plan, script: Path | None, workers: int | None, engine: st
     check_engine(engine)
     width = workers or cores()
     if engine is None or engine == "local":
-        from .supervisor import LocalEngine
-
-        return LocalEngine(plan, Parcel.of(plan, script), width)
+        return LocalEngine(plan, Parcel.of(plan, script, quiet), width)
     if engine == "serial":
-        return SerialEngine(plan)
+        return SerialEngine(plan, quiet)
     if isinstance(engine, str):
-        return _dask(engine.removeprefix("dask:"), Parcel.of(plan, script))
-    return ExecutorEngine(engine, Parcel.of(plan, script), 2 * width)
+        # What runs on a cluster's worker is the cluster's own program.
+        return _dask(engine.removeprefix("dask:"), Parcel.of(plan, script, quiet, own_program=False))
+    return ExecutorEngine(engine, Parcel.of(plan, script, quiet), 2 * width)
 
 
 def cores() -> int:
@@ -166,11 +208,23 @@ def _dask(address: str, parcel: Parcel) -> Engine:
         distributed: Any = import_module("distributed")
     except ImportError:
         raise StudyError(f"engine dask:{address} needs dask: pip install distributed") from None
+    # What it logs of a scheduler that is gone fills a screen; we tell it in one line.
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=ANSWER)
+        threads = sum(client.nthreads().values())
+        # Scattered once: every batch then carries a key instead of the data.
+        future = client.scatter(parcel, broadcast=True)
     except (OSError, ValueError, TimeoutError) as error:
         raise StudyError(f"no dask scheduler answers at {address}: {error}") from None
-    threads = sum(client.nthreads().values())
-    # Scattered once: every batch then carries a key instead of the data.
-    future = client.scatter(parcel, broadcast=True)
-    return ExecutorEngine(client.get_executor(pure=False), future, 2 * max(1, threads), close=client.close)
+
+    def complaint() -> str:
+        return "" if client.status == "running" else f"the dask scheduler at {address} is gone"
+
+    def close() -> None:
+        with suppress(Exception):  # a scheduler that is gone cannot be told goodbye
+            client.close(timeout=ANSWER)
+
+    executor = client.get_executor(pure=False)
+    return ExecutorEngine(executor, future, 2 * max(1, threads), close=close, complaint=complaint)

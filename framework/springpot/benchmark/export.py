@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from functools import partial
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 from springpot.errors import OutputError, StudyError
 from springpot.files import write_text, write_with
+from springpot.measurement import guarded
 
 from .columns import TABLES, Columns, required
-from .store import CellRow, ProblemRow, Store, TrialRow
+from .rows import CellRow, ProblemRow, TrialRow
+from .store import Store
 from .study import Study
 from .summary import store_path
 
@@ -170,9 +173,13 @@ def write_csv(store: Store, folder: Path) -> Export:
 def _csv(columns: Columns) -> str:
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
+    writer.writerow(map(guarded, columns))
+    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
     return stream.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    return guarded(value) if isinstance(value, str) else value
 
 
 def write_parquet(store: Store, folder: Path) -> Export:

@@ -20,7 +20,8 @@ from springpot.rheology import Real
 
 from .coco_suite import NAMES, SUITE
 from .export import Block, Export, blocks, created, left_out
-from .store import Store, TrialRow
+from .rows import TrialRow
+from .store import Store
 from .trace import at, geometric_grid
 
 PRECISION = 1e-8

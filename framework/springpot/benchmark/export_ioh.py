@@ -13,7 +13,8 @@ import numpy as np
 from springpot.files import write_text
 
 from .export import Block, Export, blocks, created, left_out
-from .store import Store, TrialRow
+from .rows import TrialRow
+from .store import Store
 from .trace import at
 
 FORMAT = "0.3.5"

@@ -12,10 +12,11 @@ import numpy as np
 from springpot.errors import StudyError
 
 from .comparison import Choice, Ranking, choices, rankings
+from .rows import TrialRow
 from .scores import CellScores, Race, Scale, goal_of, judged, races_of, score_cell
 from .standings import choice_table, pair_table, profile_table, progress_table, rank_table
 from .statistics import hitting_time
-from .store import Store, TrialRow
+from .store import Store
 from .study import Study
 from .summary import CellSummary, failure_table, store_path, summarise_cell, summary_table, timing_table
 from .tables import FORMATS, Table, save_table

@@ -182,12 +182,14 @@ class Plan:
     def tasks(self, finished: Callable[[Cell], set[int]]) -> Iterator[Task]:
         """The work still to do, lazily: a study of a million trials needs no list of them.
 
+        It goes from optimiser to optimiser, because trials of two never share a process.
+
         Parameters
         ----------
         finished : callable
             Repetitions of a cell that are done.
         """
-        for cell in self.cells:
+        for cell in sorted(self.cells, key=lambda cell: cell.entrant):
             done = finished(cell)
             optimiser = self.entrants[cell.entrant].optimiser
             if isinstance(optimiser, BatchedOptimiser) or not optimiser.card.stochastic:

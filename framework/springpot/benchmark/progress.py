@@ -6,6 +6,8 @@ import sys
 from time import monotonic
 from typing import Any, Protocol, TextIO
 
+from springpot.plain import below, plain
+
 
 class Progress(Protocol):
     """Told how far a run is."""
@@ -85,10 +87,11 @@ class Bar:
         from rich.progress import Progress as RichProgress
 
         self._bar: Any = RichProgress(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[fault]}"),
-            TimeElapsedColumn(), TimeRemainingColumn(), console=Console(stderr=True),
+            TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(),
+            TextColumn("{task.fields[fault]}"), TimeElapsedColumn(), TimeRemainingColumn(),
+            console=Console(file=below(sys.stderr), stderr=True),
         )  # fmt: skip
-        self._task = self._bar.add_task(name, total=total, fault="")
+        self._task = self._bar.add_task(plain(name), total=total, fault="")
         self._bar.start()
 
     def update(self, done: int, failed: int) -> None:

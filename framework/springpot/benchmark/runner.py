@@ -75,7 +75,7 @@ def run_study(
     quiet : bool
         Show no progress.
     retry_failed : bool
-        Run trials that failed before once more.
+        Run trials that failed before, or whose records are damaged, once more.
     tables : bool
         Write the tables and what the study adds to them.
 
@@ -91,7 +91,7 @@ def run_study(
     check_engine(engine)
     plan = declared.with_options(budget, repeats).plan()
     path = store_path(declared, Path(out))
-    with Store(path, write=True) as store:
+    with Store(path, write=True, mend=retry_failed) as store:
         numbers = store.register(plan, provenance())
         if retry_failed:
             store.forget_failed(numbers.values())
@@ -121,7 +121,7 @@ def _work(
     ran = failed = 0
     tasks = plan.tasks(lambda cell: store.finished(numbers[cell.index]))
     try:
-        with closing(make_engine(plan, script, workers, engine).run(tasks)) as stream:  # type: ignore[type-var]
+        with closing(make_engine(plan, script, workers, engine, quiet).run(tasks)) as stream:  # type: ignore[type-var]
             for results in stream:
                 store.add(results, numbers)
                 ran += len(results)

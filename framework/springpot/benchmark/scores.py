@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
+from .rows import CellRow, ProblemRow, TrialRow
 from .statistics import bands, hitting_time, target_value
-from .store import CellRow, ProblemRow, Store, TrialRow
+from .store import Store
 from .trace import at, geometric_grid
 
 MARKS = (100, 500, 2000, 8000, 40_000, 200_000, 1_000_000)

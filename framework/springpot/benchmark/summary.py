@@ -12,8 +12,8 @@ import numpy as np
 from springpot.rheology import Real
 
 from .plan import stream_of
+from .rows import CellRow, TrialRow
 from .statistics import Interval, median, running_time_interval, wilson
-from .store import CellRow, TrialRow
 from .study import Study
 from .tables import Entry, Table
 

@@ -1,44 +1,50 @@
-"""The local engine: trials in supervised worker processes, of which any may crash, hang or run out of memory."""
+"""The local engine: trials in supervised processes, of which any may crash, hang or run out of memory.
+
+Each process is forked from a clean server for one optimiser and sees no trial of another.
+"""
 
 from __future__ import annotations
 
-import os
-import signal
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from multiprocessing import get_context
+from itertools import count
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerContext
-from multiprocessing.process import BaseProcess
 from time import monotonic
 from typing import Any
 
 from springpot.errors import StudyError
+from springpot.processes import end_group
 
+from .audit import Audit
+from .nursery import BORN, BROKEN, ENDED, READY, Nursery
 from .plan import Plan, Task
 from .trial import Status, TrialResult, failure
-from .worker import BROKEN, READY, Parcel, serve
+from .worker import Parcel
 
-PRELOAD = ["scipy.optimize", "springpot.benchmark.warm"]
 START = 120.0
-"""Seconds that a worker may take until it is ready; no trial's deadline runs before that."""
+"""Seconds that the server may take until it is ready; no trial's deadline runs before that."""
 AHEAD = 0.02
 """Seconds of work that wait in a worker's pipe, so that it never waits for the coordinator."""
 DEEPEST = 32
 """Most tasks that wait there."""
+ORPHANED = 3
+"""Times that the server may end during a trial that runs alone before that is blamed, and between trials before the
+study gives up. Once proves nothing: the trial before may have ended the server, and its result have come first."""
 
 
 @dataclass(eq=False)
 class Worker:
-    """The coordinator's view of a worker process."""
+    """The coordinator's view of a worker process, which serves one entrant."""
 
-    process: BaseProcess
+    number: int
+    entrant: int
     connection: Connection
-    ready: bool = False
     since: float = field(default_factory=monotonic)
     tasks: deque[Task] = field(default_factory=deque)
+    deaf: bool = False
+    pid: int | None = None
 
     def give(self, tasks: list[Task]) -> None:
         """Send tasks; the clock of the first starts now if the worker was idle."""
@@ -46,19 +52,47 @@ class Worker:
             self.since = monotonic()
         self.tasks.extend(tasks)
         with suppress(OSError):
-            # A dead worker is noticed by its sentinel, and its tasks are given to another.
+            # That a worker is dead is told by the server, and its tasks are given to another.
             self.connection.send(tasks)
 
-    def kill(self) -> None:
-        """End the worker and every process its trials left behind."""
-        pid = self.process.pid
-        if pid is not None:
-            with suppress(OSError):
-                os.killpg(pid, signal.SIGKILL)
-            with suppress(OSError):
-                os.kill(pid, signal.SIGKILL)
-        self.process.join(1.0)
-        self.connection.close()
+
+class Backlog:
+    """Tasks that wait for a worker.
+
+    Parameters
+    ----------
+    plan : Plan
+        The study.
+    tasks : iterable of Task
+        Those of one optimiser after those of another, so that workers seldom change.
+    """
+
+    def __init__(self, plan: Plan, tasks: Iterable[Task] = ()) -> None:
+        self._plan, self._stream = plan, iter(tasks)
+        self._returned: deque[Task] = deque()
+        self._head: Task | None = next(self._stream, None)
+
+    def entrant_of(self, task: Task) -> int:
+        """Whose trials they are."""
+        return self._plan.cells[task.cell].entrant
+
+    def first(self) -> Task | None:
+        """The task that should be done next, which stays here."""
+        return self._returned[0] if self._returned else self._head
+
+    def take(self, entrant: int) -> Task | None:
+        """The next task of an entrant, if it stands in front."""
+        task = self.first()
+        if task is None or self.entrant_of(task) != entrant:
+            return None
+        if self._returned:
+            return self._returned.popleft()
+        self._head = next(self._stream, None)
+        return task
+
+    def put_back(self, tasks: Iterable[Task]) -> None:
+        """Take tasks back that were not begun."""
+        self._returned.extendleft(reversed(list(tasks)))
 
 
 class LocalEngine:
@@ -76,13 +110,15 @@ class LocalEngine:
 
     def __init__(self, plan: Plan, parcel: Parcel, workers: int) -> None:
         self._plan, self._parcel, self._count = plan, parcel, workers
-        self._context = _forkserver()
-        self._workers: list[Worker] = []
-        self._queue: Iterator[Task] = iter(())
-        self._returned: deque[Task] = deque()
-        self._exhausted = False
-        self._mean = 0.0
-        self._stillborn = 0
+        self._audit = Audit(plan)
+        self._backlog = Backlog(plan)
+        self._workers: dict[int, Worker] = {}
+        self._numbers = count(1)
+        self._nursery: Nursery | None = None
+        self._asked = 0.0
+        self._orphaned: Counter[Task | None] = Counter()
+        self._suspects: deque[Task] = deque()
+        self._means: dict[int, float] = {}
 
     def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
         """Results as they come, in no order; a worker that is lost is replaced.
@@ -92,156 +128,192 @@ class LocalEngine:
         StudyError
             If workers cannot start at all.
         """
-        self._queue = iter(tasks)
         try:
-            while self._staff():
-                if results := self._listen():
-                    yield results
+            yield from self.work(tasks)
         finally:
-            for worker in self._workers:
-                worker.kill()
-            self._workers.clear()
+            self.close()
 
-    def _next(self) -> Task | None:
-        if self._returned:
-            return self._returned.popleft()
-        task = None if self._exhausted else next(self._queue, None)
-        self._exhausted = task is None
-        return task
+    def work(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
+        """The same, with server and workers kept for more; `close` ends them."""
+        self._backlog = Backlog(self._plan, tasks)
+        while self._staff():
+            if results := self._listen():
+                yield results
+
+    def close(self) -> None:
+        """End all processes."""
+        for worker in self._workers.values():
+            worker.connection.close()
+        self._workers.clear()
+        if self._nursery is not None:
+            self._nursery.close()
+            self._nursery = None
 
     def _staff(self) -> bool:
         """Give every worker enough to do, and hire where one is missing; False once all is done."""
-        depth = 1 if self._mean <= 0 else int(min(max(AHEAD / self._mean, 1), DEEPEST))
-        for worker in self._workers:
-            if worker.ready and len(worker.tasks) <= depth // 2:
-                self._fill(worker, depth)
-        while len(self._workers) < self._count and self._waiting():
-            self._hire()
-        return any(worker.tasks for worker in self._workers) or self._waiting()
+        busy = any(worker.tasks for worker in self._workers.values())
+        if not (busy or self._suspects or self._backlog.first()):
+            return False
+        if self._nursery is None:
+            self._nursery, self._asked = Nursery(self._parcel), monotonic()
+        if not self._nursery.ready:
+            return True
+        if self._suspects:
+            self._interrogate(self._nursery, busy)
+            return True
+        for worker in list(self._workers.values()):
+            self._fill(worker)
+        while len(self._workers) < self._count and (task := self._backlog.first()) is not None:
+            self._fill(self._hire(self._nursery, self._backlog.entrant_of(task)))
+        return True
 
-    def _waiting(self) -> bool:
-        task = self._next()
-        if task is not None:
-            self._returned.appendleft(task)
-        return task is not None
+    def _interrogate(self, nursery: Nursery, busy: bool) -> None:
+        """Run a task during which the server ended alone, so that nobody else is blamed for what it does."""
+        if busy:
+            return
+        for worker in list(self._workers.values()):
+            self._dismiss(worker)
+        task = self._suspects.popleft()
+        self._hire(nursery, self._backlog.entrant_of(task)).give([task])
 
-    def _fill(self, worker: Worker, depth: int) -> None:
+    def _hire(self, nursery: Nursery, entrant: int) -> Worker:
+        number = next(self._numbers)
+        self._workers[number] = Worker(number, entrant, nursery.fork(number))
+        return self._workers[number]
+
+    def _fill(self, worker: Worker) -> None:
+        mean = self._means.get(worker.entrant, 0.0)
+        depth = 1 if mean <= 0 else int(min(max(AHEAD / mean, 1), DEEPEST))
+        if len(worker.tasks) > depth // 2:
+            return
         found: list[Task] = []
-        while len(worker.tasks) + len(found) < depth and (task := self._next()) is not None:
+        while len(worker.tasks) + len(found) < depth and (task := self._backlog.take(worker.entrant)) is not None:
             found.append(task)
         if found:
             worker.give(found)
-
-    def _hire(self) -> None:
-        ours, theirs = self._context.Pipe()
-        arguments = (theirs, self._parcel, self._plan.memory)
-        process = self._context.Process(target=serve, args=arguments, daemon=True)
-        process.start()
-        theirs.close()
-        self._workers.append(Worker(process, ours))
+        elif not worker.tasks and self._backlog.first() is not None:
+            self._dismiss(worker)  # the next task is another optimiser's
 
     def _listen(self) -> list[TrialResult]:
-        channels: dict[Any, Worker] = {w.connection: w for w in self._workers}
-        channels |= {w.process.sentinel: w for w in self._workers}
-        heard = wait(list(channels), timeout=self._patience())
+        nursery = self._nursery
+        assert nursery is not None
+        channels: dict[Any, Worker] = {w.connection: w for w in self._workers.values() if not w.deaf}
+        heard = wait([nursery.channel, *channels], timeout=self._patience())
         results: list[TrialResult] = []
-        for worker in dict.fromkeys(channels[channel] for channel in heard):
-            results += self._hear(worker, dead=worker.process.sentinel in heard)
+        for worker in [channels[channel] for channel in heard if channel in channels]:
+            results += self._hear(worker)
+        if nursery.channel in heard:
+            results += self._hear_nursery(nursery)
         now = monotonic()
-        for worker in [w for w in self._workers if now - w.since > self._limit(w)]:
+        for worker in [w for w in self._workers.values() if w.tasks and now - w.since > self._limit(w)]:
             results += self._overdue(worker)
+        if self._nursery is nursery and not nursery.ready and now - self._asked > START:
+            raise StudyError(f"study {self._plan.name}: workers were not ready after {START:g} s")
         return results
 
     def _patience(self) -> float:
         """Seconds until the first deadline."""
         now = monotonic()
-        running = [w.since + self._limit(w) - now for w in self._workers if w.tasks or not w.ready]
+        running = [w.since + self._limit(w) - now for w in self._workers.values() if w.tasks]
         return max(0.0, min(running, default=1.0)) + 0.001
 
     def _limit(self, worker: Worker) -> float:
-        if not worker.ready:
-            return START
-        return self._plan.deadline * len(worker.tasks[0].repetitions) if worker.tasks else float("inf")
+        return self._plan.deadline * len(worker.tasks[0].repetitions)
 
-    def _hear(self, worker: Worker, dead: bool) -> list[TrialResult]:
+    def _hear(self, worker: Worker) -> list[TrialResult]:
+        """What a worker has answered so far."""
         results: list[TrialResult] = []
         try:
-            while worker in self._workers and worker.connection.poll():
+            while worker.number in self._workers and worker.connection.poll():
                 results += self._take(worker, *worker.connection.recv())
         except (EOFError, OSError):
-            dead = True
-        if dead and worker in self._workers:
-            worker.process.join(1.0)
-            results += self._lost(worker)
+            # Its end, or that of its line only; either way the server ends it and tells how it ended.
+            worker.deaf = True
+            if self._nursery is not None:
+                self._nursery.kill(worker.number)
+        except Exception as error:
+            results += self._garbled(worker, error)
         return results
 
-    def _take(self, worker: Worker, word: str, content: Any) -> list[TrialResult]:
-        now = monotonic()
-        if word == BROKEN:
-            raise StudyError(f"study {self._plan.name}: a worker cannot start: {content}")
-        if word == READY:
-            worker.ready, worker.since, self._stillborn = True, now, 0
-            return []
-        results: list[TrialResult] = content
+    def _take(self, worker: Worker, claimed: list[TrialResult], worn: bool) -> list[TrialResult]:
+        results = self._audit(worker.tasks[0], claimed)
         worker.tasks.popleft()
+        self._orphaned[None] = 0
+        now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
         # A sliding mean: early trials carry first-use costs that later ones do not.
-        self._mean += (now - worker.since - self._mean) * (0.2 if self._mean else 1.0)
+        self._means[worker.entrant] = mean + (now - worker.since - mean) * (0.2 if mean else 1.0)
         worker.since = now
-        if any(result.status is Status.MEMORY for result in results):
-            # What a trial could not free would be charged to the next one.
+        if worn or any(result.status is Status.CHANGED for result in results):
             self._dismiss(worker)
         return results
 
-    def _lost(self, worker: Worker) -> list[TrialResult]:
+    def _garbled(self, worker: Worker, error: Exception) -> list[TrialResult]:
         results: list[TrialResult] = []
-        if not worker.ready:
-            self._stillborn += 1
-            if self._stillborn > 2 * self._count:
-                raise StudyError(f"study {self._plan.name}: workers die at the start ({_cause(worker.process)})")
-        elif worker.tasks:
-            results = failure(
-                worker.tasks.popleft(), Status.CRASH, _cause(worker.process), monotonic() - worker.since
-            )
+        if worker.tasks:
+            reason = f"its process answered with something that is no result ({type(error).__name__})"
+            results = failure(worker.tasks.popleft(), Status.CRASH, reason)
         self._dismiss(worker)
         return results
 
+    def _hear_nursery(self, nursery: Nursery) -> list[TrialResult]:
+        results: list[TrialResult] = []
+        try:
+            while nursery.channel.poll():
+                word, number, told = nursery.channel.recv()
+                if word == BROKEN:
+                    raise StudyError(f"study {self._plan.name}: a worker cannot start: {told}")
+                nursery.ready |= word == READY
+                if word == BORN and number in self._workers:
+                    self._workers[number].pid = told
+                if word == ENDED and number in self._workers:
+                    results += self._lost(self._workers[number], told)
+        except (EOFError, OSError):
+            results += self._orphan(nursery)
+        return results
+
+    def _lost(self, worker: Worker, cause: str) -> list[TrialResult]:
+        """What remains of a worker that has ended: answers in its line, then the trial that it died of."""
+        results = [] if worker.deaf else self._hear(worker)
+        if worker.tasks and worker.number in self._workers:
+            results += failure(worker.tasks.popleft(), Status.CRASH, cause, monotonic() - worker.since)
+        self._dismiss(worker)
+        return results
+
+    def _orphan(self, nursery: Nursery) -> list[TrialResult]:
+        """The server has ended: begin again, with the trials that were under way one at a time."""
+        cause = nursery.cause()
+        if not nursery.ready:
+            raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
+        running = [worker for worker in self._workers.values() if worker.tasks]
+        alone = running[0].tasks[0] if len(running) == 1 else None
+        self._orphaned[alone] += len(running) < 2
+        if self._orphaned[None] >= ORPHANED:
+            raise StudyError(f"study {self._plan.name}: the server of workers ends again and again ({cause})")
+        results: list[TrialResult] = []
+        for worker in running:
+            task = worker.tasks.popleft()
+            if self._orphaned[task] >= ORPHANED:
+                results += failure(task, Status.CRASH, f"it ends the server of workers ({cause})")
+            else:
+                self._suspects.append(task)
+            self._backlog.put_back(worker.tasks)
+        for worker in self._workers.values():
+            if worker.pid is not None:
+                end_group(worker.pid)
+        self.close()
+        return results
+
     def _overdue(self, worker: Worker) -> list[TrialResult]:
-        if not worker.ready:
-            raise StudyError(f"study {self._plan.name}: a worker was not ready after {START:g} s")
         limit = self._limit(worker)
         results = failure(worker.tasks.popleft(), Status.TIMEOUT, f"ended after the deadline of {limit:g} s", limit)
         self._dismiss(worker)
         return results
 
     def _dismiss(self, worker: Worker) -> None:
-        self._returned.extendleft(reversed(worker.tasks))
+        if self._workers.pop(worker.number, None) is None:
+            return
+        self._backlog.put_back(worker.tasks)
         worker.tasks.clear()
-        worker.kill()
-        self._workers.remove(worker)
-
-
-def _cause(process: BaseProcess) -> str:
-    code = process.exitcode
-    if code is None or code >= 0:
-        return f"the process ended with exit code {code}"
-    try:
-        return f"the process was ended by {signal.Signals(-code).name}"
-    except ValueError:
-        return f"the process was ended by signal {-code}"
-
-
-def _forkserver() -> ForkServerContext:
-    """Processes forked from a server that has the imports done; one thread each, as workers share the cores."""
-    context = get_context("forkserver")
-    context.set_forkserver_preload(PRELOAD)
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        from multiprocessing.forkserver import ensure_running
-
-        ensure_running()
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
-    return context
+        worker.connection.close()
+        if self._nursery is not None:
+            self._nursery.kill(worker.number)

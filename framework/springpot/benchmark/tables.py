@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from springpot.files import write_text
+from springpot.measurement import guarded
 
 from .statistics import Interval
 
@@ -82,7 +83,7 @@ def to_csv(table: Table) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     wide = [any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))]
     heads = [(c, f"{c} low", f"{c} high") if w else (c,) for c, w in zip(table.columns, wide, strict=True)]
-    writer.writerow([name for group in heads for name in group])
+    writer.writerow([guarded(name) for group in heads for name in group])
     for row in table.rows:
         writer.writerow([f for entry, w in zip(row, wide, strict=True) for f in _fields(entry, w)])
     return stream.getvalue()
@@ -98,7 +99,7 @@ def _field(entry: str | float | None) -> str:
     if entry is None:
         return ""
     # NumPy's floats are floats that name their type when asked for all their digits.
-    return repr(float(entry)) if isinstance(entry, float) else str(entry)
+    return repr(float(entry)) if isinstance(entry, float) else guarded(str(entry))
 
 
 _LATEX = {

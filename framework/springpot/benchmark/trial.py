@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from springpot.measurement import Measurement
 from springpot.registry import parse_model
 from springpot.rheology import Real
 
-from .plan import Case, Entrant, Plan, Source, Task
+from .canary import Witness
+from .plan import Case, Cell, Plan, Source, Task
 from .study import truth_fits
 from .trace import improvements, pack, pack_values
 
@@ -30,6 +31,8 @@ class Status(StrEnum):
     MEMORY = "memory"
     TIMEOUT = "timeout"
     CRASH = "crash"
+    CHANGED = "changed"
+    DAMAGED = "damaged"
 
     @property
     def failed(self) -> bool:
@@ -68,6 +71,10 @@ class TrialResult:
         where the truth is unknown.
     seen : bytes or None
         Improvements of the noise-free objective over all that was evaluated, packed; empty and None likewise.
+    point : tuple of float
+        Search point of the smallest objective, as it was evaluated.
+    factor : float
+        Penalty in the value there.
     """
 
     cell: int
@@ -85,6 +92,8 @@ class TrialResult:
     trace: bytes = b""
     recommended: bytes | None = None
     seen: bytes | None = None
+    point: tuple[float, ...] = ()
+    factor: float = 1.0
 
 
 def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> list[TrialResult]:
@@ -94,7 +103,7 @@ def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> li
 
 
 class Workshop:
-    """Runs the trials of a plan; each problem is built once.
+    """Runs the trials of a plan; every problem is built before the first of them, in a process that is still clean.
 
     Parameters
     ----------
@@ -105,33 +114,73 @@ class Workshop:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self._warm: set[type] = set()
-        self._bench = cache(lambda case: Bench(plan.cases[case]))
+        self._benches = [_built(case) for case in plan.cases]
 
     def run(self, task: Task) -> list[TrialResult]:
         """The results of a task; whatever an optimiser raises becomes a status."""
         cell = self.plan.cells[task.cell]
-        entrant = self.plan.entrants[cell.entrant]
+        bench = self._benches[cell.case]
+        if isinstance(bench, Exception):
+            return failure(task, Status.ERROR, f"{type(bench).__name__}: {bench}")
         try:
-            bench = self._bench(cell.case)
-            self._warm_up(entrant, bench.problem)
-            rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
-            target = self.plan.stop_value(self.plan.cases[cell.case])
-            runs = run_batch(entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy)
-            return [bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)]
+            results = self._race(task, cell, bench)
         except MemoryError:
             return failure(task, Status.MEMORY, f"needs more than {self.plan.memory} MiB")
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
+        complaint = bench.witness.complaint(bench.problem)
+        if complaint and not all(result.status.failed for result in results):
+            return failure(task, Status.CHANGED, complaint)
+        return results
 
-    def _warm_up(self, entrant: Entrant, problem: Problem) -> None:
-        """Let an optimiser import what it needs before it is timed; its trial reports what goes wrong."""
-        if type(entrant.optimiser) in self._warm:
+    def _race(self, task: Task, cell: Cell, bench: Bench) -> list[TrialResult]:
+        entrant = self.plan.entrants[cell.entrant]
+        rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
+        target = self.plan.stop_value(self.plan.cases[cell.case])
+        runs = run_batch(entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy)
+        return [bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)]
+
+    def warm_up(self, task: Task) -> None:
+        """Let the optimiser of a task import what it needs before it is timed; its trial reports what goes wrong."""
+        cell = self.plan.cells[task.cell]
+        optimiser, bench = self.plan.entrants[cell.entrant].optimiser, self._benches[cell.case]
+        if type(optimiser) in self._warm or isinstance(bench, Exception):
             return
-        self._warm.add(type(entrant.optimiser))
+        self._warm.add(type(optimiser))
         try:
-            run(entrant.optimiser, problem, 1, np.random.default_rng(0))
+            run(optimiser, bench.problem, 1, np.random.default_rng(0))
         except (Exception, SystemExit):
             return
+
+
+def _built(case: Case) -> Bench | Exception:
+    """A problem ready to run, or why it cannot: that is told by its trials."""
+    try:
+        bench = Bench(case)
+        bench.witness  # noqa: B018  taken now, while no optimiser has run
+    except Exception as error:
+        return error
+    return bench
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a point of a problem is worth.
+
+    Parameters
+    ----------
+    best : float
+        Its objective.
+    theta : dict of str to float
+        Element parameters there, by name.
+    parameter_error, oracle : float or None
+        Largest relative error of them and noise-free objective, where the truth is known.
+    """
+
+    best: float
+    theta: dict[str, float]
+    parameter_error: float | None
+    oracle: float | None
 
 
 class Bench:
@@ -156,6 +205,23 @@ class Bench:
         fits = truth_fits(source, model.name, model.names)
         self.truth: Real | None = model.vector(dict(source.truth)) if fits else None
 
+    @cached_property
+    def witness(self) -> Witness:
+        """What the problem answers before any optimiser has run."""
+        return Witness.of(self.problem)
+
+    def judged(self, point: Real) -> Judged:
+        """What a search point (d,) is worth, the order kinf > k0 restored."""
+        x = self.problem.space.repaired(point)
+        theta = np.asarray(self.problem.space.theta(x), dtype=float)
+        with np.errstate(all="ignore"):
+            return Judged(
+                float(self.problem.evaluate(point)),
+                dict(zip(self.problem.model.names, theta.tolist(), strict=True)),
+                None if self.truth is None else relative_error(theta, self.truth),
+                None if self.clean is None else float(self.clean.evaluate(x)),
+            )
+
     def judge(self, cell: int, repetition: int, done: Run) -> TrialResult:
         """What is kept of a run."""
         status, reason = _status(done)
@@ -165,19 +231,21 @@ class Bench:
         }  # fmt: skip
         if status.failed:
             return TrialResult(cell, repetition, status, reason, **common)  # type: ignore[arg-type]
-        theta = np.asarray(done.theta, dtype=float)
+        judged = self.judged(done.point)
         recommended, seen = self._without_noise(done)
         return TrialResult(
             cell,
             repetition,
             status,
             best=float(done.best),
-            theta=dict(zip(self.problem.model.names, theta.tolist(), strict=True)),
-            parameter_error=None if self.truth is None else relative_error(theta, self.truth),
-            oracle=None if self.clean is None else float(self.clean.evaluate(done.best_x)),
+            theta=judged.theta,
+            parameter_error=judged.parameter_error,
+            oracle=judged.oracle,
             trace=pack(done.trace),
             recommended=recommended,
             seen=seen,
+            point=tuple(done.point.tolist()),
+            factor=done.factor,
             **common,  # type: ignore[arg-type]
         )
 

@@ -1,28 +1,20 @@
-"""A worker process: gets the plan once, then runs the tasks it is sent and answers each."""
+"""A worker process: forked for one optimiser, it runs the tasks that it is sent and answers each."""
 
 from __future__ import annotations
 
-import os
 import pickle
-import resource
-import signal
-import threading
-from collections.abc import Callable
+import sys
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
-from multiprocessing import parent_process
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from pathlib import Path
 
-from springpot.errors import SpringpotError, StudyError
+from springpot.errors import StudyError
+from springpot.processes import end_children, limit_memory, settings
 
 from .plan import Plan, Task
 from .script import load_script
 from .trial import Status, TrialResult, Workshop, failure
-
-READY, DONE, BROKEN = "ready", "done", "broken"
-CHILDREN = Path("/proc/thread-self/children")
 
 
 @dataclass(frozen=True)
@@ -35,13 +27,19 @@ class Parcel:
         The user's script, which the worker loads first so that optimisers defined in it are found; or empty.
     plan : bytes
         The pickled plan; it only ever travels between the processes of one study.
+    quiet : bool
+        Drop what optimisers print; otherwise it goes to standard error.
+    own_program : bool
+        Let workers find what the running program itself defines; not where that is an executor's.
     """
 
     script: str
     plan: bytes
+    quiet: bool = False
+    own_program: bool = True
 
     @classmethod
-    def of(cls, plan: Plan, script: Path | None) -> Parcel:
+    def of(cls, plan: Plan, script: Path | None, quiet: bool = False, own_program: bool = True) -> Parcel:
         """A parcel of `plan`.
 
         Raises
@@ -50,102 +48,60 @@ class Parcel:
             If something in it is defined where no worker can import it.
         """
         try:
-            return cls(str(script.resolve()) if script else "", pickle.dumps(plan))
+            return cls(str(script.resolve()) if script else "", pickle.dumps(plan), quiet, own_program)
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             raise StudyError(
                 f"study {plan.name} cannot be sent to workers, define its parts in a file: {error}"
             ) from None
 
-    def open(self) -> Workshop:
-        """The workshop in which the plan's trials run."""
+    def unpacked(self) -> Plan:
+        """The plan, with the script loaded that defines parts of it."""
         if self.script:
             load_script(Path(self.script))
         plan: Plan = pickle.loads(self.plan)
-        return Workshop(plan)
+        return plan
+
+    def open(self) -> Workshop:
+        """The workshop in which the plan's trials run."""
+        return Workshop(self.unpacked())
 
 
-@lru_cache(maxsize=2)
-def workshop(parcel: Parcel) -> Workshop:
-    """The parcel's workshop, opened once in each process."""
-    return parcel.open()
-
-
-def run_tasks(parcel: Parcel, tasks: list[Task]) -> list[TrialResult]:
-    """Run tasks anywhere: what an executor's workers are given."""
-    shop = workshop(parcel)
-    return [result for task in tasks for result in shop.run(task)]
-
-
-def serve(connection: Connection, parcel: Parcel, memory: int) -> None:
-    """Life of a local worker.
+def serve(connection: Connection, shop: Workshop) -> None:
+    """Life of a worker.
 
     Parameters
     ----------
     connection : Connection
         To the coordinator; its end is the worker's end.
-    parcel : Parcel
-        The study.
-    memory : int
-        MiB that a trial may take beyond what the worker has at the start.
+    shop : Workshop
+        Where trials run.
     """
-    # A group of its own: Ctrl-C reaches only the coordinator, which ends the group with all that a trial started.
-    os.setsid()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_die_with_parent, daemon=True).start()
-    try:
-        shop = parcel.open()
-    except (Exception, SystemExit) as error:
-        told = str(error) if isinstance(error, SpringpotError) else f"{type(error).__name__}: {error}"
-        connection.send((BROKEN, told))
-        return
-    _limit_memory(memory)
-    connection.send((READY, None))
-    _obey(connection, shop.run)
-
-
-def _obey(connection: Connection, work: Callable[[Task], list[TrialResult]]) -> None:
+    limit_memory(shop.plan.memory)
     while True:
         try:
             tasks: list[Task] = connection.recv()
         except (EOFError, OSError):
             return
         for task in tasks:
-            results = work(task)
-            left = end_children()
-            if left:
-                results = failure(task, Status.ERROR, f"left {left} process{'es' if left > 1 else ''} behind")
-            connection.send((DONE, results))
+            results, worn = _result(shop, task)
+            with suppress(OSError, ValueError, AttributeError):
+                sys.stdout.flush()
+                sys.stderr.flush()
+            connection.send((results, worn))
+            if worn:
+                return
 
 
-def end_children() -> int:
-    """End the child processes of this one that still run, where the system lists them; how many there were."""
+def _result(shop: Workshop, task: Task) -> tuple[list[TrialResult], bool]:
+    """The results of a task, and whether the process is no longer what it was and must not be used again."""
     try:
-        children = [int(pid) for pid in CHILDREN.read_text().split()]
-    except OSError:
-        return 0
-    running = 0
-    for pid in children:
-        with suppress(OSError):
-            if os.waitpid(pid, os.WNOHANG)[0] == 0:
-                running += 1
-                os.kill(pid, signal.SIGKILL)
-                os.waitpid(pid, 0)
-    return running
-
-
-def _die_with_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os.killpg(0, signal.SIGKILL)
-
-
-def _limit_memory(mebibytes: int) -> None:
-    """Let the address space grow by so much and no more, where the system tells its present size."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-    except OSError:
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = pages * resource.getpagesize() + mebibytes * 2**20
-    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+        shop.warm_up(task)
+        before = settings()
+        results = shop.run(task)
+        worn = settings() != before
+    except BaseException as error:
+        # Nothing interrupts a worker from outside: whatever this is, the optimiser raised it.
+        return failure(task, Status.ERROR, f"{type(error).__name__}: {error}"), True
+    if left := end_children():
+        results = failure(task, Status.ERROR, f"left {left} process{'es' if left > 1 else ''} behind")
+    return results, worn or any(r.status in (Status.MEMORY, Status.CHANGED) for r in results)

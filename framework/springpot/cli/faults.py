@@ -9,13 +9,22 @@ from collections.abc import Callable
 import click
 
 from springpot.errors import SpringpotError
+from springpot.plain import plain_streams
 
 BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 TRACEBACK = "SPRINGPOT_TRACEBACK"
 
 
 def exit_code(action: Callable[[], int]) -> int:
-    """Run `action`; its exit code, or that of the error it ended in, which is told in one line."""
+    """Run `action`; its exit code, or that of the error it ended in, which is told in one line.
+
+    Nothing that is printed meanwhile can command the terminal.
+    """
+    with plain_streams():
+        return _exit_code(action)
+
+
+def _exit_code(action: Callable[[], int]) -> int:
     try:
         code = action()
         sys.stdout.flush()

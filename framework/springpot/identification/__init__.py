@@ -3,12 +3,13 @@
 from .bounded import BoundedDescent, minima_in_box
 from .identify import Identification, identify
 from .leastsquares import Solution, levenberg_marquardt
+from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
 from .native import Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
 from .problem import Problem
-from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
+from .recorder import Recorder, RecorderGroup
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, paper_box, require_conditions

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError
+from springpot.errors import DataError, OptionError
 from springpot.markup import table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Model, Parameter, Real
 
+from .guard import guarded
 from .material import is_material
 from .native import Fit, default_objective, fit, require_enough
 from .notes import notes_on
 from .objective import Objective
 from .optimiser import Optimiser
 from .problem import Problem
-from .run import run
 from .space import require_conditions
 from .uncertainty import Uncertainty, bootstrap, ends, profile, spread_of
 
@@ -248,6 +248,8 @@ def identify(
         If the data lack a column that the model needs.
     DataError
         If there is one point only, or if there are more unknowns than data.
+    OptionError
+        If the optimiser fails: it raises, crashes, hangs, or no value was finite.
     """
     began = perf_counter()
     require_conditions(model, measurement)
@@ -260,8 +262,8 @@ def identify(
         name = NATIVE
     else:
         problem = Problem.of(model, measurement, objective)
-        found, status = _by_optimiser(problem, optimiser, budget or BUDGET, restarts or 1, seed or 0)
-        name, notes = optimiser.name, []
+        found, status, notes = _by_optimiser(problem, optimiser, budget or BUDGET, restarts or 1, seed or 0)
+        name = optimiser.name
     known = Uncertainty.of(found)
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *notes_on(known, low, high)]
@@ -318,11 +320,16 @@ def _grown(part: Fit, model: Model) -> list[Real]:
     return starts
 
 
-def _by_optimiser(problem: Problem, optimiser: Optimiser, budget: int, restarts: int, seed: int) -> tuple[Fit, str]:
+def _by_optimiser(
+    problem: Problem, optimiser: Optimiser, budget: int, restarts: int, seed: int
+) -> tuple[Fit, str, list[str]]:
     """The best of several supervised runs."""
     rngs = np.random.default_rng(seed).spawn(restarts)
-    runs = [run(optimiser, problem, budget, rng) for rng in rngs]
-    best = min(runs, key=lambda one: one.best)
+    runs = [guarded(optimiser, problem, budget, rng) for rng in rngs]
+    best = min(runs, key=lambda one: (one.failed, one.best))
+    failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
+    if best.failed:
+        raise OptionError(f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one")
     found = Fit(
         problem.model,
         problem.measurement,
@@ -333,7 +340,8 @@ def _by_optimiser(problem: Problem, optimiser: Optimiser, budget: int, restarts:
         best.status != "budget",
         sum(one.seconds for one in runs),
     )
-    return found, best.status
+    notes = [f"{len(failed)} of {restarts} restarts failed, the first: {failed[0]}"] if failed else []
+    return found, best.status, notes
 
 
 def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:

@@ -1,27 +1,24 @@
-"""The recorder stands between optimiser and problem and owns the truth about a run."""
+"""The recorder is what an optimiser sees of a run: it evaluates, counts and ends, and nothing in it can be set.
+
+The record itself is a `Ledger`, to which a recorder holds no reference: its doors are functions that close over it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from math import inf
-from typing import TypeAlias
+from typing import Any, TypeVar
 
 import numpy as np
 
 from springpot.rheology import Real
 
+from .ledger import BudgetSpent, Diary, Ledger, LedgerGroup
 from .problem import Problem
 
-Diary: TypeAlias = list[tuple[Real, Real | None]]
-"""Points (d,) or (m, d) with penalty factors (m,), in the order of evaluation."""
+T = TypeVar("T")
 
 
-class BudgetSpent(BaseException):
-    """Ends a run; not an `Exception`, so that a library's own handlers do not swallow it."""
-
-
-@dataclass(eq=False)
 class Recorder:
     """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
 
@@ -39,76 +36,119 @@ class Recorder:
         The run ends once the objective is this small.
     diary : list, optional
         Gets every point in the order of evaluation, with its penalty; see `all_points`.
-
-    Attributes
-    ----------
-    evaluations, gradients, batched : int
-        Points evaluated, how many of them with a derivative, and how many in calls for several at once.
-    best, best_x : float, ndarray
-        Smallest objective seen and where, shape (d,); empty before the first finite value.
-    trace : list of (int, float)
-        Evaluation number and objective at every improvement.
     """
 
-    problem: Problem
-    budget: int
-    target: float = -inf
-    diary: Diary | None = None
-    evaluations: int = field(default=0, init=False)
-    gradients: int = field(default=0, init=False)
-    batched: int = field(default=0, init=False)
-    best: float = field(default=inf, init=False)
-    best_x: Real = field(default_factory=lambda: np.empty(0), init=False)
-    trace: list[tuple[int, float]] = field(default_factory=list, init=False)
+    __slots__ = ("_batch", "_gradient", "_problem", "_residual_batch", "_residuals", "_told", "_value")
 
-    def __post_init__(self) -> None:
-        self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
-        self._evaluate = self.problem.evaluate
-        # Falls to the evaluations made when the target is met, so that one comparison guards the hot path.
-        self._limit = self.budget
+    _value: Callable[[Real], float]
+    _batch: Callable[[Real, Real | None], Real]
+    _gradient: Callable[[Real], tuple[float, Real]]
+    _residuals: Callable[[Real], tuple[Real, Real]]
+    _residual_batch: Callable[[Real], tuple[Real, Real]]
+    _told: Callable[[str], Any]
+
+    def __init__(self, problem: Problem, budget: int, target: float = -inf, diary: Diary | None = None) -> None:
+        self._enter(Ledger(problem, budget, target, diary))
+
+    @classmethod
+    def of(cls, ledger: Ledger) -> Recorder:
+        """The recorder of a ledger."""
+        made = cls.__new__(cls)
+        made._enter(ledger)
+        return made
+
+    def _enter(self, ledger: Ledger) -> None:
+        self._problem = ledger.problem
+        self._value, self._gradient = _door(ledger.value), _door(ledger.gradient)
+        self._residuals, self._residual_batch = _door(ledger.residuals), _door(ledger.residual_batch)
+        self._batch = lambda x, factor: ledger.batch(x, factor)
+        self._told = lambda what: getattr(ledger, what)
+
+    @property
+    def problem(self) -> Problem:
+        """What is minimised."""
+        return self._problem
 
     @property
     def dimension(self) -> int:
         """Number of searched parameters."""
-        return self.problem.dimension
+        return self._problem.dimension
 
     @property
     def lower(self) -> Real:
         """Lower corner of the box that bounded optimisers keep to."""
-        return self.problem.lower
+        return self._problem.lower
 
     @property
     def upper(self) -> Real:
         """Upper corner of that box."""
-        return self.problem.upper
+        return self._problem.upper
+
+    @property
+    def budget(self) -> int:
+        """Evaluations allowed."""
+        return int(self._told("budget"))
+
+    @property
+    def target(self) -> float:
+        """Objective at which the run ends."""
+        return float(self._told("target"))
+
+    @property
+    def evaluations(self) -> int:
+        """Points evaluated."""
+        return int(self._told("evaluations"))
+
+    @property
+    def gradients(self) -> int:
+        """How many of them with a derivative."""
+        return int(self._told("gradients"))
+
+    @property
+    def batched(self) -> int:
+        """How many of them in calls for several at once."""
+        return int(self._told("batched"))
+
+    @property
+    def best(self) -> float:
+        """Smallest objective seen, infinite before the first finite value."""
+        return float(self._told("best"))
+
+    @property
+    def best_x(self) -> Real:
+        """Where, a copy of shape (d,); empty before the first finite value."""
+        found: Real = self._told("best_x").copy()
+        return found
+
+    @property
+    def trace(self) -> list[tuple[int, float]]:
+        """Evaluation number and objective at every improvement, a copy."""
+        return list(self._told("trace"))
 
     @property
     def spent(self) -> bool:
         """Whether the budget is used up."""
-        return self.evaluations >= self.budget
+        return bool(self._told("spent"))
 
     @property
     def met(self) -> bool:
         """Whether the target is reached."""
-        return self.best <= self.target
+        return bool(self._told("met"))
 
     @property
     def left(self) -> int:
         """Evaluations still allowed."""
-        return self._limit - self.evaluations
+        return int(self._told("left"))
 
     def __call__(self, x: Real) -> float:
-        """Objective at one point, shape (d,)."""
-        if self.evaluations >= self._limit:
-            raise BudgetSpent
-        point = np.minimum(np.maximum(x, self._lowest), self._highest)
-        value = float(self._evaluate(point))
-        self.evaluations += 1
-        if self.diary is not None:
-            self.diary.append((point, None))
-        if value < self.best:
-            self._improve(point, value)
-        return value if value == value else inf
+        """Objective at one point, shape (d,).
+
+        Raises
+        ------
+        BudgetSpent
+            If the run has ended; this holds for all that follow.
+        """
+        return self._value(x)
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
         """Objective (m,) at points (m, d); those beyond the budget are not evaluated but infinite.
@@ -120,68 +160,31 @@ class Recorder:
         factor : ndarray, shape (m,), optional
             Penalty by which each value is multiplied before it is recorded.
         """
-        factors = None if factor is None else factor[None]
-        values: Real = RecorderGroup([self]).batch(np.asarray(x, dtype=float)[None], factors)[0]
-        return values
+        return self._batch(x, factor)
 
     def gradient(self, x: Real) -> tuple[float, Real]:
         """Objective and its exact gradient (d,) at one point; one evaluation."""
-        point = self._admitted(x)
-        raw, slope = self.problem.gradient(point)
-        value = float(raw)
-        self._note_derivative(point, value)
-        return (value if value == value else inf), slope
+        return self._gradient(x)
 
     def residuals(self, x: Real) -> tuple[Real, Real]:
         """Residuals (2n,) and their exact Jacobian (2n, d) at one point; one evaluation."""
-        point = self._admitted(x)
-        residual, jacobian = self.problem.residuals_and_jacobian(point)
-        self._note_derivative(point, float(residual @ residual))
-        return residual, jacobian
+        return self._residuals(x)
 
     def residual_batch(self, x: Real) -> tuple[Real, Real]:
         """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
 
         Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives zero.
         """
-        points = self._admitted(np.asarray(x, dtype=float))
-        allowed = min(len(points), self.left)
-        residual, jacobian = self.problem.residuals_and_jacobian(points[:allowed])
-        values = np.einsum("ij,ij->i", residual, residual)
-        self.gradients += allowed
-        _note([self], points[None, :allowed], values[None], [allowed])
-        missing = len(points) - allowed
-        return (
-            np.concatenate([residual, np.full((missing, residual.shape[1]), inf)]),
-            np.concatenate([jacobian, np.zeros((missing, *jacobian.shape[1:]))]),
-        )
+        return self._residual_batch(x)
 
-    def _admitted(self, x: Real) -> Real:
-        if self.evaluations >= self._limit:
-            raise BudgetSpent
-        return np.minimum(np.maximum(x, self._lowest), self._highest)
 
-    def _note_derivative(self, point: Real, value: float) -> None:
-        self.evaluations += 1
-        self.gradients += 1
-        if self.diary is not None:
-            self.diary.append((point, None))
-        if value < self.best:
-            self._improve(point, value)
-
-    def _improve(self, point: Real, value: float) -> None:
-        self.trace.append((self.evaluations, value))
-        self.settle(point)
-
-    def settle(self, point: Real) -> None:
-        """Take `point` (d,) for the place of the last improvement in the trace."""
-        self.best, self.best_x = self.trace[-1][1], point.copy()
-        if self.best <= self.target:
-            self._limit = self.evaluations
+def _door(inside: Callable[[Real], T]) -> Callable[[Real], T]:
+    """A plain function that does the same: a bound method would carry what it is bound to."""
+    return lambda x: inside(x)
 
 
 class RecorderGroup:
-    """Recorders of one problem whose points are evaluated in one stacked call.
+    """Recorders of one problem; in a study their points are evaluated in one stacked call.
 
     It lets a batched optimiser carry all repetitions of a cell side by side; each run records what it would alone.
 
@@ -191,12 +194,31 @@ class RecorderGroup:
         One for each run, all of the same problem.
     """
 
+    __slots__ = ("_batch", "_recorders")
+
     def __init__(self, recorders: Sequence[Recorder]) -> None:
-        self.recorders = tuple(recorders)
-        self.problem = self.recorders[0].problem
+        self._recorders = tuple(recorders)
+        self._batch: Callable[[Real, Real | None], Real] = self._one_by_one
+
+    @classmethod
+    def of(cls, ledgers: Sequence[Ledger]) -> RecorderGroup:
+        """The recorders of ledgers."""
+        made, group = cls([Recorder.of(ledger) for ledger in ledgers]), LedgerGroup(ledgers)
+        made._batch = lambda x, factor: group.batch(x, factor)
+        return made
 
     def __len__(self) -> int:
-        return len(self.recorders)
+        return len(self._recorders)
+
+    @property
+    def recorders(self) -> tuple[Recorder, ...]:
+        """One for each run."""
+        return self._recorders
+
+    @property
+    def problem(self) -> Problem:
+        """What all of them minimise."""
+        return self._recorders[0].problem
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
         """Objective (runs, m) at points (runs, m, d); infinite and not evaluated where a run has ended.
@@ -213,63 +235,14 @@ class RecorderGroup:
         BudgetSpent
             If every run has ended.
         """
-        m = x.shape[1]
-        allowed = [min(m, recorder.left) for recorder in self.recorders]
-        if max(allowed) <= 0:
+        return self._batch(x, factor)
+
+    def _one_by_one(self, x: Real, factor: Real | None) -> Real:
+        """The same without a stacked call."""
+        if all(recorder.left <= 0 for recorder in self._recorders):
             raise BudgetSpent
-        points = np.minimum(np.maximum(x, self.problem.space.lowest), self.problem.space.highest)
-        values = self._evaluate(points, allowed, m)
-        if factor is not None:
-            values = values * factor
-        _note(self.recorders, points, values, allowed, factor)
+        values = np.full(x.shape[:2], inf)
+        for i, recorder in enumerate(self._recorders):
+            if recorder.left > 0:
+                values[i] = recorder.batch(x[i], None if factor is None else factor[i])
         return values
-
-    def _evaluate(self, points: Real, allowed: list[int], m: int) -> Real:
-        if min(allowed) == m:
-            # A single run is spared the cost of a leading axis.
-            return self.problem.evaluate(points[0])[None] if len(points) == 1 else self.problem.evaluate(points)
-        chosen = np.arange(m) < np.array(allowed)[:, None]
-        values = np.full(chosen.shape, inf)
-        values[chosen] = self.problem.evaluate(points[chosen])
-        return values
-
-
-def _note(
-    recorders: Sequence[Recorder], points: Real, values: Real, allowed: list[int], factor: Real | None = None
-) -> None:
-    """Let each recorder count what it was allowed and note, in order, what improves on its best.
-
-    Values that are no numbers become infinite, in place.
-    """
-    bests, lowest = np.array([recorder.best for recorder in recorders]), values.min(axis=1)
-    if np.isnan(lowest).any():
-        values[np.isnan(values)] = inf
-        lowest = values.min(axis=1)
-    rows = np.flatnonzero(lowest < bests)
-    if rows.size:  # late in a run most calls improve on nothing
-        _trace(recorders, values[rows], bests[rows], rows.tolist())
-    for i, (recorder, count) in enumerate(zip(recorders, allowed, strict=True)):
-        made = max(count, 0)
-        recorder.evaluations += made
-        recorder.batched += made
-        if recorder.diary is not None:
-            recorder.diary.append((points[i, :made], None if factor is None else factor[i, :made]))
-    for i in rows.tolist():
-        recorders[i].settle(points[i, values[i].argmin()])
-
-
-def _trace(recorders: Sequence[Recorder], values: Real, bests: Real, rows: list[int]) -> None:
-    """Append to the traces of some recorders what improves on their best among new values (rows, m)."""
-    before = np.minimum.accumulate(np.hstack([bests[:, None], values[:, :-1]]), axis=1)
-    run, step = np.nonzero(values < before)
-    for i, column, value in zip(run.tolist(), step.tolist(), values[run, step].tolist(), strict=True):
-        recorder = recorders[rows[i]]
-        recorder.trace.append((recorder.evaluations + column + 1, value))
-
-
-def all_points(diary: Diary, dimension: int) -> tuple[Real, Real]:
-    """Points (n, d) and penalty factors (n,) of a diary, row i being evaluation i + 1."""
-    points = [np.empty((0, dimension)), *(np.atleast_2d(page) for page, _ in diary)]
-    pages = zip(points[1:], diary, strict=True)
-    factors = [np.ones(len(page)) if factor is None else factor for page, (_, factor) in pages]
-    return np.concatenate(points), np.concatenate([np.empty(0), *factors])

@@ -1,9 +1,9 @@
-"""One supervised run of an optimiser, and what came of it according to the recorder."""
+"""One supervised run of an optimiser, and what came of it according to the ledger."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 from time import perf_counter
 
@@ -12,14 +12,15 @@ import numpy as np
 from springpot.errors import OptionError
 from springpot.rheology import Real
 
+from .ledger import BudgetSpent, Diary, Ledger
 from .optimiser import BatchedOptimiser, Optimiser
 from .problem import Problem
-from .recorder import BudgetSpent, Diary, Recorder, RecorderGroup
+from .recorder import Recorder, RecorderGroup
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What one run found, as the recorder saw it; nothing that a library claims.
+    """What one run found, as the ledger has it; nothing that a library claims.
 
     Parameters
     ----------
@@ -41,6 +42,10 @@ class Run:
         Evaluation number and objective at every improvement.
     diary : list, optional
         Every point evaluated, if that was asked for.
+    point : ndarray, shape (d,)
+        Where it was best, as it was evaluated; empty if no value was finite.
+    factor : float
+        Penalty in the value there.
     """
 
     optimiser: str
@@ -54,6 +59,8 @@ class Run:
     trace: tuple[tuple[int, float], ...]
     batched: int = 0
     diary: Diary | None = None
+    point: Real = field(default_factory=lambda: np.empty(0))
+    factor: float = 1.0
 
     @property
     def failed(self) -> bool:
@@ -91,9 +98,10 @@ def run(
     OptionError
         If the budget is not positive.
     """
-    recorder = Recorder(problem, _checked(budget), target, [] if diary else None)
+    ledger = Ledger(problem, _checked(budget), target, [] if diary else None)
+    recorder = Recorder.of(ledger)
     seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
-    return _outcome(optimiser.name, recorder, seconds, fault)
+    return _outcome(optimiser.name, ledger, seconds, fault)
 
 
 def run_batch(
@@ -112,10 +120,11 @@ def run_batch(
         return [run(optimiser, problem, budget, rngs[0], target, diary)] * len(rngs)
     if not isinstance(optimiser, BatchedOptimiser) or not rngs:
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
-    recorders = [Recorder(problem, _checked(budget), target, [] if diary else None) for _ in rngs]
-    seconds, fault = _supervised(lambda: optimiser.minimise_batch(RecorderGroup(recorders), budget, rngs))
-    share = seconds / len(recorders)
-    return [_outcome(optimiser.name, recorder, share, fault) for recorder in recorders]
+    ledgers = [Ledger(problem, _checked(budget), target, [] if diary else None) for _ in rngs]
+    group = RecorderGroup.of(ledgers)
+    seconds, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
+    share = seconds / len(ledgers)
+    return [_outcome(optimiser.name, ledger, share, fault) for ledger in ledgers]
 
 
 def _checked(budget: int) -> int:
@@ -140,32 +149,34 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
     return perf_counter() - start, fault
 
 
-def _outcome(name: str, recorder: Recorder, seconds: float, fault: BaseException | None) -> Run:
-    space = recorder.problem.space
-    found = recorder.best_x.size > 0
-    x = space.repaired(recorder.best_x) if found else np.full(recorder.dimension, np.nan)
+def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | None) -> Run:
+    space = ledger.problem.space
+    found = ledger.best_x.size > 0
+    x = space.repaired(ledger.best_x) if found else np.full(ledger.problem.dimension, np.nan)
     return Run(
         name,
-        _status(recorder, fault),
-        recorder.best,
+        _status(ledger, fault),
+        ledger.best,
         x,
         space.theta(x),
-        recorder.evaluations,
-        recorder.gradients,
+        ledger.evaluations,
+        ledger.gradients,
         seconds,
-        tuple(recorder.trace),
-        recorder.batched,
-        recorder.diary,
+        tuple(ledger.trace),
+        ledger.batched,
+        ledger.diary,
+        ledger.best_x,
+        ledger.best_factor,
     )
 
 
-def _status(recorder: Recorder, fault: BaseException | None) -> str:
+def _status(ledger: Ledger, fault: BaseException | None) -> str:
     # A library may wrap the end of the budget in an exception of its own: only the recorder knows.
-    if fault is not None and recorder.left > 0:
+    if fault is not None and ledger.left > 0:
         lines = f"{type(fault).__name__}: {fault}".splitlines()
         return f"failed: {lines[0][:200]}"
-    if not recorder.best_x.size:
-        return f"failed: no finite value in {recorder.evaluations} evaluations"
-    if recorder.met:
+    if not ledger.best_x.size:
+        return f"failed: no finite value in {ledger.evaluations} evaluations"
+    if ledger.met:
         return "target"
-    return "budget" if recorder.spent else "converged"
+    return "budget" if ledger.spent else "converged"

@@ -1,7 +1,9 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
 from . import geometry
+from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
+from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .interface import as_modulus, as_stiffness, through
@@ -32,6 +34,7 @@ from .units import (
 __all__ = [
     "AMPLITUDE_UNITS",
     "ANGLE_UNITS",
+    "Budget",
     "CONDITIONS",
     "Choice",
     "DataSet",
@@ -55,7 +58,10 @@ __all__ = [
     "Units",
     "as_modulus",
     "as_stiffness",
+    "budget_of",
     "geometry",
+    "guarded",
+    "guarded_line",
     "harmonics_of",
     "known_unit",
     "measurement_from_signals",
@@ -68,5 +74,8 @@ __all__ = [
     "select",
     "temperature_in_celsius",
     "through",
+    "unguarded",
+    "unguarded_line",
     "with_noise",
+    "within_budget",
 ]

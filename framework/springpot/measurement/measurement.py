@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError
+from springpot.plain import plain
 from springpot.rheology import Complex, Points, Real
 
 from .units import Units
@@ -90,7 +91,7 @@ class Measurement:
     def __repr__(self) -> str:
         low, high = self.frequency.min(), self.frequency.max()
         beside = "".join(f", {name}" for name in self.conditions)
-        return f"<Measurement {self.name}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
+        return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))

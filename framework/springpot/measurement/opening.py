@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from springpot.errors import DataError, SpringpotError
 from springpot.rheology import Real
 
+from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
 from .naming import file_and_choice, is_file, short
@@ -102,13 +103,18 @@ def read_head(path: Path) -> bytes:
     Raises
     ------
     DataError
-        If it is a folder, empty, or cannot be read.
+        If it is a folder, a pipe or device, empty, or cannot be read.
     """
+    require_regular(path)
     if path.is_dir():
         raise DataError(f"{path}: this is a folder, name a file in it")
     try:
         with path.open("rb") as stream:
             head = stream.read(HEAD)
+            if len(head) == HEAD and not _below_remarks([head]):
+                # Recognition must not see remarks alone, however many there are.
+                stream.seek(0)
+                head = (_below_remarks(stream) + stream.read(HEAD))[:HEAD]
     except FileNotFoundError:
         beside = _files_like(str(path))
         hint = f": did you mean {' or '.join(beside)}?" if beside else ""
@@ -119,6 +125,16 @@ def read_head(path: Path) -> bytes:
     if not head:
         raise DataError(f"{path}: the file is empty")
     return head
+
+
+def _below_remarks(lines: Iterable[bytes]) -> bytes:
+    """The first line that is neither blank nor a comment; nothing where there is none."""
+    for piece in lines:
+        for line in piece.splitlines(keepends=True):
+            bare = line.strip(b"\xef\xbb\xbf \t\r\n")
+            if bare and not bare.startswith(b"#"):
+                return line
+    return b""
 
 
 def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
@@ -150,8 +166,11 @@ def _confidence(reader: Reader, head: bytes) -> float:
 
 
 def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
-    reader = pick_reader(path, readers)
-    return _guarded(reader, path, lambda: reader.read(path, choice))
+    def read() -> Measurement:
+        reader = pick_reader(path, readers)
+        return _guarded(reader, path, lambda: reader.read(path, choice))
+
+    return within_budget(path, read)
 
 
 def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
@@ -171,7 +190,10 @@ def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
 
 
 def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
-    reader = pick_reader(path, readers)
+    return within_budget(path, lambda: _parts_by(pick_reader(path, readers), path))
+
+
+def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
     list_parts = reader.parts
     return () if list_parts is None else tuple(_guarded(reader, path, lambda: list_parts(path)))
 
@@ -179,7 +201,7 @@ def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
 def _guarded(reader: Reader, path: Path, action: Callable[[], T]) -> T:
     try:
         return action()
-    except SpringpotError:
+    except (SpringpotError, MemoryError):
         raise
     except Exception as error:
         first = (str(error).splitlines() or [""])[0]
@@ -224,6 +246,10 @@ def signals_to_measurement(
 def _signals(text: str, readers: list[Reader]) -> Signals:
     name, choice = file_and_choice(text)
     path = Path(name)
+    return within_budget(path, lambda: _signals_by(path, choice, readers))
+
+
+def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
     reader = pick_reader(path, readers)
     if reader.signals is None and choice.columns:
         # Who says which columns are time and force means signals, whatever their names look like.

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
+from springpot.plain import plain_json
+
 
 def jsonable(value: Any) -> Any:
     """`value` in JSON's own types; what is not a finite number becomes null.
@@ -32,4 +34,4 @@ def jsonable(value: Any) -> Any:
 
 def to_json(value: Any, indent: int | None = 2) -> str:
     """Strict JSON text of `value`; ``indent=None`` gives one line, for JSON lines."""
-    return json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
+    return plain_json(json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False))

@@ -11,9 +11,9 @@ import numpy as np
 from springpot.benchmark import Store, store_path
 from springpot.benchmark.comparison import LEVEL, OVER_ALL, Choice, Ranking, scopes
 from springpot.benchmark.findings import COMPARING, PLAIN, Findings
+from springpot.benchmark.rows import ProblemRow
 from springpot.benchmark.standings import CHOICE_NOTE
 from springpot.benchmark.statistics import Interval
-from springpot.benchmark.store import ProblemRow
 from springpot.benchmark.summary import CellSummary
 from springpot.benchmark.tables import Table, text
 from springpot.files import write_text

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from unicodedata import combining, east_asian_width
 
+from springpot.plain import below, plain
+
 
 @dataclass(frozen=True)
 class Table:
@@ -51,10 +53,10 @@ class Table:
 
         ruled = Ruled(box=box.SIMPLE_HEAD, pad_edge=False)
         for header in self.headers:
-            ruled.add_column(header, justify="right" if header in self.right else "left")
+            ruled.add_column(Text(plain(header)), justify="right" if header in self.right else "left")
         for row in self.rows:
-            ruled.add_row(*(Text(cell) for cell in row))
-        Console(highlight=False).print(ruled)
+            ruled.add_row(*(Text(plain(cell)) for cell in row))
+        Console(file=below(sys.stdout), highlight=False).print(ruled)
 
 
 def width(text: str) -> int:

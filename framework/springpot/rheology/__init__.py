@@ -8,6 +8,8 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .history import InTime
+from .intime import Traced
 from .linear import (
     basset,
     diffusion,
@@ -73,6 +75,7 @@ from .signal import (
     gain,
     phase,
 )
+from .spectrum import Slopes, Spectrum
 from .thermal import (
     Heated,
     arrhenius,
@@ -138,6 +141,7 @@ __all__ = [
     "FixedPower",
     "GRADIENT",
     "INERTANCE",
+    "InTime",
     "KELVIN_FORM",
     "Layer",
     "MAXWELL_FORM",
@@ -157,8 +161,11 @@ __all__ = [
     "SearchForm",
     "Series",
     "Shift",
+    "Slopes",
+    "Spectrum",
     "Springpot",
     "TIME_FORM",
+    "Traced",
     "VALUE",
     "VISCOSITY",
     "chain",

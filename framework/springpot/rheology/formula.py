@@ -34,6 +34,11 @@ class Formula(Node):
     third : callable or None
         ``third(at, *parameters)`` gives the third harmonic of the force over the displacement amplitude;
         see `Effect.third_harmonic`.
+    in_time : callable or None
+        The same law in time, for an element that is not linear or belongs to the signals; linear ones need none.
+        Beside the material, ``in_time(t, x, velocity, *parameters)`` gives the force and its derivative by each
+        parameter, all (n,). In the measurement chain, ``in_time(t, columns, *parameters)`` turns signals (n, c)
+        into what is recorded of them, and gives the derivatives of the first one.
     """
 
     free: tuple[Parameter, ...]
@@ -41,6 +46,7 @@ class Formula(Node):
     conditions: tuple[str, ...] = ()
     kind: str = "element"
     third: Callable[..., Any] | None = None
+    in_time: Callable[..., tuple[Any, Sequence[Any]]] | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

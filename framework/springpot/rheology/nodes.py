@@ -113,7 +113,8 @@ class Composition(Node):
         return self._parameters
 
     @cached_property
-    def _cuts(self) -> tuple[slice, ...]:
+    def cuts(self) -> tuple[slice, ...]:
+        """Where each child's parameters stand in theta."""
         ends = np.cumsum([0] + [len(child.parameters) for child in self.children]).tolist()
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
@@ -123,7 +124,7 @@ class Composition(Node):
         return frozenset().union(*(child.needs for child in self.children))
 
     def _respond_each(self, theta: Real, at: Points, depth: int) -> list[Response]:
-        parts = zip(self.children, self._cuts, strict=True)
+        parts = zip(self.children, self.cuts, strict=True)
         return [child.respond(theta[..., cut], at, depth) for child, cut in parts]
 
 
@@ -190,7 +191,7 @@ class Shift(Composition):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K(omega) = K_a(omega a_T); the second child responds with the real ln a_T."""
-        base_theta, shift_theta = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        base_theta, shift_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         log_shift = self.children[1].respond(shift_theta, at, depth)
         # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass through.
         exact: Real = log_shift.value if np.iscomplexobj(theta) else log_shift.value.real  # type: ignore[assignment]

@@ -131,7 +131,7 @@ class Heated(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K_a at the frequency that the warmer specimen feels."""
         body, heater = self.children
-        base_theta, heat_theta = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        base_theta, heat_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         level = VALUE if depth == VALUE else FULL
         cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
         factor = heat.value.real

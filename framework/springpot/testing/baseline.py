@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from springpot.benchmark import Store
+from springpot.benchmark.rows import CellRow, ProblemRow, TrialRow
 from springpot.benchmark.statistics import hitting_time, target_value
-from springpot.benchmark.store import CellRow, ProblemRow, TrialRow
 from springpot.errors import StudyError
 from springpot.files import write_text
 from springpot.rheology import Real

@@ -6,9 +6,14 @@ import hashlib
 import os
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
-from urllib.parse import unquote, urlparse
+from shutil import copyfileobj
+from tempfile import TemporaryDirectory
+from typing import Any
+from urllib.parse import unquote, urljoin, urlparse
 
 from springpot.errors import DataError
+
+from .names import inside, is_name
 
 CACHE = "SPRINGPOT_CACHE"
 """Environment variable that names another place for downloads."""
@@ -20,17 +25,51 @@ def missing() -> str:
     return "" if find_spec("pooch") else f"it is downloaded by pooch, which is not installed: {INSTALL}"
 
 
+def file_name(url: str) -> str:
+    """The name of the file at an address.
+
+    Raises
+    ------
+    DataError
+        If the address is no https, or its last part, once unquoted, is no name of a file.
+    """
+    try:
+        parts = urlparse(url)
+        host = parts.hostname
+    except ValueError:
+        host = None
+    if not host or parts.scheme != "https":
+        raise DataError(f"'{url:.80}' is no address with https://")
+    name = unquote(PurePosixPath(parts.path).name)
+    if not is_name(name):
+        raise DataError(f"the last part of '{url:.80}' names no file")
+    return name
+
+
 def place(url: str, sha256: str) -> Path:
-    """Where a download is kept; the checksum in the path keeps two versions of one name apart."""
+    """Where a download is kept; the checksum in the path keeps two versions of one name apart.
+
+    Raises
+    ------
+    DataError
+        If that is no place in the cache.
+    """
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    folder = os.environ.get(CACHE) or Path(cache) / "springpot"
-    return Path(folder) / sha256[:16] / (unquote(PurePosixPath(urlparse(url).path).name) or "data")
+    folder = Path(os.environ.get(CACHE) or Path(cache) / "springpot")
+    return inside(folder, f"{sha256[:16]}/{file_name(url)}")
 
 
 def kept(url: str, sha256: str) -> bool:
     """Whether the file has been downloaded, as it was published."""
-    path = place(url, sha256)
-    return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256
+    return _is(place(url, sha256), sha256)
+
+
+def _is(path: Path, sha256: str) -> bool:
+    """Whether a file has that content."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest() == sha256
 
 
 def fetched(name: str, url: str, sha256: str) -> Path:
@@ -41,25 +80,33 @@ def fetched(name: str, url: str, sha256: str) -> Path:
     name : str
         The data set, for errors.
     url : str
-        Address of the file, http or https.
+        Address of the file, https.
     sha256 : str
         Of its content, in hexadecimal.
 
     Raises
     ------
     DataError
-        If pooch is not installed, there is no connection, or the content is not what was published.
+        If pooch is not installed, there is no connection, the content is not what was published, or another file is
+        in its place.
     """
     path = place(url, sha256)
-    if kept(url, sha256):
+    if _is(path, sha256):
         return path
+    _require_room(name, path)
     try:
         import pooch
     except ImportError:
         raise DataError(f"data set '{name}': {missing()}") from None
     pooch.get_logger().setLevel("ERROR")
     try:
-        pooch.retrieve(url, known_hash=f"sha256:{sha256}", fname=path.name, path=path.parent)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=path.parent, prefix=".download-") as draft:
+            safely = pooch.HTTPDownloader(hooks={"response": _stay_safe})
+            got = pooch.retrieve(url, f"sha256:{sha256}", fname=path.name, path=draft, downloader=safely)
+            _put(Path(got), path)
+    except FileExistsError:
+        _require_room(name, path)
     except ValueError:
         raise DataError(
             f"data set '{name}': what {url} holds is not what was published (its checksum differs); nothing was kept"
@@ -72,11 +119,38 @@ def fetched(name: str, url: str, sha256: str) -> Path:
     return path
 
 
+def _require_room(name: str, path: Path) -> None:
+    """Refuse to replace anything."""
+    if path.exists() or path.is_symlink():
+        raise DataError(
+            f"data set '{name}': {path} holds something else than what was published, and is not replaced; "
+            "remove it, and it is downloaded again"
+        )
+
+
+def _put(draft: Path, path: Path) -> None:
+    """Let the file appear whole in its place; an error where something is there already."""
+    try:
+        os.link(draft, path)
+    except FileExistsError:
+        raise
+    except OSError:
+        # Not every file system has hard links.
+        with draft.open("rb") as source, path.open("xb") as stream:
+            copyfileobj(source, stream)
+
+
+def _stay_safe(response: Any, *_: Any, **__: Any) -> None:
+    """Follow no redirection away from https."""
+    if response.is_redirect and urlparse(urljoin(response.url, response.headers["location"])).scheme != "https":
+        raise OSError(0, "it leads to an address without https")
+
+
 def _reason(error: OSError) -> str:
     """The errors of connections are long and nested; their kind says enough."""
     status = getattr(getattr(error, "response", None), "status_code", None)
     if status is not None:
         return f"the server answers {status}"
     kinds = {"ConnectionError": "no connection", "ConnectTimeout": "no answer", "ReadTimeout": "no answer"}
-    kinds |= {"ChunkedEncodingError": "the connection broke off"}
+    kinds |= {"ChunkedEncodingError": "the connection broke off", "SSLError": "its certificate is not trusted"}
     return kinds.get(type(error).__name__) or error.strerror or type(error).__name__

@@ -8,11 +8,14 @@ from importlib.resources import files
 from pathlib import Path
 
 from springpot.errors import DataError
-from springpot.measurement import DataSet, Measurement
+from springpot.measurement import DataSet, Measurement, within_budget
 
-from .manifest import FILE, read_manifest
+from .manifest import FILE, LARGEST, read_manifest
+from .names import inside
 
 VARIABLE = "SPRINGPOT_DATA"
+LONGEST_REASON = 300
+"""Signs of what is said of a manifest that cannot be used."""
 NOWHERE = Path(os.devnull)
 """Stands for the directory of a set that is not on this machine."""
 
@@ -50,19 +53,31 @@ def _folders() -> Iterator[Path]:
 
 
 def _dataset(folder: Path) -> DataSet | None:
-    own = folder / FILE
+    """The set of a folder; unavailable, with the reason, where anything is wrong with its manifest."""
     try:
-        if own.is_file():
-            return read_manifest(own.read_text(encoding="utf-8"), folder, str(own)).dataset()
+        if (folder / FILE).is_file():
+            own = inside(folder, FILE)
+            return within_budget(own, lambda: read_manifest(_text(own), folder, str(own)).dataset())
         shipped = files(__package__).joinpath("manifests", f"{folder.name}.toml")
         if shipped.is_file():
             return read_manifest(shipped.read_text(encoding="utf-8"), folder, shipped.name).dataset()
-    except (DataError, OSError, UnicodeDecodeError) as error:
+    except DataError as error:
         return _broken(folder, str(error))
+    except Exception as error:
+        # Whatever a stranger writes there, it must not take the other sets away.
+        return _broken(folder, f"{folder / FILE}: {type(error).__name__}: {error}")
     return None
 
 
+def _text(path: Path) -> str:
+    """A manifest, or as much of it as is enough to see that it is too large."""
+    with path.open("rb") as stream:
+        return stream.read(LARGEST + 1).decode("utf-8")
+
+
 def _broken(folder: Path, reason: str) -> DataSet:
+    reason = " ".join(reason.split())[:LONGEST_REASON]
+
     def load() -> Measurement:
         raise DataError(f"data set '{folder.name}' is unavailable: {reason}")
 

@@ -25,7 +25,9 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
     url = "https://example.org/normalized.csv"
     sha256 = "..."                             # of the file there
 
-A manifest stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
+A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`, texts of
+`LONGEST_TEXT` signs, addresses with https.
+It stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
 A downloaded file of another name than `file` is opened by the reader of its format instead of by [columns].
 """
 
@@ -35,19 +37,28 @@ import re
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import DataSet, Measurement, open_measurement
+from springpot.measurement import Choice, DataSet, Measurement, Reader, open_measurement
 
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
 from ..readers.table import Column, Table, name_and_unit, table_of
 from ..readers.text import text_of
-from .download import fetched, kept, missing
+from .download import fetched, file_name, kept, missing
+from .names import inside, is_name
+from .patterns import checked, picked
 
 FILE = "dataset.toml"
+LARGEST = 1 << 14
+"""Bytes of a manifest; the shipped ones have two thousand."""
+LONGEST_TEXT = 2000
+MOST_COLUMNS = 400
+LARGEST_SIZE = 10**12
+"""Rows that are believed."""
 _TEXTS = ("name", "summary", "file", "citation", "doi", "origin", "licence", "test", "model", "fit", "kind")
 
 
@@ -82,8 +93,14 @@ class Manifest:
 
     @property
     def file(self) -> Path:
-        """Where the file is, if it is here."""
-        return self.folder / str(self.values["file"])
+        """Where the file is, if it is here.
+
+        Raises
+        ------
+        DataError
+            If it would be outside the folder.
+        """
+        return inside(self.folder, self.values["file"])
 
     def dataset(self) -> DataSet:
         """The set; its file is opened only when it is loaded."""
@@ -138,14 +155,17 @@ class Manifest:
         if self.download and not path.is_file():
             path = fetched(self.name, self.download["url"], self.download["sha256"])
         origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
-        if path.name != self.file.name:
-            found = open_measurement(path, (), springpot_readers())
-            return replace(found, name=self.name, provenance={**origin, **found.provenance})
+        own = Reader(self.name, "the columns of a manifest", lambda head: 1.0, self._read)
+        found = open_measurement(path, (), [own] if path.name == self.file.name else springpot_readers())
+        return replace(found, name=self.name, provenance={**origin, **found.provenance})
+
+    def _read(self, path: Path, choice: Choice) -> Measurement:
+        """The table, by the columns that the manifest names."""
         table = table_of(text_of(path), path)
         made = [*self._mapped(table), *self._constants(table)]
         roles = {column.name: column for column in made if column.name in ROLES}
         others = [column for column in made if column.name not in ROLES]
-        return measurement_of(roles, others, self.name, {**origin, **table.comments}, path)
+        return measurement_of(roles, others, self.name, table.comments, path)
 
     def _mapped(self, table: Table) -> Iterable[Column]:
         by_title = {column.title: column for column in table.columns}
@@ -156,7 +176,7 @@ class Manifest:
             column = by_title[title]
             cells = column.cells
             if pattern := source.get("extract"):
-                cells = [match[1] if (match := re.search(pattern, cell)) else "" for cell in cells]
+                cells = [picked(pattern, cell) for cell in cells]
             unit = source.get("unit", column.unit)
             yield Column(title, name, unit, cells, column.path, column.lines, column.decimal_comma)
 
@@ -173,26 +193,34 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
     Raises
     ------
     DataError
-        If it is no TOML, or an entry is missing or of the wrong kind.
+        If it is no TOML, or an entry is missing, of the wrong kind or beyond its limit.
     """
+    if len(text) > LARGEST:
+        raise DataError(f"{path}: a manifest of more than {LARGEST >> 10} KiB")
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(f"{path}: {error}") from None
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{path}: {'nested too deeply' if isinstance(error, RecursionError) else error}") from None
     columns = values.pop("columns", None)
     constants = values.pop("conditions", {})
     download = values.pop("download", {})
     if not isinstance(columns, dict) or not columns:
         raise DataError(f"{path}: there is no [columns] table; write omega, storage, loss = {{ from, unit }}")
+    if len(columns) > MOST_COLUMNS:
+        raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
     mapped = {}
     for name, source in columns.items():
         entry = {"from": source} if isinstance(source, str) else source
         if not (isinstance(entry, dict) and "from" in entry and all(isinstance(v, str) for v in entry.values())):
             raise DataError(f"{path}: column '{name}' needs from = \"header\", and unit or extract as text")
-        _check_pattern(entry, name, path)
+        if "extract" in entry:
+            try:
+                checked(entry["extract"])
+            except DataError as error:
+                raise DataError(f"{path}: the pattern of column '{name}' {error}") from None
         mapped[name] = entry
-    if not (isinstance(constants, dict) and all(isinstance(v, int | float) for v in constants.values())):
-        raise DataError(f"{path}: [conditions] holds numbers only")
+    if not (isinstance(constants, dict) and all(map(_is_number, constants.values()))):
+        raise DataError(f"{path}: [conditions] holds finite numbers only")
     _check_values(values, path)
     _check_download(download, values, path)
     return Manifest(folder, values, mapped, constants, download)
@@ -204,30 +232,39 @@ def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
     if not (isinstance(download, dict) and set(download) == {"url", "sha256"}):
         raise DataError(f"{path}: [download] holds url and sha256, and nothing else")
     url, sha256 = str(download["url"]), str(download["sha256"])
-    if not re.match(r"https?://[^/]+/", url) or not re.fullmatch(r"[0-9a-f]{64}", sha256):
-        raise DataError(f"{path}: [download] needs a url with https:// and a sha256 of 64 hexadecimal digits")
+    try:
+        file_name(url)
+    except DataError as error:
+        raise DataError(f"{path}: [download]: {error}") from None
+    if not re.fullmatch(r"[0-9a-f]{64}", sha256):
+        raise DataError(f"{path}: [download] needs a sha256 of 64 hexadecimal digits")
     if not values.get("licence"):
         raise DataError(f'{path}: [download] needs a licence that allows it; write licence = "..."')
 
 
-def _check_pattern(entry: dict[str, str], name: str, path: str) -> None:
-    if "extract" not in entry:
-        return
+def _is_number(value: object) -> bool:
+    """Whether a value is a number that a float can hold."""
     try:
-        groups = re.compile(entry["extract"]).groups
-    except re.error as error:
-        raise DataError(f"{path}: the pattern of column '{name}' is wrong: {error}") from None
-    if groups != 1:
-        raise DataError(f"{path}: the pattern of column '{name}' needs one group in parentheses")
+        return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _check_values(values: dict[str, Any], path: str) -> None:
-    wrong = [key for key in _TEXTS if not isinstance(values.get(key, ""), str)]
+    wrong = [key for key in _TEXTS if not _is_text(values.get(key, ""))]
     unknown = [key for key in values if key not in (*_TEXTS, "size", "physics")]
     if "file" not in values:
         raise DataError(f'{path}: there is no file = "name.csv"')
     if wrong or unknown:
         raise DataError(f"{path}: check {', '.join(wrong or unknown)}; known are {', '.join(_TEXTS)}, size, physics")
-    physics = values.get("physics", [])
-    if not isinstance(values.get("size", 0), int) or not isinstance(physics, list):
-        raise DataError(f"{path}: size is a whole number, physics a list of sentences")
+    if not is_name(values.get("name", "name")):
+        raise DataError(f"{path}: '{values['name']:.80}' is no name of a data set")
+    size, physics = values.get("size", 0), values.get("physics", [])
+    if not (isinstance(size, int) and 0 <= size <= LARGEST_SIZE):
+        raise DataError(f"{path}: size is the number of rows")
+    if not (isinstance(physics, list) and all(map(_is_text, physics))):
+        raise DataError(f"{path}: physics is a list of sentences")
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and len(value) <= LONGEST_TEXT

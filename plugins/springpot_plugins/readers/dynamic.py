@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -93,11 +94,11 @@ def told_apart(blocks: Sequence[Block]) -> list[Block]:
     if len(blocks) < 2:
         return list(blocks)
     names = [block.name or f"table {i}" for i, block in enumerate(blocks, 1)]
-    seen: dict[str, int] = {}
+    count, seen = Counter(names), Counter[str]()
     made = []
     for block, name in zip(blocks, names, strict=True):
-        seen[name] = seen.get(name, 0) + 1
-        made.append(replace(block, name=f"{name} ({seen[name]})" if names.count(name) > 1 else name))
+        seen[name] += 1
+        made.append(replace(block, name=f"{name} ({seen[name]})" if count[name] > 1 else name))
     return made
 
 

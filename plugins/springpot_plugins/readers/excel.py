@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader
+from springpot.measurement import Choice, Measurement, Part, Reader, budget_of
 
 from .blocks import Block, blocks_of
 from .dynamic import measurement_from, parts_from
@@ -19,10 +19,7 @@ from .marks import stated_mark
 from .stated import with_stated
 from .wide import apart, said_already
 
-_LIMIT = 400_000_000
-"""Bytes that a workbook may hold once it is unpacked."""
-_RATIO = 300
-_MOST_CELLS = 6_000_000
+_MOST_ENTRIES = 10_000
 _OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 
 
@@ -54,9 +51,9 @@ def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
     try:
         with path.open("rb") as stream:
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
-            sheets = [(str(sheet.title), _grid(sheet, path)) for sheet in book.worksheets[:200]]
+            sheets = [(str(sheet.title), _grid(sheet)) for sheet in book.worksheets[:200]]
             book.close()
-    except DataError:
+    except MemoryError:
         raise
     except Exception as error:
         # Broken workbooks fail within openpyxl in many ways.
@@ -89,20 +86,16 @@ def _check_archive(path: Path) -> None:
     if not any(entry.filename.startswith("xl/") for entry in entries):
         raise DataError(f"{path}: a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
     size = sum(entry.file_size for entry in entries)
-    if size > _LIMIT or len(entries) > 10_000 or size > 1_000_000 + _RATIO * path.stat().st_size:
+    if size > budget_of(path).memory or len(entries) > _MOST_ENTRIES:
         raise DataError(f"{path}: the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
 
 
-def _grid(sheet: Any, path: Path) -> Grid:
+def _grid(sheet: Any) -> Grid:
     rows: list[list[str]] = []
     lines: list[int] = []
-    cells = 0
     # What a sheet says of its own size may be wrong.
     sheet.reset_dimensions()
     for number, row in enumerate(sheet.iter_rows(values_only=True), 1):
-        cells += len(row) + 1
-        if cells > _MOST_CELLS:
-            raise DataError(f"{path}: sheet '{sheet.title}' has more than {_MOST_CELLS} cells; save it as CSV")
         texts = [_text(value) for value in row]
         while texts and not texts[-1]:
             texts.pop()

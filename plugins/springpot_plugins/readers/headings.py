@@ -8,6 +8,9 @@ from collections.abc import Iterable, Sequence
 from .grid import COMMENT
 from .titles import Heading, heading, is_unit
 
+_MOST_JOINED = 200
+"""Words above a table that are tried in pairs; each joining looks at all of them again."""
+
 
 def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: int) -> tuple[Heading, ...]:
     """Titles with the units from the row below them, at least `width` of them."""
@@ -38,7 +41,7 @@ def unquoted(cell: str) -> str:
 
 def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
     """Names with spaces in a file that is separated by them: joined where only the whole is known."""
-    while width < len(titles) < 4 * width + 8:
+    while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
         pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
         pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
         if not pairs:

@@ -15,7 +15,7 @@ from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 
-HEADER = re.compile(r"^\s*(?:[A-Za-z_]\w{0,20}\s*=\s*[^;=\n]{0,60};\s*){1,40}\s*$")
+HEADER = re.compile(r"(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60};\s{0,9}){1,40}\Z")
 _FORMAT = (
     Heading("w", "omega", "omega", "rad/s"),
     Heading("G'", "storage", "storage", "Pa"),
@@ -30,7 +30,7 @@ CLOCKS = frozenset({"omega", "freq", "frequency"})
 
 def first_line(text: str) -> dict[str, str]:
     """The keys and values of the first line; none for other files."""
-    line = text.lstrip("\ufeff").split("\n", 1)[0].strip("\r")[:4000]
+    line = text.lstrip("\ufeff").split("\n", 1)[0][:4000].strip()
     if not HEADER.match(line):
         return {}
     pairs = (piece.partition("=") for piece in line.split(";") if "=" in piece)

@@ -18,13 +18,15 @@ from .stated import with_stated
 from .text import head_text, text_of
 
 _INTERVAL = re.compile(
-    r"^[\"\s]*(?:interval|abschnitt|messabschnitt|tramo|интервал|przedział|úsek|aralık|区间|區間|间隔|インターバル|구간)"
+    r"^[\" \t]{0,20}"
+    r"(?:interval|abschnitt|messabschnitt|tramo|интервал|przedział|úsek|aralık|区间|區間|间隔|インターバル|구간)"
     r"[^\t;,:：\n]{0,50}[:：]",
     re.IGNORECASE | re.MULTILINE,
 )
 _FIRST = re.compile(
-    r"^[\"\s]*(?:test|project|projet|projekt|proyecto|progetto|projeto|essai|versuch|prueba|prova|ensayo|messung|name)"
-    r"\s*:[\"\t;, ]",
+    r"^[\"\s]{0,20}"
+    r"(?:test|project|projet|projekt|proyecto|progetto|projeto|essai|versuch|prueba|prova|ensayo|messung|name)"
+    r" {0,20}:[\"\t;, ]",
     re.IGNORECASE,
 )
 _SERIES = re.compile(r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE)

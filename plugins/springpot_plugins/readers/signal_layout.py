@@ -74,7 +74,7 @@ def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         # Names with their units in brackets hang together, and so do words that one blank separates.
-        line = re.sub(r"\s+(?=[\[(])", "", line.strip())
+        line = re.sub(r"(?<!\s)\s+(?=[\[(])", "", line.strip())
         wide = [cell for cell in re.split(r"\s{2,}|\t", line) if cell]
         return uncommented(wide if len(wide) > 2 else line.split())
     cells = [cell.strip() for cell in split_line(line, separator)]

@@ -11,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, measurement_from_signals
 
 from .channels import places_of, signals_from
 from .matfile import BrokenFile, arrays_in
-
-_LIMIT = 1 << 30
-"""Bytes that a file may hold once it is unpacked."""
 
 
 def recognises(head: bytes) -> float:
@@ -31,7 +28,7 @@ def signals(path: Path, choice: Choice) -> Signals:
     Raises
     ------
     DataError
-        If the file is of version 7.3, broken, too large, or lacks a channel or its unit.
+        If the file is of version 7.3, broken, unpacks to too much, or lacks a channel or its unit.
     """
     columns = _columns(_arrays(path))
     if not columns:
@@ -51,13 +48,11 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 
 def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
-    if path.stat().st_size > _LIMIT:
-        raise DataError(f"{path}: more than 1 GB; save the three vectors alone, or as CSV")
     content = path.read_bytes()
     if content.startswith(b"MATLAB 7.3"):
         raise DataError(f"{path}: MATLAB 7.3 files are HDF5; save it with -v7, or as CSV")
     try:
-        return arrays_in(content, _LIMIT)
+        return arrays_in(content, budget_of(path).memory)
     except BrokenFile as error:
         raise DataError(f"{path}: no readable MATLAB file: {error}") from None
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
+from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, measurement_from_signals
 from springpot.rheology import Real
 
 from .channels import channel_of, places_of, signals_from
 
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "units")
-_MOST = 100_000_000
-"""Samples in a channel that are believed."""
+_SAMPLE = 8
+"""Bytes of a number."""
 
 
 def recognises(head: bytes) -> float:
@@ -42,7 +42,7 @@ def signals(path: Path, choice: Choice) -> Signals:
     try:
         with TdmsFile.open(path) as file:
             return _signals(file, choice, path)
-    except DataError:
+    except (DataError, MemoryError):
         raise
     except Exception as error:
         # Broken files fail within npTDMS in many ways.
@@ -52,8 +52,8 @@ def signals(path: Path, choice: Choice) -> Signals:
 
 def _signals(file: Any, choice: Choice, path: Path) -> Signals:
     channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
-    largest = 64 * path.stat().st_size
-    if any(not 0 <= len(channel) <= min(_MOST, largest) for channel in channels):
+    most = budget_of(path).memory // _SAMPLE
+    if any(not 0 <= len(channel) <= most for channel in channels):
         raise DataError(f"{path}: a channel claims more samples than the file can hold")
     titles = [str(channel.name) for channel in channels]
     units = [next((str(c.properties[key]) for key in _UNIT_KEYS if key in c.properties), "") for c in channels]

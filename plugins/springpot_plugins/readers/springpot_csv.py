@@ -12,13 +12,22 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader
+from springpot.measurement import (
+    Choice,
+    Measurement,
+    Reader,
+    guarded,
+    guarded_line,
+    unguarded,
+    unguarded_line,
+)
 
 from . import generic
 from .columns import TEXT, assign, measurement_of
@@ -56,12 +65,19 @@ def read(path: Path, choice: Choice) -> Measurement:
 def parse(text: str, path: Path) -> Measurement:
     """The measurement in a text; `path` names it in errors."""
     table = table_of(text, path)
-    roles, others = assign(table.columns, path)
-    provenance = {key: value for key, value in table.comments.items() if key not in ("name", _TWICE)}
-    measurement = measurement_of(roles, others, table.comments.get("name", path.stem), provenance, path)
+    roles, others = assign(tuple(map(_as_written, table.columns)), path)
+    comments = {key: unguarded_line(value) for key, value in table.comments.items()}
+    provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE)}
+    measurement = measurement_of(roles, others, comments.get("name", path.stem), provenance, path)
     if _TWICE not in table.comments:
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     return measurement
+
+
+def _as_written(column: Column) -> Column:
+    """A column without what keeps a spreadsheet from running its words."""
+    cells = list(map(unguarded, column.cells)) if column.unit == TEXT else column.cells
+    return replace(column, title=unguarded(column.title), name=unguarded(column.name), cells=cells)
 
 
 def _check_duplicates(measurement: Measurement, column: Column) -> None:
@@ -100,9 +116,9 @@ def text_from(measurement: Measurement) -> str:
     twice = {_TWICE: "some frequencies, as they were read"} if len(_twins(measurement)) else {}
     for key, value in {"name": measurement.name, **measurement.provenance, **twice}.items():
         if not key.startswith(_UNIT):
-            stream.write(f"# {key}: {' '.join(str(value).split())}\n")
+            stream.write(f"# {key}: {guarded_line(' '.join(str(value).split()))}\n")
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([title for title, _ in columns])
+    writer.writerow([guarded(title) for title, _ in columns])
     writer.writerows(zip(*(cells for _, cells in columns), strict=True))
     return stream.getvalue()
 
@@ -143,7 +159,7 @@ def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
         for i, values in enumerate(measurement.harmonics.T):
             found += [(f"h{i + 2}_re [-]", _cells(values.real)), (f"h{i + 2}_im [-]", _cells(values.imag))]
     for key, words in measurement.labels.items():
-        found.append((f"{key} [{TEXT}]", [" ".join(word.split()) for word in words.tolist()]))
+        found.append((f"{key} [{TEXT}]", [guarded(" ".join(word.split())) for word in words.tolist()]))
     return found
 
 

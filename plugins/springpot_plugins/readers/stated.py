@@ -18,6 +18,8 @@ _STATED = re.compile(
 _ROLES = frozenset({"temperature", "amplitude", *FREQUENCIES})
 _NEAR = 12
 """Lines above a table that are looked at."""
+_LONGEST = 1000
+"""Signs of such a line."""
 
 
 def with_stated(blocks: Iterable[Block]) -> list[Block]:
@@ -46,7 +48,7 @@ def _said_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
     if len(cells) == 1 and (mark := stated_mark(cells[0].strip("#%/ "))).title:
         return [(mark.role, tidy(mark.title.partition(" ")[2]), mark.value)]
     text = "".join(f"{cell} " if cell.endswith((":", "=")) else f"{cell}, " for cell in cells)
-    for name, bracket, number, behind in _STATED.findall(text.removesuffix(", ")):
+    for name, bracket, number, behind in _STATED.findall(text[:_LONGEST].removesuffix(", ")):
         role, unit = role_of(name), tidy(bracket or behind)
         if role in _ROLES and (bracket or behind) and unit in UNITS[str(role)]:
             found.append((str(role), unit, number.replace(",", ".")))

@@ -6,7 +6,6 @@ import csv
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,9 @@ from springpot.rheology import Real
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 _EXPONENT = re.compile(r"(\d\.?)[dD]([-+]?\d+\s*)\Z")
 _COMMENT = re.compile(r"^#+\s*([\w][\w .-]{0,40}?)\s*:\s+(.*)$")
+
+_LONGEST = 400
+"""Signs of a title in which a unit is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,14 +157,14 @@ def split_header(header: str, separator: str) -> list[str]:
 
 def name_and_unit(title: str) -> tuple[str, str | None]:
     """``Storage modulus [kN/m]`` as (``storage_modulus``, ``kN/m``)."""
-    match = _BRACKETED.match(title)
+    match = _BRACKETED.match(title) if len(title) <= _LONGEST else None
     name, unit = (match[1], match[2]) if match and match[1] else (title, None)
     return re.sub(r"[\s-]+", "_", name.strip().lower()), unit
 
 
 def header_of(text: str) -> tuple[str, list[str]]:
     """Separator and titles of the first line that is neither empty nor a comment; no titles if there is none."""
-    for line in islice(re.split(r"\r\n|\n|\r", text), 10_000):
+    for line in re.split(r"\r\n|\n|\r", text):
         if line.strip() and not line.lstrip().startswith("#") and not re.fullmatch(r"sep=.", line.strip()):
             separator = separator_of(line)
             return separator, split_header(line, separator)

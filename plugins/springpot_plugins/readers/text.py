@@ -12,8 +12,6 @@ _MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-_LARGEST = 1 << 29
-"""Bytes of a table that is read whole."""
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\r\f")) + b"\x7f"
 
 
@@ -59,10 +57,6 @@ def text_of(path: Path) -> str:
         If it is empty, no text, or cannot be read.
     """
     try:
-        if path.stat().st_size > _LARGEST:
-            raise DataError(
-                f"{path}: more than {_LARGEST >> 20} MB; 'springpot signals' reads time signals of any size"
-            )
         data = path.read_bytes()
     except (OSError, ValueError) as error:
         raise DataError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None

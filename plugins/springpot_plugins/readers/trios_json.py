@@ -30,7 +30,6 @@ _PATHS = {
 }
 """Names of quantities in the file, and in other exports of TRIOS."""
 _STEPS = ("Results Step Id", "Procedure Step Id", "Step")
-_MOST = 2_000_000
 
 
 def recognises(head: bytes) -> float:
@@ -94,7 +93,7 @@ def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
         return (), []
     keys = list(islice(headers, 500))
     headings = tuple(_heading(headers[key], key) for key in keys)
-    return headings, [[_cell(row.get(key)) for key in keys] for row in rows[:_MOST] if isinstance(row, dict)]
+    return headings, [[_cell(row.get(key)) for key in keys] for row in rows if isinstance(row, dict)]
 
 
 def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[list[str]]]:
@@ -106,7 +105,7 @@ def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
         return (), []
     headings = tuple(_heading(column, f"column {i}") for i, column in enumerate(columns[:500], 1))
     width = len(headings)
-    rows = [[_cell(cell) for cell in row[:width]] for row in values[:_MOST] if isinstance(row, list)]
+    rows = [[_cell(cell) for cell in row[:width]] for row in values if isinstance(row, list)]
     return headings, [[*row, *[""] * (width - len(row))] for row in rows]
 
 

@@ -13,7 +13,7 @@ from .facts import facts_of, pairs_in
 from .grid import grid_of
 from .text import head_text, text_of
 
-_STEP = re.compile(r"^\s*\"?\[step\]", re.IGNORECASE | re.MULTILINE)
+_STEP = re.compile(r"^[ \t]{0,20}\"?\[step\]", re.IGNORECASE | re.MULTILINE)
 _HEADER = re.compile(r"^\"?(?:Filename|proceduresegments|Trios version|\[File Parameters\])\b", re.I | re.M)
 _LIMS = re.compile(r"LIMS export|^Variables\t", re.MULTILINE)
 

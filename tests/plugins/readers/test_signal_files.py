@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.errors import DataError
+from springpot.measurement import Budget
 from springpot.registry import signals_to_measurement
 
 from . import samples
@@ -92,11 +93,8 @@ def test_a_matlab_file_that_unpacks_to_far_too_much(folder, monkeypatch):
     from springpot_plugins.readers import signals_mat
 
     content = samples.mat()
-    monkeypatch.setattr(signals_mat, "_LIMIT", len(content))
+    monkeypatch.setattr(signals_mat, "budget_of", lambda path: Budget(1.0, len(content)))
     with pytest.raises(DataError, match="unpacks to too much"):
-        signals_to_measurement([folder.write(content)])
-    monkeypatch.setattr(signals_mat, "_LIMIT", 1000)
-    with pytest.raises(DataError, match="more than 1 GB"):
         signals_to_measurement([folder.write(content)])
 
 

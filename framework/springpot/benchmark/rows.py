@@ -1,0 +1,92 @@
+"""What a store gives back: its problems, cells and trials."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+from .trace import unpack, unpack_values
+from .trial import Status
+
+
+@dataclass(frozen=True)
+class ProblemRow:
+    """What the store knows of one problem."""
+
+    id: int
+    dataset: str
+    kind: str
+    points: int
+    stiffness_unit: str
+    model: str
+    objective: str
+    reference: float
+    known: float | None
+    truth: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class CellRow:
+    """One problem and one entrant."""
+
+    id: int
+    problem: ProblemRow
+    label: str
+    optimiser: str
+    options: str
+    budget: int
+
+
+@dataclass(slots=True)
+class TrialRow:
+    """One finished trial."""
+
+    repetition: int
+    status: Status
+    reason: str
+    best: float | None
+    theta_text: str | None
+    parameter_error: float | None
+    oracle: float | None
+    evaluations: int
+    gradients: int
+    seconds: float
+    batched: int
+    trace: bytes
+    recommended: bytes | None = None
+    seen: bytes | None = None
+
+    @property
+    def theta(self) -> Mapping[str, float]:
+        """Element parameters by name, empty if the trial failed."""
+        found: dict[str, float] = json.loads(self.theta_text) if self.theta_text else {}
+        return found
+
+    def improvements(self) -> tuple[NDArray[np.int64], Real]:
+        """Evaluation numbers (n,) and objectives (n,) of the improvements."""
+        return unpack(self.trace)
+
+    def recommendations(self) -> tuple[NDArray[np.int64], Real] | None:
+        """Evaluation numbers (n,) and noise-free objectives (n,) of what was best at the time; may rise.
+
+        None where the truth is unknown or was not kept.
+        """
+        if self.recommended is None:
+            return None
+        evaluations, values = self.improvements()
+        return evaluations, unpack_values(self.recommended) if self.recommended else values
+
+    def oracle_trace(self) -> tuple[NDArray[np.int64], Real] | None:
+        """Evaluation numbers (n,) and values (n,) of the best noise-free objective among all that was evaluated.
+
+        None where the truth is unknown or was not kept.
+        """
+        if self.seen is None:
+            return None
+        return unpack(self.seen) if self.seen else self.improvements()

@@ -1,0 +1,123 @@
+"""A run of an optimiser in a process of its own: whatever it does there ends there, and is told."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+import threading
+from select import select
+from time import monotonic
+from typing import NoReturn
+
+import numpy as np
+
+from .optimiser import Optimiser
+from .problem import Problem
+from .record import contradiction
+from .run import Run, run
+
+DEADLINE = 300.0
+"""Seconds of a run, as in a study."""
+MEMORY = 2048
+"""MiB that a run may take, as in a study."""
+
+
+def guarded(optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator) -> Run:
+    """`run` in a process of its own; a crash, a hang or a forged record is a run that failed.
+
+    The process is a copy of this one. Where other threads run here, that would not be safe, and the run takes place
+    in this process; its record is checked all the same.
+
+    Parameters
+    ----------
+    optimiser, problem, budget, rng
+        As for `run`.
+    """
+    if threading.active_count() > 1 or not hasattr(os, "fork"):
+        found = run(optimiser, problem, budget, rng)
+    else:
+        found = _elsewhere(optimiser, problem, budget, rng)
+    if found.failed:
+        return found
+    wrong = contradiction(found, problem, budget)
+    return _failure(optimiser, problem, wrong) if wrong else found
+
+
+def _failure(optimiser: Optimiser, problem: Problem, reason: str) -> Run:
+    nowhere = np.full(problem.dimension, np.nan)
+    theta = np.full(len(problem.model.names), np.nan)
+    return Run(optimiser.name, f"failed: {reason}", np.inf, nowhere, theta, 0, 0, 0.0, ())
+
+
+def _elsewhere(optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator) -> Run:
+    from springpot.processes import cause_of, end_group
+
+    answer, told = os.pipe()
+    lifeline, alive = os.pipe()
+    sys.stdout.flush()  # or both would write what waits there
+    pid = os.fork()
+    if pid == 0:
+        os.close(answer)
+        os.close(alive)
+        _work(optimiser, problem, budget, rng, told, lifeline)
+    os.close(told)
+    os.close(lifeline)
+    try:
+        said = _read(answer, monotonic() + DEADLINE)
+    finally:
+        end_group(pid)
+        status = os.waitpid(pid, 0)[1]
+        os.close(answer)
+        os.close(alive)
+    if said is None:
+        return _failure(optimiser, problem, f"it did not end within {DEADLINE:g} s")
+    try:
+        found = pickle.loads(said)
+    except Exception:
+        found = None
+    if isinstance(found, Run):
+        return found
+    return _failure(optimiser, problem, cause_of(status))
+
+
+def _read(fd: int, end: float) -> bytes | None:
+    """All that is written until the other side closes; None if that takes too long."""
+    parts: list[bytes] = []
+    while select([fd], [], [], max(0.0, end - monotonic()))[0]:
+        part = os.read(fd, 1 << 16)
+        if not part:
+            return b"".join(parts)
+        parts.append(part)
+    return None
+
+
+def _work(
+    optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator, told: int, lifeline: int
+) -> NoReturn:
+    """In the child: run, and send what came of it."""
+    from springpot.processes import limit_memory
+
+    code = 1
+    try:
+        os.setsid()
+        # What an optimiser prints is no part of the command's own output.
+        os.dup2(2, 1)
+        limit_memory(MEMORY)
+        threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
+        try:
+            found = run(optimiser, problem, budget, rng)
+        except BaseException as error:
+            # Nothing interrupts this process from outside: whatever it is, the optimiser raised it.
+            found = _failure(optimiser, problem, f"{type(error).__name__}: {error}")
+        with os.fdopen(told, "wb") as stream:
+            pickle.dump(found, stream)
+        sys.stdout.flush()
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def _die_with_parent(lifeline: int) -> None:
+    os.read(lifeline, 1)
+    os.killpg(0, 9)

@@ -1,0 +1,264 @@
+"""The ledger owns the truth about a run: what was evaluated, what was best.
+
+No optimiser is given a reference to it, only a `Recorder`, which asks it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import TypeAlias
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .problem import Problem
+
+Diary: TypeAlias = list[tuple[Real, Real | None]]
+"""Points (d,) or (m, d) with penalty factors (m,), in the order of evaluation."""
+
+
+class BudgetSpent(BaseException):
+    """Ends a run; not an `Exception`, so that a library's own handlers do not swallow it."""
+
+
+@dataclass(eq=False)
+class Ledger:
+    """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
+
+    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one) before they are
+    evaluated, not into the search box: the paper's swarm may leave it. A value that is not a number is counted, is
+    never the best, and reaches the optimiser as infinity.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is minimised.
+    budget : int
+        Evaluations allowed; none beyond it is made or recorded.
+    target : float
+        The run ends once the objective is this small.
+    diary : list, optional
+        Gets every point in the order of evaluation, with its penalty; see `all_points`.
+
+    Attributes
+    ----------
+    evaluations, gradients, batched : int
+        Points evaluated, how many of them with a derivative, and how many in calls for several at once.
+    best, best_x : float, ndarray
+        Smallest objective seen and where, shape (d,); empty before the first finite value.
+    best_factor : float
+        Penalty that is in it.
+    trace : list of (int, float)
+        Evaluation number and objective at every improvement.
+    """
+
+    problem: Problem
+    budget: int
+    target: float = -inf
+    diary: Diary | None = None
+    evaluations: int = field(default=0, init=False)
+    gradients: int = field(default=0, init=False)
+    batched: int = field(default=0, init=False)
+    best: float = field(default=inf, init=False)
+    best_x: Real = field(default_factory=lambda: np.empty(0), init=False)
+    best_factor: float = field(default=1.0, init=False)
+    trace: list[tuple[int, float]] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
+        self._evaluate = self.problem.evaluate
+        # Falls to the evaluations made when the target is met, so that one comparison guards the hot path.
+        self._limit = self.budget
+
+    @property
+    def spent(self) -> bool:
+        """Whether the budget is used up."""
+        return self.evaluations >= self.budget
+
+    @property
+    def met(self) -> bool:
+        """Whether the target is reached."""
+        return self.best <= self.target
+
+    @property
+    def left(self) -> int:
+        """Evaluations still allowed."""
+        return self._limit - self.evaluations
+
+    def value(self, x: Real) -> float:
+        """Objective at one point, shape (d,)."""
+        if self.evaluations >= self._limit:
+            raise BudgetSpent
+        point = np.minimum(np.maximum(x, self._lowest), self._highest)
+        value = float(self._evaluate(point))
+        self.evaluations += 1
+        if self.diary is not None:
+            self.diary.append((point, None))
+        if value < self.best:
+            self._improve(point, value)
+        return value if value == value else inf
+
+    def batch(self, x: Real, factor: Real | None = None) -> Real:
+        """Objective (m,) at points (m, d); those beyond the budget are not evaluated but infinite.
+
+        Parameters
+        ----------
+        x : ndarray, shape (m, d)
+            Points.
+        factor : ndarray, shape (m,), optional
+            Penalty by which each value is multiplied before it is recorded.
+        """
+        factors = None if factor is None else factor[None]
+        values: Real = LedgerGroup([self]).batch(np.asarray(x, dtype=float)[None], factors)[0]
+        return values
+
+    def gradient(self, x: Real) -> tuple[float, Real]:
+        """Objective and its exact gradient (d,) at one point; one evaluation."""
+        point = self._admitted(x)
+        raw, slope = self.problem.gradient(point)
+        value = float(raw)
+        self._note_derivative(point, value)
+        return (value if value == value else inf), slope
+
+    def residuals(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (2n,) and their exact Jacobian (2n, d) at one point; one evaluation."""
+        point = self._admitted(x)
+        residual, jacobian = self.problem.residuals_and_jacobian(point)
+        self._note_derivative(point, float(residual @ residual))
+        return residual, jacobian
+
+    def residual_batch(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (m, 2n) and their exact Jacobian (m, 2n, d) at points (m, d); m evaluations.
+
+        Rows beyond the budget are not evaluated: their residuals are infinite, their derivatives zero.
+        """
+        points = self._admitted(np.asarray(x, dtype=float))
+        allowed = min(len(points), self.left)
+        residual, jacobian = self.problem.residuals_and_jacobian(points[:allowed])
+        values = np.einsum("ij,ij->i", residual, residual)
+        self.gradients += allowed
+        _note([self], points[None, :allowed], values[None], [allowed])
+        missing = len(points) - allowed
+        return (
+            np.concatenate([residual, np.full((missing, residual.shape[1]), inf)]),
+            np.concatenate([jacobian, np.zeros((missing, *jacobian.shape[1:]))]),
+        )
+
+    def _admitted(self, x: Real) -> Real:
+        if self.evaluations >= self._limit:
+            raise BudgetSpent
+        return np.minimum(np.maximum(x, self._lowest), self._highest)
+
+    def _note_derivative(self, point: Real, value: float) -> None:
+        self.evaluations += 1
+        self.gradients += 1
+        if self.diary is not None:
+            self.diary.append((point, None))
+        if value < self.best:
+            self._improve(point, value)
+
+    def _improve(self, point: Real, value: float) -> None:
+        self.trace.append((self.evaluations, value))
+        self.settle(point)
+
+    def settle(self, point: Real, factor: float = 1.0) -> None:
+        """Take `point` (d,) for the place of the last improvement in the trace."""
+        self.best, self.best_x, self.best_factor = self.trace[-1][1], point.copy(), factor
+        if self.best <= self.target:
+            self._limit = self.evaluations
+
+
+class LedgerGroup:
+    """Ledgers of one problem whose points are evaluated in one stacked call.
+
+    It lets a batched optimiser carry all repetitions of a cell side by side; each run records what it would alone.
+
+    Parameters
+    ----------
+    ledgers : sequence of Ledger
+        One for each run, all of the same problem.
+    """
+
+    def __init__(self, ledgers: Sequence[Ledger]) -> None:
+        self.ledgers = tuple(ledgers)
+        self.problem = self.ledgers[0].problem
+
+    def batch(self, x: Real, factor: Real | None = None) -> Real:
+        """Objective (runs, m) at points (runs, m, d); infinite and not evaluated where a run has ended.
+
+        Parameters
+        ----------
+        x : ndarray, shape (runs, m, d)
+            The same number of points for every run.
+        factor : ndarray, shape (runs, m), optional
+            Penalty by which each value is multiplied before it is recorded.
+
+        Raises
+        ------
+        BudgetSpent
+            If every run has ended.
+        """
+        m = x.shape[1]
+        allowed = [min(m, ledger.left) for ledger in self.ledgers]
+        if max(allowed) <= 0:
+            raise BudgetSpent
+        points = np.minimum(np.maximum(x, self.problem.space.lowest), self.problem.space.highest)
+        values = self._evaluate(points, allowed, m)
+        if factor is not None:
+            values = values * factor
+        _note(self.ledgers, points, values, allowed, factor)
+        return values
+
+    def _evaluate(self, points: Real, allowed: list[int], m: int) -> Real:
+        if min(allowed) == m:
+            # A single run is spared the cost of a leading axis.
+            return self.problem.evaluate(points[0])[None] if len(points) == 1 else self.problem.evaluate(points)
+        chosen = np.arange(m) < np.array(allowed)[:, None]
+        values = np.full(chosen.shape, inf)
+        values[chosen] = self.problem.evaluate(points[chosen])
+        return values
+
+
+def _note(
+    ledgers: Sequence[Ledger], points: Real, values: Real, allowed: list[int], factor: Real | None = None
+) -> None:
+    """Let each count what it was allowed and note, in order, what improves on its best.
+
+    Values that are no numbers become infinite, in place.
+    """
+    bests, lowest = np.array([ledger.best for ledger in ledgers]), values.min(axis=1)
+    if np.isnan(lowest).any():
+        values[np.isnan(values)] = inf
+        lowest = values.min(axis=1)
+    rows = np.flatnonzero(lowest < bests)
+    if rows.size:  # late in a run most calls improve on nothing
+        _trace(ledgers, values[rows], bests[rows], rows.tolist())
+    for i, (ledger, count) in enumerate(zip(ledgers, allowed, strict=True)):
+        made = max(count, 0)
+        ledger.evaluations += made
+        ledger.batched += made
+        if ledger.diary is not None:
+            ledger.diary.append((points[i, :made], None if factor is None else factor[i, :made]))
+    for i in rows.tolist():
+        j = values[i].argmin()
+        ledgers[i].settle(points[i, j], 1.0 if factor is None else float(factor[i, j]))
+
+
+def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
+    """Append to the traces of some ledgers what improves on their best among new values (rows, m)."""
+    before = np.minimum.accumulate(np.hstack([bests[:, None], values[:, :-1]]), axis=1)
+    run, step = np.nonzero(values < before)
+    for i, column, value in zip(run.tolist(), step.tolist(), values[run, step].tolist(), strict=True):
+        ledger = ledgers[rows[i]]
+        ledger.trace.append((ledger.evaluations + column + 1, value))
+
+
+def all_points(diary: Diary, dimension: int) -> tuple[Real, Real]:
+    """Points (n, d) and penalty factors (n,) of a diary, row i being evaluation i + 1."""
+    points = [np.empty((0, dimension)), *(np.atleast_2d(page) for page, _ in diary)]
+    pages = zip(points[1:], diary, strict=True)
+    factors = [np.ones(len(page)) if factor is None else factor for page, (_, factor) in pages]
+    return np.concatenate(points), np.concatenate([np.empty(0), *factors])

@@ -1,0 +1,47 @@
+"""Cells of a CSV file that a spreadsheet would take for a formula, and run.
+
+A program that opens ``=HYPERLINK(...)`` runs it. An apostrophe before it makes it text to a spreadsheet; that is what
+the Open Worldwide Application Security Project advises ("CSV Injection").
+"""
+
+from __future__ import annotations
+
+import re
+
+_FORMULA = re.compile(r"'*[=+\-@\t\r＝＋－＠].", re.DOTALL)
+_GUARDED = re.compile(r"'+[=+\-@\t\r＝＋－＠].", re.DOTALL)
+_PARTED = re.compile(r"([,;\t])")
+
+
+def guarded(cell: str) -> str:
+    """`cell` as a spreadsheet shows it rather than runs it; numbers stay as they are.
+
+    Examples
+    --------
+    >>> guarded("=1+1"), guarded("-1.5e3"), guarded("a")
+    ("'=1+1", '-1.5e3', 'a')
+    """
+    return f"'{cell}" if _FORMULA.match(cell) and not _is_number(cell) else cell
+
+
+def unguarded(cell: str) -> str:
+    """What `guarded` was given."""
+    return cell[1:] if _GUARDED.match(cell) else cell
+
+
+def guarded_line(line: str) -> str:
+    """A line of words, which a spreadsheet will part at commas, semicolons and tabs."""
+    return "".join(map(guarded, _PARTED.split(line)))
+
+
+def unguarded_line(line: str) -> str:
+    """What `guarded_line` was given."""
+    return "".join(map(unguarded, _PARTED.split(line)))
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

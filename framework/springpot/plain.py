@@ -1,0 +1,68 @@
+"""Text from strangers on a terminal: signs that command it are shown, never sent.
+
+Names of files, labels, and whatever a file or manifest says of itself may hold ESC and other control signs, by which
+a terminal moves its cursor, changes its title or takes commands; or signs that turn the direction of writing.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO, cast
+
+_COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+"""C0 without tab and line end, DEL, C1, the signs of direction (Unicode's Bidi_Control), and halves of characters."""
+
+
+def plain(text: str) -> str:
+    r"""`text` with every sign that a terminal would obey written out, as ``\x1b`` for ESC."""
+    return _COMMANDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def plain_json(text: str) -> str:
+    """JSON with the same signs as JSON's own escapes, so that it still means the same."""
+    return _COMMANDS.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+class PlainStream:
+    """A stream to a terminal or file that shows such signs; all else is left to the stream below.
+
+    Parameters
+    ----------
+    stream : TextIO
+        The stream below.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self.below = stream
+
+    def write(self, text: str) -> int:
+        """Write `text`, with its commands shown."""
+        self.below.write(plain(text))
+        return len(text)
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        """Write them one after the other."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.below, name)
+
+
+def below(stream: TextIO) -> TextIO:
+    """The stream itself, for those who command the terminal and make their texts plain themselves."""
+    return stream.below if isinstance(stream, PlainStream) else stream
+
+
+@contextmanager
+def plain_streams() -> Iterator[None]:
+    """Let nothing that is printed command the terminal."""
+    had = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = (cast(TextIO, PlainStream(below(stream))) for stream in had)
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = had

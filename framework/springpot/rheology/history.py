@@ -1,0 +1,223 @@
+"""A whole model in time: its material, what beside it is not linear, and what the signals went through."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .effect import Effect, Layer
+from .intime import Passive, Traced
+from .nodes import GRADIENT, Node, chain, parallel, series, shift
+from .points import Points, Real
+from .spectrum import blaming, conditions_at
+
+if TYPE_CHECKING:
+    from .model import Model
+
+
+class Placed(NamedTuple):
+    """An effect of a model, the prefix of its parameters' names and where they stand in theta."""
+
+    effect: Effect
+    prefix: str
+    own: list[int]
+
+
+STEP = 1e-30
+"""Of a derivative by complex step, free of rounding (Squire & Trapp 1998, 10.1137/S003614459631241X)."""
+
+
+@dataclass(frozen=True, eq=False)
+class InTime:
+    """A model with its parameters, ready to be asked for what happens in time; see `Model.in_time`.
+
+    Parameters
+    ----------
+    model : Model
+        Any model whose parts have a meaning in time.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    reference_temperature : float
+        In kelvin.
+    temperature : float or ndarray, shape (n,), optional
+        In kelvin, one for all times or one for each sample of a history.
+    tolerance : float
+        Relative error of K for which the spectrum is read.
+    """
+
+    model: Model
+    theta: Real
+    temperature: float | Real | None
+    reference_temperature: float
+    tolerance: float
+
+    def relaxation(self, t: Real) -> Traced:
+        """Force over displacement (n,) at the time t >= 0 after a step of the displacement, and its derivatives."""
+        with self._blaming():
+            return self._linear("relaxation").relaxation(_after_step(t))
+
+    def creep(self, t: Real) -> Traced:
+        """Displacement over force (n,) at the time t >= 0 after a step of the force, and its derivatives."""
+        with self._blaming():
+            return self._linear("creep").creep(_after_step(t))
+
+    def respond_force(self, t: Real, force: Real) -> Traced:
+        """Displacement (n,) under a force, and its derivatives."""
+        t, force = _history(t, force, "force")
+        with self._blaming():
+            return self._linear("the answer to a force").respond_force(t, force)
+
+    def respond(self, t: Real, displacement: Real) -> Traced:
+        """Force (n,) for a displacement, and its derivatives."""
+        t, x = _history(t, displacement, "displacement")
+        inside, beside, signals = sorted_out(self.model)
+        with self._blaming():
+            found = self._materials(inside, t, x)
+        value, by_theta = found.value, found.by_theta
+        velocity = np.gradient(x, t)
+        for effect, _, own in beside:
+            force, slopes = effect.element.in_time(t, x, velocity, *self.theta[own])  # type: ignore[attr-defined]
+            value = value + force
+            by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
+        columns = np.column_stack([value, by_theta])
+        for effect, _, own in signals:
+            columns, slopes = effect.element.in_time(t, columns, *self.theta[own])  # type: ignore[attr-defined]
+            columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
+        return Traced(columns[:, 0], columns[:, 1:])
+
+    def _blaming(self) -> AbstractContextManager[None]:
+        at = None if isinstance(self.temperature, np.ndarray) else self.temperature
+        return blaming(self.model, self.theta, conditions_at(at, self.reference_temperature))
+
+    def _linear(self, what: str) -> Passive:
+        _, beside, signals = sorted_out(self.model)
+        for effect, _, _ in [*beside, *signals]:
+            kind = "is not linear" if beside else "belongs to the signals"
+            raise ModelError(f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond")
+        if isinstance(self.temperature, np.ndarray):
+            raise ModelError(f"{what} is for one temperature: ask for respond with a history of temperatures")
+        return self._passive(self.model.network)
+
+    def _passive(self, network: Node, temperature: float | None = None) -> Passive:
+        at = temperature if isinstance(self.temperature, np.ndarray) else self.temperature
+        return Passive(network, self.theta, conditions_at(at, self.reference_temperature), self.tolerance)
+
+    def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
+        network, own = _network(self.model, inside)
+        if not isinstance(self.temperature, np.ndarray):
+            return self._placed(self._passive(network), own, t, x)
+        return self._reduced(inside, t, x)
+
+    def _placed(self, passive: Passive, own: list[int], t: Real, x: Real) -> Traced:
+        found = replace(passive, theta=self.theta[own]).respond(t, x)
+        by_theta = np.zeros((len(t), len(self.theta)), dtype=found.by_theta.dtype)
+        by_theta[:, own] = found.by_theta
+        return Traced(found.value, by_theta)
+
+    def _reduced(self, inside: list[Placed], t: Real, x: Real) -> Traced:
+        """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
+        shifts = [place for place, each in enumerate(inside) if each.effect.composition is shift]
+        last = shifts[-1] + 1 if shifts else 0
+        for effect, _, _ in inside:
+            if "temperature" in effect.needs and effect.composition is not shift:
+                raise ModelError(f"a history of temperatures is not followed by '{effect.name}': only shifts are")
+        for effect, _, _ in inside[last:]:
+            if effect.composition is not parallel:
+                raise ModelError(f"a history of temperatures is not followed inside '{effect.name}': leave it out")
+        temperature = np.asarray(self.temperature, dtype=float)
+        if temperature.shape != t.shape or not np.all(temperature > 0.0):
+            raise ModelError(f"a history of {len(t)} samples needs as many temperatures in kelvin, all above zero")
+        network, own = _network(self.model, inside[:last])
+        at = Points(np.zeros(len(t)), None, temperature, self.reference_temperature)
+        moving = [inside[place] for place in shifts]
+        laws = [(each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT)) for each in moving]
+        log_shift = sum((law.value.real for _, law in laws), np.zeros(len(t)))
+        passive = self._passive(network, self.reference_temperature)
+        found = self._placed(passive, own, _reduced_time(t, log_shift), x)
+        for own_law, law in laws:
+            for i, slope in zip(own_law, law.by_theta.real, strict=True):
+                turned = _reduced_time(t, log_shift + 1j * STEP * slope)
+                moved = replace(passive, theta=self.theta[own]).respond(turned, x, slopes=False)
+                found.by_theta[:, i] = moved.value.imag / STEP
+        for effect, _, places in inside[last:]:
+            outer = self._placed(self._passive(effect.element, self.reference_temperature), places, t, x)
+            found = Traced(found.value + outer.value, found.by_theta + outer.by_theta)
+        return found
+
+
+def sorted_out(model: Model) -> tuple[list[Placed], list[Placed], list[Placed]]:
+    """The effects from the material outwards: linear ones, those that are not but stand beside, those of signals.
+
+    Raises
+    ------
+    ModelError
+        If an effect has no meaning in time, or stands where its force cannot be told alone.
+    """
+    inside: list[Placed] = []
+    beside: list[Placed] = []
+    signals: list[Placed] = []
+    for effect, prefix in sorted(model.named_effects(), key=lambda pair: pair[0].position):
+        own = [i for i, name in enumerate(model.names) if name.rpartition(".")[0] == prefix]
+        law = getattr(effect.element, "in_time", None)
+        linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
+        if linear and effect.composition in (parallel, series, shift, chain):
+            if beside and effect.composition is not parallel:
+                inner = beside[0].effect.name
+                raise ModelError(f"the force of '{inner}' cannot be told alone inside '{effect.name}': leave one out")
+            inside.append(Placed(effect, prefix, own))
+        elif law is None:
+            raise ModelError(
+                f"{model.name} cannot be followed in time: '{effect.name}' has no law there; leave it out"
+            )
+        elif effect.layer is Layer.SIGNAL:
+            signals.append(Placed(effect, prefix, own))
+        else:
+            beside.append(Placed(effect, prefix, own))
+    return inside, beside, signals
+
+
+def _network(model: Model, inside: list[Placed]) -> tuple[Node, list[int]]:
+    """The network of a model with some of its effects only, and where its parameters stand in the model's theta."""
+    network, own = model.material, list(range(len(model.material.parameters)))
+    for effect, prefix, places in inside:
+        network = effect.composition(network, effect.element.with_prefix(prefix))
+        own += places
+    return network, own
+
+
+def _reduced_time(t: Real, log_shift: Any) -> Any:
+    """Integral of dt / a_T, ln a_T being linear between samples."""
+    from .recursion import mean_of_exponential
+
+    pace = mean_of_exponential(-log_shift[:-1], -log_shift[1:])
+    return np.concatenate([[0.0], np.cumsum(np.diff(t) * pace)])
+
+
+def _after_step(t: Real) -> Real:
+    t = np.atleast_1d(np.asarray(t, dtype=float))
+    if t.ndim != 1 or not np.all(np.isfinite(t)):
+        raise ModelError("times are a list of numbers in seconds")
+    if np.any(t < 0.0):
+        raise ModelError(f"the step is at t = 0: there is nothing before, at t = {t.min():g} s")
+    return t
+
+
+def _history(t: Real, values: Real, name: str) -> tuple[Real, Real]:
+    t, values = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.shape != values.shape or len(t) < 2:
+        raise ModelError(f"a history is two lists of the same length, times and {name}, of two samples or more")
+    for what, numbers in (("time", t), (name, values)):
+        bad = np.flatnonzero(~np.isfinite(numbers))
+        if len(bad):
+            raise ModelError(f"the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+    back = np.flatnonzero(np.diff(t) <= 0.0)
+    if len(back):
+        raise ModelError(
+            f"the time does not rise after sample {back[0] + 1} (t = {t[back[0]]:g} s): sort the samples"
+        )
+    return t, values

@@ -1,0 +1,340 @@
+"""A model in time: relaxation, creep and the answer to any history, with exact derivatives.
+
+The network's exact spectrum is a sum of exponentials, of which each obeys a recursion (see `recursion`); a spring, a
+dashpot and a mass act for what they are. Nothing else is approximated: no Mittag-Leffler function is needed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .elements import HALF_PI
+from .nodes import FULL, Node
+from .points import Points, Real
+from .recursion import Modes, driven
+from .spectrum import Slopes, Spectrum, Sum, summed
+
+FAR = 300.0
+"""Logarithm of a frequency at which a stiffness has come to its limit: 130 decades from one."""
+BEYOND = 1.0
+"""Share of a decade by which a band of frequencies reaches beyond the inverse of the times."""
+LEVEL = 1e-9
+"""Power of omega below which a stiffness is level there, and so has a finite limit that is not zero."""
+
+
+class Traced(NamedTuple):
+    """Something in time and its derivatives.
+
+    Attributes
+    ----------
+    value : ndarray, shape (n,)
+        At each time.
+    by_theta : ndarray, shape (n, p)
+        Its derivatives by the parameters.
+    """
+
+    value: Real
+    by_theta: Real
+
+
+@dataclass(frozen=True, eq=False)
+class Retardation:
+    """1/K = glass + fluidity / s + sum of weights rates / (s + rates); rates of oscillations are complex.
+
+    Attributes
+    ----------
+    glass, fluidity : float
+        Compliance at once, and its growth in the end.
+    rates, weights : ndarray, shape (m,)
+        In 1/s and in the unit of 1/K.
+    by_theta : Slopes
+        Derivatives under the names of a spectrum: `equilibrium` is that of the glass, `viscosity` of the fluidity.
+    """
+
+    glass: float
+    fluidity: float
+    rates: Modes
+    weights: Modes
+    by_theta: Slopes
+
+
+@dataclass(frozen=True, eq=False)
+class Passive:
+    """A linear network at one temperature, in time.
+
+    Parameters
+    ----------
+    network : Node
+        Of springs, dashpots, springpots and a mass.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    conditions : Points
+        Temperature and reference temperature.
+    tolerance : float
+        Relative error of K, and so of what follows in time.
+    """
+
+    network: Node
+    theta: Real
+    conditions: Points
+    tolerance: float
+
+    @cached_property
+    def parts(self) -> Sum:
+        """The network taken apart."""
+        return Sum.of(self.network, self.theta, self.conditions)
+
+    def spectrum(self, shortest: float, longest: float) -> Spectrum:
+        """The sum of exponentials that serves times from `shortest` to `longest`."""
+        return summed(self.parts, *self._band(shortest, longest), self.tolerance, signed=True)
+
+    def _band(self, shortest: float, longest: float) -> tuple[float, float]:
+        """The band in ln omega of these times, reaching a little beyond so that one time alone has one too."""
+        return -float(np.log(longest)) - BEYOND, BEYOND - float(np.log(shortest))
+
+    def limit(self, log_omega: float) -> tuple[float, Real]:
+        """K where it has levelled off, far above or below all frequencies: 0 or infinite if it never does."""
+        where = np.array([log_omega]) - HALF_PI
+        own, grown = self.parts.classical, np.zeros(len(self.theta))
+        value, slopes = float(own.ends[0]), own.end_slopes[0].copy()
+        if log_omega > 0:
+            value, slopes = value + float(own.weights.sum()), slopes + own.weight_slopes.sum(axis=0)
+            if own.ends[1] > 0.0:
+                return np.inf, grown
+        with np.errstate(all="ignore"):
+            for part in self.parts.parts:
+                found = part.respond(where, FULL)
+                power = float((found.by_log_omega[0] / found.value[0]).real)
+                if abs(power) < LEVEL:
+                    value, slopes = value + float(found.value[0].real), slopes + found.by_theta[:, 0].real
+                elif log_omega > 0:
+                    return np.inf, grown
+        return value, slopes
+
+    def relaxation(self, t: Real) -> Traced:
+        """Force for a unit displacement that is held since t = 0."""
+        later = t > 0.0
+        value, by_theta = np.empty(len(t)), np.empty((len(t), len(self.theta)))
+        if later.any():
+            modes = self.spectrum(t[later].min(), t[later].max())
+            fade, slopes = np.exp(-np.outer(t[later], modes.rates)), modes.by_theta
+            value[later] = modes.equilibrium + fade @ modes.weights
+            by_theta[later] = slopes.equilibrium + fade @ slopes.weights
+            by_theta[later] -= (t[later, None] * fade * modes.weights) @ slopes.rates
+        value[~later], by_theta[~later] = self.limit(FAR)
+        return Traced(value, by_theta)
+
+    def creep(self, t: Real) -> Traced:
+        """Displacement for a unit force that is held since t = 0."""
+        later = t > 0.0
+        value, by_theta = np.zeros(len(t)), np.zeros((len(t), len(self.theta)))
+        if later.any():
+            at = t[later]
+            modes = self.retardation(at.min(), at.max())
+            grown, slopes = -np.expm1(-np.outer(at, modes.rates)), modes.by_theta
+            value[later] = modes.glass + modes.fluidity * at + (grown @ modes.weights).real
+            by_theta[later] = slopes.equilibrium + np.outer(at, slopes.viscosity) + (grown @ slopes.weights).real
+            by_theta[later] += (((1.0 - grown) * modes.weights * at[:, None]) @ slopes.rates).real
+        if not later.all() and not self.inertial:
+            glass, glass_slopes = self.limit(FAR)
+            value[~later] = 1.0 / glass
+            by_theta[~later] = -glass_slopes / glass**2
+        return Traced(value, by_theta)
+
+    @property
+    def inertial(self) -> bool:
+        """Whether something has a mass, so that it can swing."""
+        return self.parts.mass > 0.0 or any(part.is_layer for part in self.parts.parts)
+
+    def respond(self, t: Any, displacement: Any, *, slopes: bool = True) -> Traced:
+        """Force for a displacement that was held at its first value before; reduced times may be complex."""
+        # Of the kind of the times, so that a complex one is not cast to real on its way.
+        displacement = displacement.astype(t.dtype)
+        steps, changes = np.diff(t, prepend=t[0]), np.diff(displacement, prepend=displacement[0])
+        modes = self.spectrum(*_times(t.real))
+        by = modes.by_theta
+        moved = displacement - displacement[0]
+        resting, resting_slopes = self.limit(-FAR)
+        velocity = np.gradient(displacement, t)
+        acceleration = _second(t, displacement)
+        value = resting * displacement[0] + modes.equilibrium * moved
+        value = value + modes.viscosity * velocity + modes.mass * acceleration
+        if not slopes:
+            alone = modes.weights[:, None]
+            return Traced(
+                value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0], np.zeros((len(t), 0))
+            )
+        by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
+        by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(acceleration, by.mass)
+        mix = np.column_stack([modes.weights, by.weights])
+        rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])
+        both = driven(modes.rates, steps, changes, mix, rate_mix)
+        return Traced(value + both[:, 0], by_theta + both[:, 1:])
+
+    def respond_force(self, t: Real, force: Real) -> Traced:
+        """Displacement for a force that was held at its first value before.
+
+        Raises
+        ------
+        ModelError
+            If that force would have made the specimen flow without end.
+        """
+        steps, changes = np.diff(t, prepend=t[0]), np.diff(force, prepend=force[0])
+        stiffness, stiffness_slopes = self.limit(-FAR)
+        if stiffness <= 0.0 and force[0] != 0.0:
+            raise ModelError(
+                f"a fluid under a force of {force[0]:g} before the first sample has flowed without end: begin at 0"
+            )
+        start = force[0] / stiffness if stiffness > 0.0 else 0.0
+        start_slopes = -start / stiffness * stiffness_slopes if stiffness > 0.0 else np.zeros(len(self.theta))
+        modes = self.retardation(*_times(t))
+        slopes = modes.by_theta
+        more = force - force[0]
+        impulse = np.concatenate([[0.0], np.cumsum(0.5 * (more[1:] + more[:-1]) * steps[1:])])
+        mix = -np.column_stack([modes.weights, slopes.weights])
+        rate_mix = -np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * slopes.rates])
+        both = driven(modes.rates, steps, changes, mix, rate_mix)
+        value = start + (modes.glass + modes.weights.sum().real) * more + modes.fluidity * impulse
+        by_theta = start_slopes + np.outer(more, slopes.equilibrium + slopes.weights.sum(axis=0).real)
+        by_theta = by_theta + np.outer(impulse, slopes.viscosity)
+        return Traced(value + both[:, 0].real, by_theta + both[:, 1:].real)
+
+    def retardation(self, shortest: float, longest: float) -> Retardation:
+        """The compliance as a sum of exponentials that serves times from `shortest` to `longest`."""
+        if self.inertial:
+            return swinging(self.spectrum(shortest, longest))
+        whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
+        low, high = self._band(shortest, longest)
+        found = summed(whole, -high, -low, self.tolerance)
+        # In p = 1/s: p / (p + r) is 1/r / (s + 1/r).
+        rates, slopes = 1.0 / found.rates, found.by_theta
+        turned = Slopes(
+            slopes.equilibrium, slopes.viscosity, slopes.mass, -slopes.rates * rates[:, None] ** 2, slopes.weights
+        )
+        return Retardation(found.equilibrium, found.viscosity, rates, found.weights, turned)
+
+
+def swinging(modes: Spectrum) -> Retardation:
+    """The compliance of a network with a mass, by all zeros of K(s), of which one pair may be complex."""
+    s, fluidity, fluidity_slopes = _motions(modes)
+    _, steep, bend, by_theta, steep_by_theta = _around(modes, s)
+    moved = -by_theta / steep[:, None]
+    residue = 1.0 / steep
+    residue_slopes = -(steep_by_theta + bend[:, None] * moved) * residue[:, None] ** 2
+    rates = -s
+    weights = residue / rates
+    weight_slopes = residue_slopes / rates[:, None] + (residue / rates**2)[:, None] * moved
+    nothing = np.zeros(by_theta.shape[1])
+    by = Slopes(nothing, fluidity_slopes, nothing, -moved, weight_slopes)  # type: ignore[arg-type]
+    return Retardation(0.0, fluidity, rates, weights, by)
+
+
+def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
+    """Zeros s of K but s = 0, and the fluidity, of a fluid, that belongs to that one.
+
+    On the negative axis K is infinite at each rate, and changes its sign there: between two of them, and beyond the
+    last, the signs tell where a zero is. Two are left; sum and product of all zeros tell their quadratic equation.
+    """
+    w, r, m = modes.weights, modes.rates, modes.mass
+    w, r = w[w != 0.0], r[w != 0.0]
+    solid = modes.equilibrium > 0.0
+    _, steep, _, _, steep_by_theta = _around(modes, np.zeros(1))
+    flow = float(1.0 / steep[0]), -steep_by_theta[0] / steep[0] ** 2
+    if not solid and not len(r):
+        return (
+            np.array([-modes.viscosity / m + 0j]),
+            float(1.0 / steep[0].real),
+            -(steep_by_theta[0] / steep[0] ** 2).real,
+        )
+    sides = np.sign(w)
+    left = np.append(1.0 if solid else -1.0, sides)
+    right = np.append(-sides, 1.0)
+    edges = np.concatenate([[-np.inf], np.log(r), [np.inf]])
+    turned = left != right
+    turned[0] &= solid
+    low, high = edges[:-1][turned], edges[1:][turned]
+    zeros = _zeros_between(modes, low, high, left[turned])
+    if len(zeros) != (len(r) if solid else len(r) - 1):
+        raise ModelError("the mass and the material balance so nearly that their motion cannot be told")
+    # K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
+    b = modes.viscosity / m + float(np.sum(r) - np.sum(zeros))
+    start = modes.equilibrium if solid else float(steep[0])
+    paired = np.sort(zeros) if solid else np.append(np.sort(zeros), 1.0)
+    d = start / m * float(np.exp(np.sum(np.log(np.sort(r)) - np.log(paired))))
+    pair = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
+    for _ in range(8):
+        value, slope = _value(modes, pair)
+        pair = pair - value / slope
+    # A zero that is a rate to the last digit cancels it: that mode is too weak to move the mass.
+    s = np.concatenate([-zeros[~np.isin(zeros, r)].astype(complex), pair])
+    if solid:
+        return s, 0.0, np.zeros_like(steep_by_theta[0])
+    return s, *flow
+
+
+def _value(modes: Spectrum, s: Modes) -> tuple[Modes, Modes]:
+    """K and dK/ds at s (k,), real or complex."""
+    away = 1.0 / (s[:, None] + modes.rates)
+    value = modes.equilibrium + modes.viscosity * s + modes.mass * s**2 + s * (away @ modes.weights)
+    steep = modes.viscosity + 2.0 * modes.mass * s + away**2 @ (modes.weights * modes.rates)
+    return value, steep
+
+
+def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
+    """One r with K(-r) = 0 in each interval of ln r, at whose lower end K has that sign: by bisection and Newton."""
+    if not len(low):
+        return low
+    if low[0] == -np.inf:
+        low[0] = high[0] - 1.0
+        while np.sign(_value(modes, -np.exp(low[:1]))[0][0]) != sign[0]:
+            low[0] -= 1.0
+    if high[-1] == np.inf:
+        high[-1] = low[-1] + 1.0
+        while np.sign(_value(modes, -np.exp(high[-1:]))[0][0]) == sign[-1]:
+            high[-1] += 1.0
+    u = 0.5 * (low + high)
+    for _ in range(200):
+        value, slope = _value(modes, -np.exp(u))
+        before = np.sign(value) == sign
+        low, high = np.where(before, u, low), np.where(before, high, u)
+        newton = u + value / slope * np.exp(-u)
+        moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        if np.all(np.abs(moved - u) <= 4e-16 * (1.0 + np.abs(u))):
+            break
+        u = moved
+    return np.exp(u)
+
+
+def _around(modes: Spectrum, s: Modes) -> tuple[Modes, Modes, Modes, Modes, Modes]:
+    """K, dK/ds, d2K/ds2, dK/dtheta and d2K/ds dtheta at complex s (k,)."""
+    by, column = modes.by_theta, s[:, None]
+    away = 1.0 / (column + modes.rates)
+    kernel, fall = column * away, modes.rates * away**2
+    value = modes.equilibrium + modes.viscosity * s + modes.mass * s**2 + kernel @ modes.weights
+    steep = modes.viscosity + 2.0 * modes.mass * s + fall @ modes.weights
+    bend = 2.0 * modes.mass - 2.0 * (fall * away) @ modes.weights
+    by_theta = by.equilibrium + column * by.viscosity + column**2 * by.mass
+    by_theta = by_theta + kernel @ by.weights - (modes.weights * column * away**2) @ by.rates
+    steep_by_theta = by.viscosity + 2.0 * column * by.mass + fall @ by.weights
+    steep_by_theta = steep_by_theta + (modes.weights * (column - modes.rates) * away**3) @ by.rates
+    return value, steep, bend, by_theta, steep_by_theta
+
+
+def _times(t: Real) -> tuple[float, float]:
+    """Shortest and longest time that a record shows: its finest step over pi, and its length."""
+    return float(np.min(np.diff(t))) / np.pi, float(t[-1] - t[0])
+
+
+def _second(t: Any, x: Real) -> Any:
+    """Acceleration from second differences; at the ends that of the next sample."""
+    if len(t) < 3:
+        return np.zeros(len(t))
+    slope, step = np.diff(x) / np.diff(t), np.diff(t)
+    inner = 2.0 * np.diff(slope) / (step[1:] + step[:-1])
+    return np.concatenate([inner[:1], inner, inner[-1:]])

@@ -1,0 +1,213 @@
+"""Springs and dashpots in any arrangement: a spring, a dashpot and Maxwell modes side by side, exactly.
+
+Networks in parallel add their modes; those in series add the modes of their compliances, and the compliance of such a
+network is one of the same kind in p = 1/s, whose rates are the zeros of K (they lie between its poles).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .elements import FixedPower
+from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
+from .points import Points, Real
+
+SAME = 1e-14
+"""Relative distance below which two rates are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rational:
+    """K = spring + dashpot s + sum of weights s / (s + rates), with the derivatives by theta of each.
+
+    Attributes
+    ----------
+    ends : ndarray, shape (2,)
+        Spring and dashpot.
+    rates, weights : ndarray, shape (l,)
+        The modes.
+    end_slopes : ndarray, shape (2, p)
+        Derivatives of spring and dashpot.
+    rate_slopes, weight_slopes : ndarray, shape (l, p)
+        Derivatives of the modes.
+    """
+
+    ends: Real
+    rates: Real
+    weights: Real
+    end_slopes: Real
+    rate_slopes: Real
+    weight_slopes: Real
+
+    @classmethod
+    def power(cls, exponent: int, factor: float, slope: Real) -> Rational:
+        """A spring (0) or a dashpot (1)."""
+        empty, end, end_slopes = np.zeros(0), np.zeros(2), np.zeros((2, len(slope)))
+        end[exponent], end_slopes[exponent] = factor, slope
+        none = np.zeros((0, len(slope)))
+        return cls(end, empty, empty, end_slopes, none, none)
+
+    def beside(self, other: Rational) -> Rational:
+        """Both in parallel."""
+        return Rational(
+            self.ends + other.ends,
+            np.concatenate([self.rates, other.rates]),
+            np.concatenate([self.weights, other.weights]),
+            self.end_slopes + other.end_slopes,
+            np.concatenate([self.rate_slopes, other.rate_slopes]),
+            np.concatenate([self.weight_slopes, other.weight_slopes]),
+        )
+
+    def times(self, factor: float, slope: Real) -> Rational:
+        """Its stiffness multiplied by a factor with the derivative `slope`."""
+        return replace(
+            self,
+            ends=factor * self.ends,
+            weights=factor * self.weights,
+            end_slopes=factor * self.end_slopes + self.ends[:, None] * slope,
+            weight_slopes=factor * self.weight_slopes + self.weights[:, None] * slope,
+        )
+
+    def slowed(self, log_shift: float, slope: Real) -> Rational:
+        """Read at s exp(log_shift)."""
+        factor = float(np.exp(log_shift))
+        stretch = np.array([[1.0], [factor]])
+        viscosity = np.vstack([np.zeros_like(slope), self.ends[1] * factor * slope])
+        return replace(
+            self,
+            ends=self.ends * stretch[:, 0],
+            rates=self.rates / factor,
+            end_slopes=self.end_slopes * stretch + viscosity,
+            rate_slopes=(self.rate_slopes - self.rates[:, None] * slope) / factor,
+        )
+
+    def inverse(self) -> Rational:
+        """The compliance 1/K as a function of p = 1/s."""
+        zeros = self._zeros()
+        ends, end_slopes = self._inverse_ends()
+        away = 1.0 / (self.rates - zeros[:, None])
+        pull = self.weights * self.rates * away**2
+        steep = self.ends[1] + pull.sum(axis=1)
+        bend = -2.0 * (pull * away).sum(axis=1)
+        # Derivatives by theta of K and of dK/ds at s = -zeros.
+        by_theta = self.end_slopes[0] - zeros[:, None] * self.end_slopes[1]
+        by_theta = by_theta - (zeros[:, None] * away) @ self.weight_slopes
+        by_theta = by_theta + (self.weights * zeros[:, None] * away**2) @ self.rate_slopes
+        steep_slopes = self.end_slopes[1] + (self.rates * away**2) @ self.weight_slopes
+        steep_slopes = steep_slopes - (self.weights * (zeros[:, None] + self.rates) * away**3) @ self.rate_slopes
+        moved = by_theta / steep[:, None]
+        residue = 1.0 / steep
+        residue_slopes = -(steep_slopes - bend[:, None] * moved) * residue[:, None] ** 2
+        column = zeros[:, None]
+        weight_slopes = residue_slopes / column - residue[:, None] * moved / column**2
+        return Rational(ends, 1.0 / zeros, residue / zeros, end_slopes, -moved / column**2, weight_slopes)
+
+    def _inverse_ends(self) -> tuple[Real, Real]:
+        """Instantaneous compliance and fluidity, where there are any."""
+        ends, slopes = np.zeros(2), np.zeros_like(self.end_slopes)
+        spring, dashpot = self.ends
+        if dashpot == 0.0:
+            glass = spring + self.weights.sum()
+            ends[0] = 1.0 / glass
+            slopes[0] = -(self.end_slopes[0] + self.weight_slopes.sum(axis=0)) / glass**2
+        if spring == 0.0:
+            flow = dashpot + (self.weights / self.rates).sum()
+            ends[1] = 1.0 / flow
+            change = (self.weight_slopes / self.rates[:, None]).sum(axis=0)
+            change = change - ((self.weights / self.rates**2)[:, None] * self.rate_slopes).sum(axis=0)
+            slopes[1] = -(self.end_slopes[1] + change) / flow**2
+        return ends, slopes
+
+    def _zeros(self) -> Real:
+        """All r > 0 at which K(-r) = 0, rising: one between two rates, and where a spring or a dashpot is, beyond."""
+        spring, dashpot = self.ends
+        poles = np.sort(self.rates)
+        low, high = poles[:-1], poles[1:]
+        first, last = (poles[0], poles[-1]) if len(poles) else (np.inf, 0.0)
+        slope = dashpot + 2.0 * (self.weights / self.rates).sum()
+        height = spring + 2.0 * self.weights.sum()
+        if not len(poles):
+            return np.array([spring / dashpot]) if spring > 0.0 and dashpot > 0.0 else np.zeros(0)
+        if spring > 0.0:
+            low, high = np.append(0.99 * min(0.5 * first, spring / slope), low), np.append(first, high)
+        if dashpot > 0.0:
+            low, high = np.append(low, last), np.append(high, 1.01 * max(2.0 * last, height / dashpot))
+        apart = high > low * (1.0 + SAME)
+        return self._between(np.log(low[apart]), np.log(high[apart]))
+
+    def _between(self, low: Real, high: Real) -> Real:
+        """The zero of K(-exp(u)), which falls, in each interval of u: Newton's steps, held by bisection."""
+        spring, dashpot = self.ends
+        u = 0.5 * (low + high)
+        for _ in range(100):
+            r = np.exp(u)[:, None]
+            away = 1.0 / (r - self.rates)
+            value = spring - dashpot * r[:, 0] + (r * away) @ self.weights
+            slope = -dashpot * r[:, 0] - (r * away**2) @ (self.weights * self.rates)
+            low, high = np.where(value > 0.0, u, low), np.where(value > 0.0, high, u)
+            newton = u - value / slope
+            moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+            if np.all(np.abs(moved - u) <= 2e-16 * (1.0 + np.abs(u))):
+                break
+            u = moved
+        return np.exp(u)
+
+
+def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rational | None:
+    """The modes of a network, or None if it holds anything but springs and dashpots.
+
+    Parameters
+    ----------
+    node : Node
+        The network.
+    theta : ndarray, shape (b,)
+        Its parameters.
+    chain : ndarray, shape (b, p)
+        Their derivative by those of the whole model.
+    conditions : Points
+        Temperature and reference temperature.
+    """
+    if isinstance(node, Renamed):
+        return rational_of(node.node, theta, chain, conditions)
+    if isinstance(node, Mapped):
+        return rational_of(node.node, node.forward(theta), node.jacobian(theta) @ chain, conditions)
+    if isinstance(node, Scaled):
+        inner = rational_of(node.node, theta, chain, conditions)
+        return inner and inner.times(node.factor, np.zeros(chain.shape[1]))
+    if isinstance(node, FixedPower) and node.exponent in (0.0, 1.0):
+        return Rational.power(int(node.exponent), float(theta[0]), chain[0])
+    if isinstance(node, Parallel | Series):
+        parts = zip(node.children, node.cuts, strict=True)
+        found = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]
+        return _together([part for part in found if part], len(found), isinstance(node, Series))
+    if isinstance(node, Shift | Chain):
+        return _carried(node, theta, chain, conditions)
+    return None
+
+
+def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | None:
+    if len(parts) < count:
+        return None
+    if in_series:
+        if any(not part.ends.any() and not part.weights.any() for part in parts):
+            return None
+        parts = [part.inverse() for part in parts]
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole.beside(part)
+    return whole.inverse() if in_series else whole
+
+
+def _carried(node: Shift | Chain, theta: Real, chain: Real, conditions: Points) -> Rational | None:
+    """A network whose frequencies are shifted, or that is multiplied, by what is the same at all frequencies."""
+    first, second = node.cuts
+    inner = rational_of(node.children[0], theta[first], chain[first], conditions)
+    law = node.children[1].respond(theta[second], conditions, GRADIENT)
+    elsewhere = node.children[1].respond(theta[second], conditions.shifted(np.ones(1)))
+    if inner is None or law.value.imag.any() or law.value[0] != elsewhere.value[0]:
+        return None
+    slope = law.by_theta[:, 0].real @ chain[second]
+    value = float(law.value[0].real)
+    return inner.slowed(value, slope) if isinstance(node, Shift) else inner.times(value, slope)

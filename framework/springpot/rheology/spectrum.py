@@ -1,0 +1,465 @@
+"""The exact relaxation spectrum of a model, read from its network on the negative axis of s.
+
+A network of springs, dashpots and springpots has K(s) = K_e + c s + m s^2 + integral H(r) s/(s+r) dln r with
+H(r) = Im K(r exp(i pi)) / pi >= 0 (Bernstein functions; Gross 1953; Tschoegl 1989, 10.1007/978-3-642-73602-5).
+The trapezoidal rule in ln r turns the integral into a sum of exponentials with positive weights, ever so accurate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import ModelError
+
+from .branches import Anywhere, Branch, branches
+from .effect import Effect, Layer
+from .elements import HALF_PI
+from .nodes import FULL, GRADIENT, VALUE, Node, chain, parallel, series, shift
+from .points import Complex, Points, Real
+from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
+from .rational import Rational, rational_of
+
+if TYPE_CHECKING:
+    from .model import Model
+
+FINEST = 2
+"""Times that a smaller step is tried before an error is accepted as it is."""
+NEARLY = 100.0
+"""Times the tolerance by which a smaller step alone will do."""
+REFUSED = 1e-2
+"""Relative error of K above which a network is said to have no spectrum: those that have one stay far below."""
+NEGATIVE = 1e-7
+"""Share of K by which H may be negative from rounding."""
+ROUNDING = 1e-12
+"""The same as a share of the largest K of the band: a network may cancel where it is soft."""
+SCALES = np.arange(-45.0, 45.0, 0.25)
+"""Twenty decades of rates either side of one, in which a model's own relaxation times are sought."""
+MARGIN = 2.0 * np.log(10.0)
+"""Two decades beyond a model's own times are of interest by default."""
+WITHOUT_TIME = (np.log(1e-3), np.log(1e3))
+"""Band in ln omega for a model that has no time of its own, such as a springpot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Derivatives of a spectrum by the model's parameters, under the names of `Spectrum`.
+
+    Attributes
+    ----------
+    equilibrium, viscosity, mass : ndarray, shape (p,)
+        Derivatives of the numbers.
+    rates, weights : ndarray, shape (m, p)
+        Derivatives of the lists; nodes of the trapezoidal rule stay where they are.
+    """
+
+    equilibrium: Real
+    viscosity: Real
+    mass: Real
+    rates: Real
+    weights: Real
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """K(s) = equilibrium + viscosity s + mass s^2 + sum of weights s / (s + rates).
+
+    Attributes
+    ----------
+    equilibrium : float
+        The spring: what is left of the stiffness below the band, in the unit of K.
+    viscosity : float
+        The dashpot: with it all that relaxes faster than the band sees, in the unit of K times s.
+    mass : float
+        In the unit of K times s^2.
+    rates : ndarray, shape (m,)
+        Relaxation rates in 1/s, rising.
+    weights : ndarray, shape (m,)
+        Stiffness of each, never negative, in the unit of K.
+    band : tuple of float
+        Angular frequencies in rad/s between which the sum stands for the model.
+    error : float
+        Largest |dK| / |K| on the band, measured against the network itself.
+    by_theta : Slopes
+        Exact derivatives by the model's parameters.
+    """
+
+    equilibrium: float
+    viscosity: float
+    mass: float
+    rates: Real
+    weights: Real
+    band: tuple[float, float]
+    error: float
+    by_theta: Slopes
+
+    def stiffness(self, omega: Real | float) -> Complex:
+        """Complex stiffness at omega in rad/s, shape (n,)."""
+        s = 1j * np.atleast_1d(np.asarray(omega, dtype=float))
+        modes: Complex = (s[:, None] / (s[:, None] + self.rates)) @ self.weights
+        return self.equilibrium + self.viscosity * s + self.mass * s**2 + modes
+
+    def jacobian(self, omega: Real | float) -> Complex:
+        """Derivative of `stiffness` by the model's parameters, shape (n, p)."""
+        s = 1j * np.atleast_1d(np.asarray(omega, dtype=float))[:, None]
+        kernel = s / (s + self.rates)
+        by = self.by_theta
+        modes: Complex = kernel @ by.weights - (self.weights * kernel / (s + self.rates)) @ by.rates
+        return by.equilibrium + s * by.viscosity + s**2 * by.mass + modes
+
+
+def spectrum_of(
+    model: Model,
+    theta: Real,
+    band: tuple[float, float] | None = None,
+    *,
+    tolerance: float = 1e-6,
+    temperature: float | None = None,
+    reference_temperature: float = 293.15,
+) -> Spectrum:
+    """The spectrum of a model; see `Model.spectrum`."""
+    refuse_what_is_no_relaxation(model)
+    conditions = conditions_at(temperature, reference_temperature)
+    theta = np.asarray(theta, dtype=float)
+    limits = None if band is None else _checked(band)
+    with blaming(model, theta, conditions):
+        return _spectrum(model.network, theta, conditions, limits, tolerance)
+
+
+@contextmanager
+def blaming(model: Model, theta: Real, conditions: Points) -> Iterator[None]:
+    """Name the part of the model that has no spectrum, where one is found to have none.
+
+    Raises
+    ------
+    ModelError
+        In one line.
+    """
+    try:
+        # A network may meet a pole on the way; what comes of it is seen in the error.
+        with np.errstate(all="ignore"):
+            yield
+    except _NoSpectrumError as fault:
+        raise ModelError(_guilty(model, theta, conditions, str(fault))) from None
+
+
+def conditions_at(temperature: float | None, reference_temperature: float) -> Points:
+    """A temperature in kelvin, the reference temperature where there is none, without frequencies."""
+    here = reference_temperature if temperature is None else temperature
+    return Points(np.zeros(1), None, np.array([here]), reference_temperature)
+
+
+def refuse_what_is_no_relaxation(model: Model) -> None:
+    """Refuse, by name, effects of the signal, of the amplitude and of waves.
+
+    Raises
+    ------
+    ModelError
+        If the model has one.
+    """
+    for effect in model.effects:
+        reason = _reason(effect)
+        if reason:
+            raise ModelError(
+                f"{model.name} has no relaxation spectrum: '{effect.name}' {reason}; leave it out with "
+                f"model - '{effect.name}'"
+            )
+
+
+def _reason(effect: Effect) -> str:
+    if effect.layer is Layer.SIGNAL:
+        return "belongs to the signals, not to the material"
+    if "amplitude" in effect.needs:
+        return "depends on the amplitude"
+    if effect.composition not in (parallel, series, chain, shift):
+        return "is a wave in the specimen"
+    return ""
+
+
+def _guilty(model: Model, theta: Real, conditions: Points, fault: str) -> str:
+    """Which part of the model has no spectrum: the first effect with which it is lost."""
+    values = dict(zip(model.names, theta, strict=True))
+    for count in range(len(model.effects)):
+        smaller = replace(model, effects=model.effects[:count])
+        try:
+            _spectrum(
+                smaller.network, smaller.vector({n: values[n] for n in smaller.names}), conditions, None, 1e-3, 1
+            )
+        except _NoSpectrumError:
+            part = f"'{smaller.effects[-1].name}'" if count else f"'{model.base}'"
+            break
+    else:
+        part = f"'{model.effects[-1].name}'" if model.effects else f"'{model.base}'"
+    return f"{model.name} has no relaxation spectrum: {part} {fault}"
+
+
+class _NoSpectrumError(Exception):
+    """A network is no passive material; says why."""
+
+
+def _checked(band: tuple[float, float]) -> tuple[float, float]:
+    low, high = band
+    if not 0.0 < low < high < np.inf:
+        raise ModelError(f"a band is two angular frequencies in rad/s, the lower first, not {low:g} and {high:g}")
+    return float(np.log(low)), float(np.log(high))
+
+
+def _spectrum(
+    network: Node,
+    theta: Real,
+    conditions: Points,
+    band: tuple[float, float] | None,
+    tolerance: float,
+    attempts: int = FINEST,
+) -> Spectrum:
+    whole = Sum.of(network, theta, conditions)
+    low, high = band or whole.own_band()
+    return summed(whole, low, high, tolerance, attempts=attempts)
+
+
+def summed(
+    whole: Sum, low: float, high: float, tolerance: float, *, attempts: int = FINEST, signed: bool = False
+) -> Spectrum:
+    """The sum of exponentials for the band from exp(low) to exp(high), with steps as fine as the tolerance asks.
+
+    Parameters
+    ----------
+    whole : Sum
+        The network taken apart.
+    low, high : float
+        The band in ln omega.
+    tolerance : float
+        Relative error of K that is aimed at.
+    attempts : int
+        How often a smaller step may be tried.
+    signed : bool
+        Let a layer of fluid that is set in motion (Basset) count as modes of negative weight.
+    """
+    wanted = 0.3 * tolerance
+    found = whole.summed(low, high, wanted, peaks_of, signed)
+    for _ in range(attempts):
+        if found.error <= tolerance:
+            break
+        # An error not far off is a step a little too wide; a large one is a peak that was not seen.
+        finder = peaks_of if found.error < NEARLY * tolerance else all_peaks_of
+        wanted = wanted**1.5
+        found = min(found, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
+    if not found.error < REFUSED:
+        raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * found.error:.2g} %")
+    return found
+
+
+PeakFinder: TypeAlias = Callable[[Branch, Edge], Complex]
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """A network taken apart: its mass, all of its springs and dashpots, and branches that hold more than these.
+
+    Attributes
+    ----------
+    mass : float
+        Zero where there is none.
+    mass_slopes : ndarray, shape (p,)
+        Its derivative by theta.
+    classical : Rational
+        Branches of nothing but springs and dashpots.
+    parts : sequence of Branch
+        The others.
+    """
+
+    mass: float
+    mass_slopes: Real
+    classical: Rational
+    parts: Sequence[Branch]
+
+    @classmethod
+    def of(cls, network: Node, theta: Real, conditions: Points, *, compliance: bool = False) -> Sum:
+        """The network's parts, in parallel or, for its compliance, in series."""
+        nothing = np.zeros(len(theta))
+        mass, slopes, parts = 0.0, nothing, []
+        classical = Rational.power(0, 0.0, nothing)
+        for branch in branches(network, theta, conditions, compliance=compliance):
+            modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
+            if modes is not None and not (compliance and not modes.ends.any() and not modes.weights.any()):
+                classical = classical.beside(modes.inverse() if compliance else modes)
+            elif branch.is_mass and not compliance:
+                value, by_theta = branch.mass()
+                mass, slopes = mass + value, slopes + by_theta
+            else:
+                parts.append(branch)
+        return cls(mass, slopes, classical, parts)
+
+    def respond(self, log_omega: Anywhere, depth: int) -> tuple[Complex, Complex]:
+        """What relaxes: value (n,) and derivative (p, n)."""
+        found = [part.respond(log_omega, depth) for part in self.parts]
+        shape = (len(self.mass_slopes), len(log_omega))
+        value = np.sum([each.value for each in found], axis=0) if found else np.zeros(shape[1], dtype=complex)
+        if depth < GRADIENT or not found:
+            return value, np.zeros(shape, dtype=complex)
+        return value, np.sum([each.by_theta for each in found], axis=0)
+
+    def own_band(self) -> tuple[float, float]:
+        """Band in ln omega that reaches two decades beyond the times of the network itself."""
+        s = 1j * np.exp(SCALES)
+        own = self.classical
+        kernel = s[:, None] / (s[:, None] + own.rates)
+        found = [part.respond(SCALES, FULL) for part in self.parts]
+        value = own.ends[0] + own.ends[1] * s + kernel @ own.weights + sum(each.value for each in found)
+        slope = own.ends[1] * s + (kernel * (1.0 - kernel)) @ own.weights + sum(each.by_log_omega for each in found)
+        # The power of omega as which |K| grows: a relaxation time is where it changes most.
+        power = (slope / value).real
+        change = np.abs(np.diff(power))
+        largest = np.max(change)
+        if not largest > 1e-6:
+            return WITHOUT_TIME
+        inner = change[1:-1]
+        turns = (inner >= change[:-2]) & (inner >= change[2:]) & (inner > 0.05 * largest)
+        at = SCALES[1:-2][turns]
+        if not len(at):
+            return WITHOUT_TIME
+        return float(at.min() - MARGIN), float(at.max() + MARGIN)
+
+    def summed(
+        self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool = False
+    ) -> Spectrum:
+        """The sum of exponentials for the band from exp(low) to exp(high).
+
+        The error of the rule with the step h is 2 exp(-pi^2 / h), the kernel's poles lying pi/2 from the axis.
+        """
+        own, modes = self.classical, self._modes(low, high, tolerance, find_peaks, signed)
+        ends, slopes = self._ends(low, high, modes)
+        ends += [*own.ends, self.mass]
+        slopes += np.vstack([own.end_slopes, self.mass_slopes])
+        lines = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
+        modes = Lines(*(np.concatenate(pair) for pair in zip(lines, modes, strict=True)))
+        modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
+        by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
+        band = (float(np.exp(low)), float(np.exp(high)))
+        spring, dashpot, mass = ends.tolist()
+        found = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
+        return replace(found, error=self._error(found, low, high))
+
+    def _whole(self, log_omega: Anywhere) -> Complex:
+        """K (n,) without the mass."""
+        s = np.exp(log_omega + HALF_PI)
+        own = self.classical
+        kernel = s[:, None] / (s[:, None] + own.rates)
+        value: Complex = own.ends[0] + own.ends[1] * s + kernel @ own.weights + self.respond(log_omega, VALUE)[0]
+        return value
+
+    def _sizes(self, low: float, high: float) -> tuple[float, float]:
+        """|K| without its mass at the ends of the band."""
+        first, last = np.abs(self._whole(np.array([low, high]))).tolist()
+        return first, last
+
+    def _modes(self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool) -> Lines:
+        """Single lines of the parts, and nodes for what is spread: as many of them as the band needs."""
+        margin = np.log(2.0 / tolerance)
+        found = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
+        spread, peaks = [], [np.zeros(0, dtype=complex)]
+        for part in self.parts:
+            edge = edge_of(part, low - margin, high + margin)
+            if edge.discrete:
+                found.append(lines_of(part, edge))
+            else:
+                spread.append(part)
+                peaks.append(find_peaks(part, edge))
+        if spread:
+            u, share = nodes_of(low - margin, high + margin, np.pi**2 / margin, np.concatenate(peaks))
+            value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
+            sizes = self._sizes(low, high)
+            height = value.imag / np.pi
+            if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
+                raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
+            fixed = np.zeros((len(u), len(self.mass_slopes)))
+            modes = Lines(
+                np.exp(u),
+                share * (height if signed else np.maximum(height, 0.0)),
+                fixed,
+                (share * by_theta.imag / np.pi).T,
+            )
+            order = 3 if any(part.is_layer for part in spread) else 2
+            needed = _needed(modes, sizes, (low, high), tolerance, order)
+            found.append(Lines(*(field[needed] for field in modes)))
+        return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
+
+    def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
+        """Spring, dashpot and mass that stand for all modes slower and faster than `modes`, with their derivatives.
+
+        They are told from real s, where K is real. Only a layer of fluid needs a mass.
+        """
+        layered = any(part.is_layer for part in self.parts)
+        powers = np.arange(3.0 if layered else 2.0)
+        where = np.linspace(low, high, len(powers))
+        s = np.exp(where)[:, None]
+        value, by_theta = self.respond(where - HALF_PI, GRADIENT)
+        if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
+            raise _NoSpectrumError("is no material: without oscillation its force would not be real")
+        kernel = s / (s + modes.rates)
+        slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
+        # In units of the highest s, or the matrix would be singular to rounding.
+        inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
+        found = inverse @ (value.real - kernel @ modes.weights)
+        # What rounding leaves of a spring or dashpot that is not there is none.
+        there = layered | (found > ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers)
+        ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
+        ends[: len(powers)] = np.where(there, found, 0.0)
+        end_slopes[: len(powers)] = np.where(there[:, None], inverse @ (by_theta.real.T - slopes), 0.0)
+        return ends, end_slopes
+
+    def _error(self, found: Spectrum, low: float, high: float) -> float:
+        grid = np.linspace(low, high, max(9, int(4 * (high - low))))
+        exact = self._whole(grid)
+        if not np.all(np.isfinite(exact)):
+            raise _NoSpectrumError("is not finite on the band")
+        own = found.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
+        size = np.abs(exact)
+        return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))
+
+
+def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real, Real]:
+    """Nodes u of the trapezoidal rule from `low` to `high` and their share of it, closer together at narrow peaks.
+
+    With x = u + sum of a arcsinh((u - u_p) / d_p), a peak of half width d_p is as wide in x as the kernel, pi/2.
+    """
+    widths = np.maximum(peaks.imag, 1e-12)
+    strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
+
+    def stretched(u: Real) -> tuple[Real, Real]:
+        away = (u[:, None] - peaks.real) / widths
+        x = u + np.arcsinh(away) @ strengths
+        return x, 1.0 + (1.0 / np.sqrt(1.0 + away**2)) @ (strengths / widths)
+
+    table = [np.arange(low - step, high + step, 0.25 * step)]
+    table += [p.real + d * np.sinh(np.arange(-30.0, 30.0, 0.1)) for p, d in zip(peaks, widths, strict=True)]
+    coarse = np.unique(np.concatenate(table))
+    coarse = coarse[(coarse >= low - step) & (coarse <= high + step)]
+    x_coarse, _ = stretched(coarse)
+    first, last = stretched(np.array([low, high]))[0]
+    x = step * np.arange(np.ceil(first / step), last / step)
+    u = np.interp(x, x_coarse, coarse)
+    if not len(peaks):
+        return u, np.full(len(u), step)
+    for _ in range(4):
+        here, slope = stretched(u)
+        u = u - (here - x) / slope
+    return u, step / stretched(u)[1]
+
+
+def _needed(
+    modes: Lines, sizes: tuple[float, float], band: tuple[float, float], tolerance: float, order: int
+) -> NDArray[np.bool_]:
+    """Modes that the band sees as more than a spring (slower ones) or, to that order, a dashpot (faster ones)."""
+    (low, high), rates, weights = np.exp(band), modes.rates, np.abs(modes.weights)
+    slow = weights * rates / low * (rates < low)
+    fast = weights * (high / rates) ** order * (rates > high)
+    lost_slow = (np.cumsum(slow) < 0.1 * tolerance * sizes[0]) & (rates < low)
+    lost_fast = (np.cumsum(fast[::-1])[::-1] < 0.1 * tolerance * sizes[1]) & (rates > high)
+    needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
+    return needed

@@ -1,0 +1,72 @@
+"""The recursion in time against what it replaces: a direct convolution with the relaxation function."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+from springpot.registry import parse_model
+from springpot.rheology.recursion import driven
+
+SAMPLES = 100_000
+ROWS = {"even": 40, "uneven": 4}
+
+
+def seconds(task) -> float:
+    """The best of three."""
+    times = []
+    for _ in range(3):
+        start = perf_counter()
+        task()
+        times.append(perf_counter() - start)
+    return min(times)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("sampling", "least"), [("even", 20), ("uneven", 1000)])
+def test_the_recursion_against_a_direct_convolution(sampling: str, least: float):
+    """Both sum the same 30 exponentials over 100,000 samples; the convolution's time is that of a few of its rows.
+
+    With even steps a convolution may tabulate the relaxation function once and is one product a sample; with uneven
+    ones each pair of samples has its own.
+    """
+    rng = np.random.default_rng(1)
+    rates, weights = np.geomspace(1e-3, 1e3, 30), rng.uniform(0.5, 1.5, 30)
+    changes, mix = rng.normal(size=SAMPLES), weights[:, None]
+    uneven = sampling == "uneven"
+    steps = rng.uniform(0.005, 0.015, SAMPLES) if uneven else np.full(SAMPLES, 0.01)
+    gain = -np.expm1(-np.outer(steps, rates)) / np.outer(steps, rates)
+    t = np.cumsum(steps)
+    table = np.exp(-np.outer(t - t[0], rates)) @ (weights * gain[0])
+    some = np.linspace(1, SAMPLES - 1, ROWS[sampling]).astype(int)
+
+    def row(k: int) -> float:
+        if not uneven:
+            return table[: k + 1] @ changes[k::-1]
+        fade = np.exp(-np.outer(t[k] - t[: k + 1], rates)) * gain[: k + 1]
+        return fade @ weights @ changes[: k + 1]
+
+    def direct() -> np.ndarray:
+        return np.array([row(k) for k in some])
+
+    found = driven(rates, steps, changes, mix, np.zeros_like(mix))[:, 0]
+    np.testing.assert_allclose(found[some], direct(), rtol=1e-8, atol=1e-8 * np.abs(found).max())
+    recursion = seconds(lambda: driven(rates, steps, changes, mix, np.zeros_like(mix)))
+    convolution = seconds(direct) * SAMPLES / len(some)
+    print(f"{sampling}: recursion {1e3 * recursion:.1f} ms, direct convolution {convolution:.2f} s")
+    assert convolution > least * recursion
+
+
+@pytest.mark.slow
+def test_derivatives_cost_a_few_times_the_force():
+    model = parse_model("fractional-zener")
+    theta = np.array([1.0, 3.0, 2.0, 0.6])
+    t = np.linspace(0.0, 10.0, 1000)
+    x = np.sin(t)
+    at = model.in_time(theta, tolerance=1e-6)
+    whole = seconds(lambda: at.respond(t, x))
+    print(f"1,000 samples with derivatives by 4 parameters, spectrum included: {1e3 * whole:.1f} ms")
+    spectrum = seconds(lambda: model.spectrum(theta, (0.1, 300.0)))
+    assert whole < 30 * spectrum

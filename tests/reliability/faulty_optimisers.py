@@ -1,0 +1,336 @@
+"""Optimisers that do harm, each in a way of its own, and an innocent one beside which they race."""
+
+from __future__ import annotations
+
+import atexit
+import builtins
+import ctypes
+import gc
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from springpot import Measurement, Units, parse_model
+from springpot.benchmark import Study
+from springpot.identification import Card, Optimiser, Recorder
+from springpot.measurement import DataSet
+
+Deed = Callable[[Recorder, np.random.Generator], object]
+DEADLINE = 2.0
+"""Seconds: a hundred times what an innocent trial takes on a busy machine."""
+LASTING = 600.0
+
+
+@dataclass(frozen=True)
+class Innocent(Optimiser):
+    """A (1+1) random walk; its step tells one entrant from another."""
+
+    step: float = 0.3
+
+    name: ClassVar[str] = "innocent"
+    card: ClassVar[Card] = Card("random walk")
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        room, step = problem.upper - problem.lower, self.step
+        x = problem.lower + rng.random(problem.dimension) * room
+        best = problem(x)
+        while True:
+            y = np.clip(x + step * room * rng.standard_normal(problem.dimension), problem.lower, problem.upper)
+            value = problem(y)
+            if value < best:
+                x, best = y, value
+            else:
+                step *= 0.97
+
+
+@dataclass(frozen=True)
+class Faulty(Innocent):
+    """The same, which does something unkind after three evaluations."""
+
+    deed: str = ""
+
+    name: ClassVar[str] = "faulty"
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        if budget > 1:
+            for _ in range(3):
+                problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
+            DEEDS[self.deed](problem, rng)
+        super().minimise(problem, budget, rng)
+
+
+class NoException(BaseException):
+    """Nothing that a handler of exceptions catches."""
+
+
+def throw(error: BaseException) -> Deed:
+    def deed(problem: Recorder, rng: np.random.Generator) -> None:
+        raise error
+
+    return deed
+
+
+def eat(problem: Recorder, rng: np.random.Generator) -> None:
+    meal = []
+    while True:
+        meal.append(np.ones(2**24))
+
+
+def spin(problem: Recorder, rng: np.random.Generator) -> None:
+    while True:
+        pass
+
+
+def hold_the_lock(problem: Recorder, rng: np.random.Generator) -> None:
+    sum(range(10**13))
+
+
+def deaf(problem: Recorder, rng: np.random.Generator) -> None:
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, signal.SIG_IGN)
+    spin(problem, rng)
+
+
+def dive(problem: Recorder, rng: np.random.Generator) -> None:
+    dive(problem, rng)
+
+
+def overflow(problem: Recorder, rng: np.random.Generator) -> None:
+    sys.setrecursionlimit(10**8)
+    dive(problem, rng)
+
+
+def leave_a_program(problem: Recorder, rng: np.random.Generator) -> None:
+    subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LASTING})"])
+
+
+def leave_a_fork(problem: Recorder, rng: np.random.Generator) -> None:
+    if os.fork() == 0:
+        time.sleep(LASTING)
+        os._exit(0)
+
+
+def leave_a_thread(problem: Recorder, rng: np.random.Generator) -> None:
+    threading.Thread(target=time.sleep, args=(LASTING,), daemon=True).start()
+
+
+def leave_an_alarm(problem: Recorder, rng: np.random.Generator) -> None:
+    signal.signal(signal.SIGALRM, throw_alarm)
+    signal.alarm(1)
+
+
+def leave_a_timer(problem: Recorder, rng: np.random.Generator) -> None:
+    signal.signal(signal.SIGALRM, throw_alarm)
+    signal.setitimer(signal.ITIMER_REAL, 0.05, 0.01)
+
+
+def throw_alarm(*_: object) -> None:
+    raise TimeoutError("an alarm that somebody left")
+
+
+def patch_recorder(problem: Recorder, rng: np.random.Generator) -> None:
+    Recorder.__call__ = lambda self, x: 0.0  # type: ignore[method-assign]
+    time.sleep(0.01)
+    raise ValueError("it has patched the recorder and fails")
+
+
+def patch_objective(problem: Recorder, rng: np.random.Generator) -> None:
+    kind = type(problem.problem)
+    kind.evaluate = lambda self, x: 1e-30 * np.ones(np.shape(x)[:-1])  # type: ignore[method-assign]
+    problem.batch(np.tile(problem.upper, (2, 1)))
+
+
+def patch_model(problem: Recorder, rng: np.random.Generator) -> None:
+    kind = type(problem.problem.model.network)
+    real = kind.respond
+    data = problem.problem.measurement.stiffness
+
+    def respond(self, theta, points, order=0):
+        response = real(self, theta, points, order)
+        return response._replace(value=np.broadcast_to(data, response.value.shape).copy())
+
+    kind.respond = respond
+
+
+def clear_data(problem: Recorder, rng: np.random.Generator) -> None:
+    data = problem.problem.measurement.stiffness
+    data[:] = problem.problem.model.stiffness(problem.problem.space.theta(problem.upper), data_points(problem))
+
+
+def data_points(problem: Recorder) -> object:
+    return problem.problem.measurement.points
+
+
+def clear_weights(problem: Recorder, rng: np.random.Generator) -> None:
+    problem.problem.weights[:] = 0.0
+
+
+def move_box(problem: Recorder, rng: np.random.Generator) -> None:
+    problem.lower[:] = problem.upper
+
+
+def patch_generator(problem: Recorder, rng: np.random.Generator) -> None:
+    np.random.default_rng = lambda *_: rng  # type: ignore[assignment]
+
+
+def patch_clamp(problem: Recorder, rng: np.random.Generator) -> None:
+    np.minimum = np.maximum
+
+
+def force_best(problem: Recorder, rng: np.random.Generator) -> None:
+    object.__setattr__(problem, "best", 0.0)
+
+
+def forge_trace(problem: Recorder, rng: np.random.Generator) -> None:
+    """It finds the ledger by the collector, as only a hostile one would, and writes into it."""
+    for thing in gc.get_objects():
+        if type(thing).__name__ == "Ledger":
+            thing.best = 1e-30
+            thing.trace.append((thing.evaluations, 1e-30))
+
+
+def forge_count(problem: Recorder, rng: np.random.Generator) -> None:
+    for thing in gc.get_objects():
+        if type(thing).__name__ == "Ledger":
+            thing.evaluations = 0
+
+
+def close_everything(problem: Recorder, rng: np.random.Generator) -> None:
+    os.closerange(3, 256)
+
+
+def write_everywhere(problem: Recorder, rng: np.random.Generator) -> None:
+    for fd in range(256):
+        try:
+            os.write(fd, b"\0\0\0\4oops")
+        except OSError:
+            continue
+
+
+def shout(problem: Recorder, rng: np.random.Generator) -> None:
+    for _ in range(100):
+        print("{}" * 200)
+        os.write(1, b"]" * 200)
+        warnings.warn("look at me", stacklevel=1)
+
+
+def forget_modules(problem: Recorder, rng: np.random.Generator) -> None:
+    for name in [name for name in sys.modules if name.startswith(("springpot", "numpy", "pickle"))]:
+        del sys.modules[name]
+
+
+def replace_float(problem: Recorder, rng: np.random.Generator) -> None:
+    builtins.float = lambda *_: 0.0  # type: ignore[assignment,misc]
+
+
+def never_ask(problem: Recorder, rng: np.random.Generator) -> None:
+    for _ in range(1000):
+        problem(np.full(problem.dimension, np.nan))
+
+
+def wrong_shape(problem: Recorder, rng: np.random.Generator) -> None:
+    problem(np.zeros(problem.dimension + 3))
+
+
+def swallow(problem: Recorder, rng: np.random.Generator) -> None:
+    for _ in range(2000):
+        try:
+            problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
+        except BaseException:
+            continue
+
+
+DEEDS: dict[str, Deed] = {
+    "segfault": lambda *_: ctypes.string_at(0),
+    "abort": lambda *_: os.abort(),
+    "success without a result": lambda *_: os._exit(0),
+    "exit code 7": lambda *_: os._exit(7),
+    "kill itself": lambda *_: os.kill(os.getpid(), signal.SIGKILL),
+    "kill its group": lambda *_: os.killpg(0, signal.SIGKILL),
+    "kill its parent": lambda *_: os.kill(os.getppid(), signal.SIGKILL),
+    "stop itself": lambda *_: os.kill(os.getpid(), signal.SIGSTOP),
+    "sys.exit": throw(SystemExit("enough")),
+    "an error": throw(ValueError("out of\nspirits")),
+    "Ctrl-C of its own": throw(KeyboardInterrupt()),
+    "no exception": throw(NoException("neither")),
+    "an end of generators": throw(GeneratorExit()),
+    "eat memory": eat,
+    "spin": spin,
+    "sleep": lambda *_: time.sleep(LASTING),
+    "hold the interpreter": hold_the_lock,
+    "ignore signals": deaf,
+    "recursion": dive,
+    "overflow of the stack": overflow,
+    "leave a program": leave_a_program,
+    "leave a fork": leave_a_fork,
+    "leave a thread": leave_a_thread,
+    "leave an alarm": leave_an_alarm,
+    "leave a timer": leave_a_timer,
+    "clear sys.path": lambda *_: sys.path.clear(),
+    "recursion limit": lambda *_: sys.setrecursionlimit(60),
+    "raise on rounding": lambda *_: np.seterr(all="raise"),
+    "another folder": lambda *_: os.chdir("/"),
+    "clear the environment": lambda *_: os.environ.clear(),
+    "patch the recorder": patch_recorder,
+    "patch the objective": patch_objective,
+    "patch the model": patch_model,
+    "clear the data": clear_data,
+    "clear the weights": clear_weights,
+    "move the box": move_box,
+    "patch the generator": patch_generator,
+    "patch numpy": patch_clamp,
+    "patch the clock": lambda *_: setattr(time, "perf_counter", lambda: 0.0),
+    "set the best": force_best,
+    "forge the trace": forge_trace,
+    "forge the count": forge_count,
+    "close all files": close_everything,
+    "write into all files": write_everywhere,
+    "shout": shout,
+    "forget modules": forget_modules,
+    "replace float": replace_float,
+    "ask for nothing finite": never_ask,
+    "a point of another shape": wrong_shape,
+    "swallow the end": swallow,
+    "hang at exit": lambda *_: atexit.register(time.sleep, LASTING),
+}
+"""What each does, by name."""
+
+TRUE = frozenset({"budget"})
+"""Statuses of a trial whose numbers are right."""
+TOLD = frozenset({"error", "invalid", "memory", "timeout", "crash", "changed"})
+
+
+def data() -> DataSet:
+    """Noisy data of a fractional Kelvin element that know their truth."""
+    truth = {"k": 100.0, "c": 60.0, "alpha": 0.5}
+    model = parse_model("fractional-kelvin")
+    omega = 2 * np.pi * np.geomspace(0.1, 10.0, 12)
+    drawn = np.random.default_rng(5).standard_normal((2, len(omega)))
+    stiffness = model.stiffness(model.theta(**truth), omega) * (1 + 0.02 * (drawn[0] + 1j * drawn[1]))
+    measured = Measurement(omega, stiffness, units=Units("kN/m"), name="kelvin")
+    return DataSet(
+        "kelvin", "artificial", lambda: measured, kind="artificial", truth=truth, model="fractional-kelvin"
+    )
+
+
+def race(deeds: list[str], repetitions: int = 1) -> Study:
+    """Innocent trials among those of faulty optimisers: at the beginning, in their midst and at the end."""
+    faulty = [(f"faulty {deed}", Faulty(deed=deed)) for deed in deeds]
+    half = len(faulty) // 2
+    entrants = [
+        ("innocent 1", Innocent(0.2)), *faulty[:half], ("innocent 2", Innocent(0.3)), *faulty[half:],
+        ("innocent 3", Innocent(0.4)), ("innocent 4", Innocent(0.5)),
+    ]  # fmt: skip
+    return Study(
+        "faulty", [data()], ["own"], ["paper"], entrants, repetitions=repetitions, budget=120, deadline=DEADLINE,
+        memory=512,
+    )  # fmt: skip

@@ -1,0 +1,142 @@
+"""The one rule for readers: whatever a reader does, it ends in time and in its memory, and leaves nothing behind."""
+
+import re
+import sys
+import threading
+import time
+
+import pytest
+
+from springpot.errors import DataError
+from springpot.measurement import Reader, budget, budget_of, open_measurement, within_budget
+
+LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process")
+
+
+@pytest.fixture
+def path(tmp_path):
+    place = tmp_path / "data.txt"
+    place.write_text("anything")
+    return place
+
+
+@pytest.fixture
+def short(monkeypatch):
+    monkeypatch.setattr(budget, "SECONDS", 0.2)
+
+
+def for_ever():
+    while True:
+        pass
+
+
+def stubborn():
+    """Goes on after anything that an ordinary reader catches."""
+    while True:
+        try:
+            for_ever()
+        except Exception:
+            continue
+
+
+class Lost:
+    """What is raised while it is destroyed is lost."""
+
+    def __del__(self):
+        stop = time.thread_time() + 0.3
+        while time.thread_time() < stop:
+            pass
+
+
+def loses_the_first_word():
+    Lost()
+    for_ever()
+
+
+def test_the_budget_is_that_of_the_documentation(tmp_path):
+    path = tmp_path / "a"
+    with path.open("wb") as stream:
+        stream.truncate(30_000_000)
+    found = budget_of(path)
+    assert found.seconds == pytest.approx(5.0 + 3.0)
+    assert found.memory == 10 * 30_000_000 + 200 * 2**20
+
+
+@pytest.mark.parametrize("action", [for_ever, stubborn, loses_the_first_word])
+@pytest.mark.usefixtures("short")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_reader_that_never_ends_is_ended(path, action):
+    with pytest.raises(DataError, match=r"more than 0\.2 s of processor time") as caught:
+        within_budget(path, action)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.usefixtures("short")
+def test_so_it_is_in_any_thread(path):
+    said = []
+
+    def work():
+        try:
+            within_budget(path, for_ever)
+        except DataError as error:
+            said.append(str(error))
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(said) == 2
+
+
+def test_a_plugin_that_never_ends_is_ended_too(path, short):
+    reader = Reader("slow", "never ends", lambda head: 1.0, lambda path, choice: for_ever())
+    with pytest.raises(DataError, match="processor time"):
+        open_measurement(path, (), [reader])
+    thinker = Reader("thinker", "never knows", lambda head: for_ever(), lambda path, choice: None)
+    with pytest.raises(DataError, match="processor time"):
+        open_measurement(path, (), [thinker])
+
+
+def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypatch):
+    monkeypatch.setattr(budget, "SECONDS", 0.02)
+    monkeypatch.setattr(budget, "_TICK", 0.001)
+    ended = 0
+    for i in range(60):
+        last = time.thread_time() + 0.02 + (i - 20) * 5e-4
+        try:
+            within_budget(path, lambda last=last: [None for _ in iter(lambda: time.thread_time() < last, False)])
+        except DataError:
+            ended += 1
+        for _ in range(1000):  # where a word that came too late would be heard
+            pass
+    assert 0 < ended < 60
+    time.sleep(0.05)
+    assert "springpot-reading" not in {thread.name for thread in threading.enumerate()}
+
+
+@LINUX
+def test_a_reader_that_takes_all_memory_is_ended_and_gives_it_back(path):
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with pytest.raises(DataError, match="more than 200 MiB of memory"):
+        within_budget(path, lambda: bytearray(300 << 20))
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+    assert len(within_budget(path, lambda: bytearray(100 << 20))) == 100 << 20
+    assert len(bytearray(300 << 20)) == 300 << 20
+
+
+@LINUX
+def test_a_budget_within_a_budget(path):
+    with pytest.raises(DataError, match="memory"):
+        within_budget(path, lambda: (within_budget(path, lambda: 1), bytearray(300 << 20)))
+
+
+def test_errors_and_answers_pass(path):
+    assert within_budget(path, lambda: 42) == 42
+    with pytest.raises(DataError, match=re.escape("of the reader")):
+        within_budget(path, lambda: (_ for _ in ()).throw(DataError("of the reader")))
+    with pytest.raises(KeyboardInterrupt):
+        within_budget(path, lambda: (_ for _ in ()).throw(KeyboardInterrupt()))

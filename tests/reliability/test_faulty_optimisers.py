@@ -1,0 +1,52 @@
+"""Whatever an optimiser does, it is a status of its own trials; those of others keep their bits."""
+
+from __future__ import annotations
+
+import pytest
+from faulty_optimisers import DEEDS, TOLD, TRUE, race
+
+from springpot.benchmark import Store, run_study
+
+QUICK = [deed for deed in DEEDS if deed not in ("sleep", "ignore signals", "hold the interpreter")]
+"""Those that do not only wait for a deadline once more."""
+
+
+def trials(path):
+    """What is kept of every trial but its seconds, by label and repetition."""
+    with Store(path) as store:
+        labels = {cell.id: cell.label for cell in store.cells()}
+        return {
+            (labels[number], row.repetition): (
+                str(row.status), row.reason, row.best, row.theta_text, row.parameter_error, row.oracle,
+                row.evaluations, row.trace, row.recommended, row.seen,
+            )
+            for number, rows in store.trials()
+            for row in rows
+        }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("undisturbed")
+    return trials(run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store)
+
+
+def check(found, undisturbed, deeds):
+    innocent = {key: row for key, row in found.items() if key[0].startswith("innocent")}
+    assert innocent == undisturbed
+    for deed in deeds:
+        for repetition in range(3):
+            status, reason, best, *_ = found[f"faulty {deed}", repetition]
+            assert status in TOLD or (status in TRUE and best > 1e-6), (deed, status, reason)
+            assert (reason != "") == (status in TOLD), deed
+
+
+def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp_path):
+    outcome = run_study(race(QUICK, 3), workers=2, out=tmp_path, quiet=True, tables=False)
+    found = trials(outcome.store)
+    check(found, undisturbed, QUICK)
+    for deed in ("patch the objective", "patch the model", "clear the data", "clear the weights", "move the box"):
+        assert found[f"faulty {deed}", 0][0] == "changed", deed
+    assert found["faulty forge the trace", 0][0] == "changed"
+    assert "SIGSEGV" in found["faulty segfault", 0][1]
+    assert "exit code 0" in found["faulty success without a result", 0][1]

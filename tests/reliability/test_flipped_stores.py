@@ -1,0 +1,119 @@
+"""A store knows itself: damage is told in one line, the rest is used, and --retry-failed mends it."""
+
+import sqlite3
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from flipped_stores import HARMLESS, SAME, copy_of, flip, look, mended, pristine, study, verdict
+
+from springpot.benchmark import Store, run_study
+from springpot.errors import StudyError
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    return pristine(tmp_path_factory.mktemp("sound"))
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_a_flipped_bit_is_never_a_fault_and_never_another_number(sound, tmp_path, seed):
+    path, seen = sound
+    target = copy_of(path, tmp_path)
+    flip(path.read_bytes(), target, np.random.default_rng(seed))
+    found = verdict(target, seen)
+    assert found in HARMLESS
+    assert found == SAME or mended(target, seen)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("UPDATE trial SET best = best * 0.9 WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+        ("UPDATE trial SET status = 'target' WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+        ("UPDATE trial SET status = 'nonsense' WHERE cell = 2 AND repetition = 3", "repetition 3 is damaged"),
+        ("UPDATE trace SET points = zeroblob(20) WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+        ("DELETE FROM trace WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+        ("UPDATE trace SET seen = x'00' WHERE cell = 2 AND repetition = 3", "innocent 2 on kelvin"),
+    ],
+)
+def test_a_damaged_trial_is_named_the_rest_is_used_and_a_run_mends_it(sound, tmp_path, change, told):
+    path, seen = sound
+    target = copy_of(path, tmp_path)
+    with sqlite3.connect(target) as db:
+        assert db.execute(change).rowcount == 1
+    db.close()
+    found = look(target)
+    assert told in found.told
+    assert found.told.count("\n") == 1
+    assert found.trials.keys() == seen.trials.keys() - {("innocent 2", 3)}
+    assert found.trials.items() <= seen.trials.items()
+    assert found.failed == 1
+    outcome = run_study(study(), engine="serial", out=tmp_path, quiet=True, retry_failed=True, tables=False)
+    assert outcome.ran == 1
+    assert look(target) == seen
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE cell SET options = '{}' WHERE id = 1",
+        "UPDATE problem SET reference = 1.0",
+        "UPDATE cell SET problem = 7",
+    ],
+)
+def test_a_damaged_cell_or_problem_is_left_out_and_written_again(sound, tmp_path, change):
+    path, seen = sound
+    target = copy_of(path, tmp_path)
+    with sqlite3.connect(target) as db:
+        db.execute(change)
+    db.close()
+    found = look(target)
+    assert found.told.count("\n") == 1
+    assert found.trials.items() < seen.trials.items()
+    assert run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False).ran == 0
+    assert look(target) == seen
+
+
+def test_a_damaged_description_is_one_line_and_a_run_writes_it_again(sound, tmp_path):
+    path, seen = sound
+    target = copy_of(path, tmp_path)
+    with sqlite3.connect(target) as db:
+        db.execute("UPDATE fact SET value = '1e-3' WHERE name = 'target'")
+    db.close()
+    with pytest.raises(StudyError, match="description of the study is damaged: run the study again"):
+        look(target)
+    assert run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False).ran == 0
+    assert look(target) == seen
+
+
+@pytest.mark.parametrize("mode", ["delete", "wal"])
+def test_a_database_of_another_program_is_refused_untouched(tmp_path, mode):
+    path = tmp_path / "flips" / "flips.sqlite"
+    path.parent.mkdir()
+    with sqlite3.connect(path) as db:
+        db.execute(f"PRAGMA journal_mode = {mode}")
+        db.execute("CREATE TABLE bookmark (address TEXT)")
+        db.execute("INSERT INTO bookmark VALUES ('https://example.org')")
+    db.close()
+    before = path.read_bytes()
+    for write in (True, False):
+        with pytest.raises(StudyError, match="no study store: move it away"):
+            Store(path, write=write)
+    assert path.read_bytes() == before
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_the_command_tells_of_damage_in_one_line(sound, tmp_path):
+    path, _ = sound
+    target = copy_of(path, tmp_path)
+    with sqlite3.connect(target) as db:
+        db.execute("UPDATE trial SET evaluations = 1 WHERE cell = 1 AND repetition = 0")
+    db.close()
+    command = [sys.executable, "-m", "springpot", "tables", str(target), "--table", "failures", "--json"]
+    done = subprocess.run(command, text=True, capture_output=True)
+    assert done.returncode == 0
+    assert done.stderr.count("\n") == 1
+    assert "the trial innocent 1 on kelvin, fractional-kelvin, repetition 0 is damaged" in done.stderr
+    assert "--retry-failed runs it again" in done.stdout

@@ -1,0 +1,50 @@
+"""Every file that once took the machine is refused in one line, or read, within the budget of its size."""
+
+import hostile
+import pytest
+from opening_cost import READERS, cost_of, parts_cost
+
+from springpot.errors import DataError
+from springpot.measurement import Measurement, budget, open_measurement, within_budget
+from springpot.registry import signals_to_measurement
+
+READ = {"blank_lines", "comments", "xml_bomb"}
+"""Files of which something may be made."""
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """A fifth of the time, so that the tests are done sooner; all else as it is."""
+    monkeypatch.setattr(budget, "SECONDS", 1.0)
+    monkeypatch.setattr(budget, "BYTES_A_SECOND", 50e6)
+
+
+@pytest.mark.parametrize("make", hostile.FILES, ids=lambda make: make.__name__)
+@pytest.mark.usefixtures("short")
+def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
+    path = make(tmp_path, 1.0)
+    for cost in (cost_of(path), parts_cost(path)):
+        assert not cost.fault
+    if make.__name__ not in READ:
+        assert cost_of(path).said
+
+
+@pytest.mark.parametrize("make", [hostile.fifo, hostile.device, hostile.linked_device], ids=lambda m: m.__name__)
+def test_what_is_no_regular_file_is_refused_everywhere(make, tmp_path):
+    path = make(tmp_path, 1.0)
+    for action in (
+        lambda: open_measurement(path, (), READERS),
+        lambda: open_measurement(f"{path}#2", (), READERS),
+        lambda: open_measurement(f"{path}@temperature=20", (), READERS),
+        lambda: signals_to_measurement([path]),
+        lambda: within_budget(path, path.read_bytes),
+    ):
+        with pytest.raises(DataError, match="pipe or device"):
+            action()
+
+
+def test_a_table_of_hundred_thousand_rows_is_no_hostile_file(tmp_path):
+    path = hostile.many_rows(tmp_path, 0.05)
+    found = open_measurement(path, (), READERS)
+    assert isinstance(found, Measurement)
+    assert len(found) == 100_000
