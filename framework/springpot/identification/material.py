@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
 
 import numpy as np
 from scipy.optimize import nnls
@@ -17,6 +16,7 @@ from scipy.optimize import nnls
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Continuum, Model, Node, Points, Real, Response
 
+from .alignment import aligned
 from .coordinates import Coordinates
 from .objective import Objective, weighted
 from .settings import Window, settings
@@ -294,9 +294,20 @@ def fit_spectrum(
     count = len(search.own)
     seeds = [search.u_of(np.asarray(seed, dtype=float)[len(seed) - count :]) for seed in seeds_theta]
     if count and starts and not seeds:
-        number = min(SETTINGS * count, MOST_SETTINGS)
-        seeds = [search.u_of(own) for own in settings(search.own, Window.of(measurement), number)]
+        seeds = [search.u_of(own) for own in _settings(search, measurement)]
     trials = sorted((search.solve(u) for u in (seeds if count else [np.zeros(0)])), key=lambda trial: trial.cost)
     ends = [search.descend(trial) for trial in trials[:KEPT]]
     best, converged = min(ends, key=lambda end: end[0].cost)
     return search.result(search.refined(best), converged)
+
+
+def _settings(search: _Search, measurement: Measurement) -> Real:
+    """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
+    known = aligned(search.model, measurement) if any(e.by_levels for e in search.model.effects) else {}
+    scanned = np.array([parameter.name not in known for parameter in search.own])
+    count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
+    found = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
+    if scanned.any():
+        others = tuple(parameter for parameter in search.own if parameter.name not in known)
+        found[:, scanned] = settings(others, Window.of(measurement), count)
+    return found

@@ -8,6 +8,7 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .levels import Levels, free_factors, free_vertical_factors, levels_of
 from .linear import (
     basset,
     diffusion,
@@ -125,6 +126,8 @@ __all__ = [
     "wlf",
     "SpecimenWave",
     "fixed_side_wave",
+    "free_factors",
+    "free_vertical_factors",
     "moving_side_wave",
     "AMPLITUDE",
     "Chain",
@@ -140,6 +143,7 @@ __all__ = [
     "INERTANCE",
     "KELVIN_FORM",
     "Layer",
+    "Levels",
     "MAXWELL_FORM",
     "Mapped",
     "Model",
@@ -166,6 +170,7 @@ __all__ = [
     "dashpot",
     "draw",
     "drawing_of",
+    "levels_of",
     "limits_form",
     "mass",
     "order",
