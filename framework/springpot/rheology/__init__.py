@@ -83,6 +83,7 @@ from .thermal import (
     steady_dashpot,
     temperature_power,
     thermal_dashpot,
+    vogel,
     wlf,
 )
 from .wave import (
@@ -123,6 +124,7 @@ __all__ = [
     "steady_dashpot",
     "temperature_power",
     "thermal_dashpot",
+    "vogel",
     "wlf",
     "SpecimenWave",
     "fixed_side_wave",
