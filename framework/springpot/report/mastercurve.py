@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 WORDS = {
     "simple": "one curve holds: nothing is left but noise",
-    "nearly-simple": "one curve nearly holds: what is left is no noise, but little",
-    "not-simple": "one curve does not hold",
+    "nearly-simple": "one curve nearly holds: it adds {added} to the error, which is little but no noise",
+    "not-simple": "one curve does not hold: it adds {added} to the error",
     "not-judged": "no level has points enough to judge whether one curve holds",
 }
 MOST_SAID = 8
@@ -48,7 +48,7 @@ def mastercurve_text(found: MasterCurve) -> str:
     ]
     if found.laws:
         lines += ["", _laws(found).plain()]
-    lines += ["", f"superposition   {WORDS[rest.verdict]}"]
+    lines += ["", f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}"]
     lines += [f"  - {failure.says}" for failure in rest.failures[:MOST_SAID]]
     if len(rest.failures) > MOST_SAID:
         lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
@@ -93,8 +93,8 @@ def _laws(found: MasterCurve) -> Table:
         parameters = zip(law.law.element.parameters, law.values, law.low, law.high, strict=True)
         words = []
         for parameter, value, low, high in parameters:
-            told, between = with_interval(float(value), float(low), float(high))
-            words.append(f"{parameter.name} {told} {between} {parameter.unit.label}".rstrip())
+            middle, between = with_interval(float(value), float(low), float(high))
+            words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
         most = level_text(found.factors.column, law.worst)
         off = percent(float(np.expm1(law.departure)), 2)
         told = [law.law.name, "b" if law.law.vertical else "a", ", ".join(words), off, most, number(law.chance, 2)]
@@ -123,7 +123,7 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
         If matplotlib is missing or the file cannot be written.
     """
     with blank(9.6, 7.6) as figure:
-        halves = np.ravel(figure.subfigures(2, 1, height_ratios=[1.25, 1.0]))
+        halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
         _draw_curve(halves[0], found)
         places = halves[1].subplots(1, 3 if found.vertical else 2)
         _draw_factors(places[0], found, vertical=False)

@@ -139,7 +139,7 @@ class MasterCurve:
             )
             head = (float(found.levels[i]), int(counts[i]))
             errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
-            rows.append(Level(*head, *np.exp(log_factors).tolist(), *errors, bool(self.determined[i])))
+            rows.append(Level._make((*head, *np.exp(log_factors).tolist(), *errors, bool(self.determined[i]))))
         return rows
 
     def curve(self, omega: Real) -> NDArray[np.complex128]:
