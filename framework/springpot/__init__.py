@@ -23,6 +23,7 @@ _WHERE = {
     "diagnose": "springpot.api",
     "discover": "springpot.api",
     "identify": "springpot.api",
+    "mastercurve": "springpot.api",
     "read": "springpot.api",
     "signals_to_measurement": "springpot.registry",
     "write_measurement": "springpot.registry",

@@ -20,6 +20,8 @@ from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
+from springpot.superposition import MasterCurve, level_of, use_drawing_of_curves
+from springpot.superposition import mastercurve as mastercurve_of
 
 T = TypeVar("T", Model, Effect)
 
@@ -182,6 +184,46 @@ def compare(measurement: Measurement | str | Path, models: Model | str | Sequenc
     return compare_objects(_measurement(measurement), [_model(model) for model in _listed(models)])
 
 
+def mastercurve(
+    measurement: Measurement | str | Path,
+    *,
+    column: str = "temperature",
+    reference: float | str | None = None,
+    vertical: bool = True,
+    objective: Objective | str | None = None,
+) -> MasterCurve:
+    """Bring sweeps onto one curve, without a model, and judge the laws of temperature by the free factors.
+
+    Parameters
+    ----------
+    measurement : Measurement, str or Path
+        The data, or their name as for `read`.
+    column : str
+        The condition whose levels are shifted: ``"temperature"``, ``"amplitude"`` or any column of the data.
+    reference : float or str, optional
+        Level at which the factors are one: in degC, or text such as ``"25degC"`` or ``"298.15K"``.
+    vertical : bool
+        Whether the stiffness has a factor for each level too.
+    objective : Objective or str, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown, or the data have no such levels.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> curve = springpot.mastercurve("nist-srm2491", reference="20degC")
+    >>> [round(level.a, 2) for level in curve.levels]
+    [1.65, 1.27, 1.0, 0.8, 0.65, 0.54]
+    """
+    at = level_of(reference, column) if isinstance(reference, str) else reference
+    how = plugins().find("objective", objective) if isinstance(objective, str) else objective
+    return mastercurve_of(_measurement(measurement), column=column, reference=at, vertical=vertical, objective=how)
+
+
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places."""
     found = {effect.name: effect for effect in plugins().items("effect")}
@@ -234,4 +276,11 @@ def _draw_ladder(ladder: Ladder, path: str | Path | None) -> Any:
     return figure_ladder(ladder, path)
 
 
+def _draw_curve(curve: MasterCurve, path: str | Path | None) -> Any:
+    from springpot.report.mastercurve import figure_mastercurve
+
+    return figure_mastercurve(curve, path)
+
+
 use_drawing("ladder", _draw_ladder)
+use_drawing_of_curves(_draw_curve)

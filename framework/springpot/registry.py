@@ -149,9 +149,14 @@ class Registry:
         return model
 
     def effect(self, name: str) -> Effect:
-        """The effect called `name`."""
-        effect: Effect = self.find("effect", name)
-        return effect
+        """The effect called `name`; ``NAME:COLUMN`` is the one for the levels of that column."""
+        kind, colon, column = name.partition(":")
+        effect: Effect = self.find("effect", kind.strip())
+        if not colon:
+            return effect
+        if not column.strip():
+            raise ModelError(f"'{name}': name a column after the colon, such as {effect.name}:water")
+        return effect.of_column(column.strip())
 
 
 def _distribution(point: EntryPoint) -> str:

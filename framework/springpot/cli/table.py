@@ -23,6 +23,7 @@ COMMANDS: dict[str, Entry] = {
     "signals": Entry("springpot.cli.signals", "Time signals to dynamic stiffness, with its uncertainty."),
     "identify": Entry("springpot.cli.identify", "Parameters of a model from measurements, with their uncertainty."),
     "compare": Entry("springpot.cli.compare", "Models against one noise floor: how far off, where, how sure."),
+    "mastercurve": Entry("springpot.cli.mastercurve", "Sweeps on one curve without a model: factors and laws."),
     "diagnose": Entry("springpot.cli.diagnose", "Which physical effect is missing from a model."),
     "discover": Entry("springpot.cli.discover", "Add missing effects one by one and watch the error fall."),
     "run": Entry("springpot.cli.run", "Run a study, or resume it, and write its tables."),

@@ -196,9 +196,12 @@ def _fits(base: Refit, model: Model) -> bool:
 
 
 def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data hold; a temperature that only drifts is none."""
+    """Effects whose conditions these data hold; a temperature that only drifts is none.
+
+    Factors without a law are left out: they can imitate every law.
+    """
     columns = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
-    return [effect for effect in library if effect.needs <= columns]
+    return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
 
 
 def scan_effects(

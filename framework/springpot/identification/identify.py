@@ -12,7 +12,7 @@ import numpy as np
 from springpot.errors import DataError, OptionError
 from springpot.markup import table, tag
 from springpot.measurement import Measurement
-from springpot.rheology import Model, Parameter, Real
+from springpot.rheology import Levels, Model, Parameter, Real
 
 from .guard import guarded
 from .material import is_material
@@ -253,6 +253,7 @@ def identify(
     """
     began = perf_counter()
     require_conditions(model, measurement)
+    model = model.bound_to(measurement.points)
     if len(measurement) < 2:
         raise DataError(f"{measurement.name}: one point identifies no model; measure at two frequencies or more")
     require_enough(model, measurement)
@@ -266,9 +267,15 @@ def identify(
         name = optimiser.name
     known = Uncertainty.of(found)
     low, high = _interval(known, intervals, seed or 0)
-    notes = [*notes, *notes_on(known, low, high)]
+    notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
     return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes))
+
+
+def _references(model: Model) -> list[str]:
+    """Where the factors of levels are one."""
+    elements = [(effect.name, effect.element) for effect in model.effects if isinstance(effect.element, Levels)]
+    return [f"{name}: the factor is 1 at {each.column} {each.shown[each.reference]:.6g}" for name, each in elements]
 
 
 def _by_native(

@@ -16,6 +16,7 @@ from scipy.optimize import nnls
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Continuum, Model, Node, Points, Real, Response
 
+from .alignment import aligned
 from .coordinates import Coordinates
 from .objective import Objective, weighted
 from .settings import Window, settings
@@ -312,7 +313,7 @@ def fit_spectrum(
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     if starts and not seeds:
-        seeds = list(settings(search.own, Window.of(measurement), min(SETTINGS * count, MOST_SETTINGS)))
+        seeds = list(_settings(search, measurement))
     trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
     best, converged = min((coarse.descend(trial) for trial in trials[:KEPT]), key=lambda end: end[0].cost)
     if coarse is not search:
@@ -320,3 +321,15 @@ def fit_spectrum(
         best, _ = search.descend(start, LAST)
     search.evaluations += coarse.evaluations if coarse is not search else 0
     return search.result(search.refined(best), converged)
+
+
+def _settings(search: _Search, measurement: Measurement) -> Real:
+    """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
+    known = aligned(search.model, measurement) if any(e.by_levels for e in search.model.effects) else {}
+    scanned = np.array([parameter.name not in known for parameter in search.own])
+    count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
+    found = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
+    if scanned.any():
+        others = tuple(parameter for parameter in search.own if parameter.name not in known)
+        found[:, scanned] = settings(others, Window.of(measurement), count)
+    return found

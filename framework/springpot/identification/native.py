@@ -14,6 +14,7 @@ from springpot.errors import DataError
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Points, Real
 
+from .alignment import superposed
 from .leastsquares import Rows, Solution
 from .material import fit_spectrum, is_material
 from .objective import Objective
@@ -191,10 +192,14 @@ def fit(
     """
     began = perf_counter()
     require_conditions(model, measurement)
+    model = model.bound_to(measurement.points)
     require_enough(model, measurement)
     objective = default_objective(measurement) if objective is None else objective
     if is_material(model):
         return _fit_material(model, measurement, objective, starts, seeds_theta)
+    if starts and any(effect.by_levels for effect in model.effects):
+        # A scan of one dimension for each level would find nothing; the data say where its factor lies.
+        seeds_theta, starts = [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
     task = _task(model, measurement, objective)
     offset = 0.0 if rng is None else _offset(rng)
     size = task.coordinates.size[0]
@@ -229,6 +234,14 @@ def _fit_material(
     return Fit(
         found.model, measurement, objective, found.theta, found.cost, found.evaluations, found.converged, seconds
     )
+
+
+def _superposed_start(model: Model, measurement: Measurement, objective: Objective, starts: int) -> Real:
+    """A start (p,) from the fit to data that are laid over one another."""
+    rest, reduced, values = superposed(model, measurement)
+    found = fit(rest, reduced, objective, starts=starts)
+    values |= dict(zip(rest.names, found.theta.tolist(), strict=True))
+    return np.array([values[name] for name in model.names])
 
 
 def _search(task: Task, seeds: Real, starts: int, offset: float) -> tuple[Solution, int]:

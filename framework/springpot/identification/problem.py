@@ -47,6 +47,7 @@ class Problem:
         stiffness_scale: float | None = None,
     ) -> Problem:
         """The problem in the paper's box."""
+        model = model.bound_to(measurement.points)
         return cls(model, measurement, objective, paper_box(model, measurement, stiffness_scale))
 
     @cached_property

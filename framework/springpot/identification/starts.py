@@ -153,7 +153,7 @@ class Grid:
     def __init__(self, points: Points, coordinates: Coordinates) -> None:
         self.points = points
         self.coordinates = coordinates
-        columns = (points.log_omega, points.amplitude, points.temperature)
+        columns = (points.log_omega, points.amplitude, points.temperature, *points.columns.values())
         self._key = (
             *(None if column is None else column.tobytes() for column in columns),
             points.reference_temperature,

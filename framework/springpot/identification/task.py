@@ -115,13 +115,7 @@ class Task:
         if self.stiffness.shape[1] <= most:
             return self
         pick = thinned(self.points.log_omega, most)
-        at = self.points
-        points = replace(
-            at,
-            log_omega=at.log_omega[pick],
-            amplitude=None if at.amplitude is None else at.amplitude[pick],
-            temperature=None if at.temperature is None else at.temperature[pick],
-        )
+        points = replace(self.points.mapped(lambda column: column[pick]), log_omega=self.points.log_omega[pick])
         return replace(
             self,
             points=points,

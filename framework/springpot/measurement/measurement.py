@@ -212,6 +212,7 @@ class Measurement:
             self.conditions.get("amplitude"),
             None if temperature is None else temperature + KELVIN,
             self.reference_temperature,
+            {name: column for name, column in self.conditions.items() if name not in CONDITIONS},
         )
 
     def subset(self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None) -> Measurement:

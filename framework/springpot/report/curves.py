@@ -97,9 +97,7 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
     known, first = np.unique(place, return_index=True)
     fine = np.linspace(known[0], known[-1], SMOOTH) if len(known) > 1 else known
 
-    def between(column: Real | None) -> Real | None:
-        if column is None:
-            return None
+    def between(column: Real) -> Real:
         here = column[sweep.rows]
         if travels(along, here):
             return np.full(len(fine), float(np.median(here)))
@@ -107,7 +105,5 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
 
     points = measurement.points
     log_omega = np.interp(fine, known, points.log_omega[sweep.rows][first])
-    there = replace(
-        points, log_omega=log_omega, amplitude=between(points.amplitude), temperature=between(points.temperature)
-    )
+    there = replace(points.mapped(between), log_omega=log_omega)
     return np.exp(fine) if axis.logarithmic else fine, there

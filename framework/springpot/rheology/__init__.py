@@ -10,6 +10,7 @@ from .formula import (
 )
 from .history import InTime
 from .intime import Traced
+from .levels import Levels, free_factors, free_vertical_factors, levels_of
 from .linear import (
     basset,
     diffusion,
@@ -85,6 +86,7 @@ from .thermal import (
     steady_dashpot,
     temperature_power,
     thermal_dashpot,
+    vogel,
     wlf,
 )
 from .wave import (
@@ -125,9 +127,12 @@ __all__ = [
     "steady_dashpot",
     "temperature_power",
     "thermal_dashpot",
+    "vogel",
     "wlf",
     "SpecimenWave",
     "fixed_side_wave",
+    "free_factors",
+    "free_vertical_factors",
     "moving_side_wave",
     "AMPLITUDE",
     "Chain",
@@ -144,6 +149,7 @@ __all__ = [
     "InTime",
     "KELVIN_FORM",
     "Layer",
+    "Levels",
     "MAXWELL_FORM",
     "Mapped",
     "Model",
@@ -173,6 +179,7 @@ __all__ = [
     "dashpot",
     "draw",
     "drawing_of",
+    "levels_of",
     "limits_form",
     "mass",
     "order",

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
 
 import numpy as np
 
+from springpot.errors import ModelError
+
+from .levels import Levels
 from .nodes import Node
 from .points import Complex, Points, Real
 
@@ -98,6 +101,31 @@ class Effect:
     def needs(self) -> frozenset[str]:
         """Condition columns without which the effect cannot be seen."""
         return self.element.needs
+
+    @property
+    def by_levels(self) -> bool:
+        """Whether it has a parameter for each level of a condition, which only data can give."""
+        return isinstance(self.element, Levels)
+
+    def of_column(self, column: str) -> Effect:
+        """The same effect for the levels of another column; ``NAME:COLUMN`` is then its name.
+
+        Raises
+        ------
+        ModelError
+            If it is not by levels.
+        """
+        if not isinstance(self.element, Levels):
+            raise ModelError(f"'{self.name}:{column}: only effects with a factor for each level take a column")
+        if column == self.element.column:
+            return self
+        return replace(self, name=f"{self.name}:{column}", element=replace(self.element, column=column), aliases=())
+
+    def bound_to(self, at: Points) -> Effect:
+        """The effect with the levels of these points; itself where it is not by levels."""
+        if not isinstance(self.element, Levels) or self.element.values:
+            return self
+        return replace(self, element=self.element.bound_to(at))
 
     @property
     def plane(self) -> str:

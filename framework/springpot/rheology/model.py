@@ -343,6 +343,23 @@ class Model:
         """
         return self.in_time(theta, temperature=temperature).respond_force(t, force).value
 
+    def bound_to(self, at: Points) -> Model:
+        """The model with the levels of these points, where an effect has a factor for each; else the model itself.
+
+        Raises
+        ------
+        ModelError
+            If a condition has one level only.
+        """
+        effects = tuple(effect.bound_to(at) for effect in self.effects)
+        if all(new is old for new, old in zip(effects, self.effects, strict=True)):
+            return self
+        for effect in effects:
+            if effect.by_levels and not effect.element.parameters:
+                column = ", ".join(sorted(effect.needs))
+                raise ModelError(f"{effect.name} needs two levels of {column} or more; these data have one")
+        return replace(self, effects=effects)
+
     def __add__(self, effect: Effect | str) -> Model:
         """The model with one more effect, given as an object or by name.
 

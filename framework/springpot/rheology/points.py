@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -26,12 +27,15 @@ class Points:
         Absolute temperature in kelvin.
     reference_temperature : float
         Temperature in kelvin at which a temperature shift is one.
+    columns : mapping of str to ndarray, shape (n,)
+        Further conditions by name, such as a water content.
     """
 
     log_omega: Real
     amplitude: Real | None = None
     temperature: Real | None = None
     reference_temperature: float = 293.15
+    columns: Mapping[str, Real] = field(default_factory=dict)
 
     @classmethod
     def at(cls, omega: Real | float) -> Points:
@@ -47,15 +51,25 @@ class Points:
         """The same points with `log_shift` added to the logarithm of the frequency."""
         return replace(self, log_omega=self.log_omega + log_shift)
 
+    def mapped(self, change: Callable[[Real], Real]) -> Points:
+        """The points with every condition changed: to some of the rows, say, or interpolated; frequencies stay."""
+        return replace(
+            self,
+            amplitude=None if self.amplitude is None else change(self.amplitude),
+            temperature=None if self.temperature is None else change(self.temperature),
+            columns={name: change(column) for name, column in self.columns.items()},
+        )
+
     def need(self, condition: str) -> Real:
-        """The column `condition` ("amplitude" or "temperature").
+        """The column `condition`: "amplitude", "temperature" or another by its name.
 
         Raises
         ------
         ValueError
             If the measurement has no such column.
         """
-        column: Real | None = getattr(self, condition)
+        own = {"amplitude": self.amplitude, "temperature": self.temperature}
+        column = own[condition] if condition in own else self.columns.get(condition)
         if column is None:
             raise ValueError(f"the model needs the column '{condition}', which these data do not have")
         return column

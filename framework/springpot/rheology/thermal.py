@@ -66,6 +66,25 @@ def wlf(c1: str = "C1", c2: str = "C2") -> Formula:
     return Formula(free, _wlf, NEEDS_TEMPERATURE, "wlf")
 
 
+def _vogel(at: Points, b: Any, pole: Any) -> Any:
+    warm, reference = at.need("temperature") - pole, at.reference_temperature - pole
+    frozen = np.real(np.minimum(np.real(warm), np.real(reference))) <= 1e-6
+    warm, reference = (np.where(frozen, 1.0, part) for part in (warm, reference))
+    unit = 1.0 / warm - 1.0 / reference
+    value, slopes, flat = _bounded(b * unit, (unit, b * (1.0 / warm**2 - 1.0 / reference**2)))
+    return np.where(frozen, LARGEST_SHIFT, value), tuple(np.where(frozen, 0.0, s) for s in slopes), flat
+
+
+def vogel(b: str = "B", pole: str = "T0") -> Formula:
+    """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann): WLF with B = ln(10) C1 C2, T0 = Tr - C2."""
+    kelvin = Dimension(label="K")
+    free = (
+        Parameter(b, "B", kelvin, 0.0, 1e5, typical=1000.0),
+        Parameter(pole, "T₀", kelvin, 0.0, 2000.0, "linear", 150.0),
+    )
+    return Formula(free, _vogel, NEEDS_TEMPERATURE, "vogel")
+
+
 def _vertical(at: Points, n: Any) -> Any:
     log_ratio = np.log(at.need("temperature") / at.reference_temperature)
     value = np.exp(n * log_ratio)

@@ -33,8 +33,10 @@ def same_twice(effect: Effect) -> bool:
     """Whether two effects of this kind in one model act as one of them with another size.
 
     Two masses are one larger mass; two relaxation modes, or two filters of different corner frequencies, are not one.
-    Only effects with a single parameter are judged.
+    Effects with a factor for each level are; of the others only those with a single parameter are judged.
     """
+    if effect.by_levels:
+        return True
     if len(effect.element.parameters) != 1:
         return False
     network: Node = _Sample()

@@ -41,6 +41,7 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
     list of str
         Empty if nothing is wrong.
     """
+    effect = effect.bound_to(POINTS)
     grown = on + effect
     aspects = {
         "words": lambda: _words(effect),
@@ -70,6 +71,8 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     if not np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0)) > 1e-4:
         yield "at its typical size it changes nothing"
     size, null = effect.element.parameters[0], effect.vanishes_at
+    if effect.by_levels:
+        theta[:, n:] = null
     typical = abs(size.typical) or 1.0
     theta[:, n] = typical / NEARLY if np.isinf(null) else null + NEARLY * (typical if null == 0.0 else null)
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))

@@ -1,0 +1,72 @@
+"""``springpot mastercurve``: sweeps brought onto one curve by free factors, and what these say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .common import FILE, data_argument, emit, geometry_option, json_option, opened
+
+if TYPE_CHECKING:
+    from springpot.superposition import MasterCurve
+
+
+@click.command(
+    "mastercurve", epilog="Example: springpot mastercurve nist-srm2491 --reference 25degC --figure curve.png"
+)
+@data_argument
+@click.option(
+    "--reference", metavar="LEVEL", help="Where the factors are one, such as 25degC; the middle by default."
+)
+@click.option(
+    "--column", metavar="NAME", default="temperature", show_default=True, help="The condition that is shifted."
+)
+@click.option("--vertical/--no-vertical", default=True, show_default=True, help="A factor of the stiffness as well.")
+@click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
+@click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the reduced data here, as a measurement.")
+@click.option("--figure", type=FILE, metavar="FILE", help="Draw curve, factors and errors (.png, .svg or .pdf).")
+@geometry_option
+@json_option
+def command(
+    data: str,
+    reference: str | None,
+    column: str,
+    vertical: bool,
+    objective: str | None,
+    output: Path | None,
+    figure: Path | None,
+    geometry: str | None,
+    as_json: bool,
+) -> None:
+    """Bring the sweeps of DATA onto one curve with free factors for each temperature, or level of another column.
+
+    No model and no law is assumed: the curve is that of any linear passive material. Laws of temperature are then
+    judged by the free factors, and a test says whether one curve is enough and where it is not.
+    """
+    from springpot.api import mastercurve
+    from springpot.files import require_writable
+    from springpot.registry import write_measurement
+    from springpot.report.canvas import check_figure_path
+    from springpot.report.mastercurve import mastercurve_text
+
+    if figure is not None:
+        check_figure_path(figure)
+    if output is not None:
+        require_writable(output)
+    found = mastercurve(
+        opened(data, geometry), column=column, reference=reference, vertical=vertical, objective=objective
+    )
+    if output is not None:
+        write_measurement(found.reduced, output)
+    if figure is not None:
+        found.plot(figure)
+    emit(found, as_json, lambda: _show(found, mastercurve_text(found), [output, figure]))
+
+
+def _show(found: MasterCurve, text: str, written: list[Path | None]) -> None:
+    print(text)
+    for path in written:
+        if path is not None:
+            print(f"written: {path}")

@@ -1,0 +1,163 @@
+"""Where the search for free factors begins: neighbouring sweeps are laid over one another, pair by pair.
+
+A sweep predicts its neighbour where the two overlap, and ever less surely beyond its ends; the shift that makes the
+neighbour likeliest under this prediction is taken. The factors of all levels follow from the pairs by least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.measurement import Measurement
+from springpot.rheology import Levels, Model, Real, levels_of, shift
+
+NEAR = 0.02
+"""Error of a prediction between measured points, in ln|K| and in radian: a line between points a fifth of a decade
+apart misses a Maxwell element's curve by about this much."""
+FAR = 0.5
+"""Growth of the error for each factor e beyond a sweep's end: the slope there is known to about this."""
+LOST = 3.0
+"""The most that a prediction is wrong by; points further off say nothing."""
+STEP = 0.1
+"""Grid of shifts in ln omega, beside which the best is found by a parabola."""
+GAP = float(np.log(10.0))
+"""Sweeps may lie up to a decade apart."""
+LIFT = 0.3
+"""Standard deviation of ln b that is expected between neighbours: densities and rubber elasticity change by less."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """One sweep: ln|K| and the phase against ln omega, with straight ends."""
+
+    x: Real
+    y: Real
+    slopes: Real
+
+    @classmethod
+    def of(cls, measurement: Measurement, rows: NDArray[np.int64]) -> _Curve:
+        x, which = np.unique(np.log(measurement.omega[rows]), return_inverse=True)
+        log_k = np.log(measurement.stiffness[rows])
+        count = np.bincount(which.ravel())
+        y = np.array([np.bincount(which.ravel(), part) / count for part in (log_k.real, log_k.imag)])
+        third = max(2, len(x) // 3)
+        ends = [(x[:third], y[:, :third]), (x[-third:], y[:, -third:])]
+        return cls(x, y, np.array([_slope(*end) for end in ends]))
+
+    def predict(self, x: Real) -> tuple[Real, Real]:
+        """Values (2, ...) at places (...), and their error (...)."""
+        values = np.array([np.interp(x, self.x, part) for part in self.y])
+        below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
+        values = values + np.multiply.outer(self.slopes[0], below) + np.multiply.outer(self.slopes[1], above)
+        return values, np.minimum(NEAR + FAR * (above - below), LOST)
+
+
+def _slope(x: Real, y: Real) -> Real:
+    away = x - x.mean()
+    spread = float(away @ away)
+    return np.asarray(y @ away / spread if spread > 0.0 else np.zeros(2), dtype=np.float64)
+
+
+def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, float]:
+    """The ln a and ln b for which `other` at omega is b times `one` at a omega."""
+    low, high = one.x[0] - other.x[-1] - GAP, one.x[-1] - other.x[0] + GAP
+    grid = np.arange(low, high + STEP, STEP) if moves else np.zeros(1)
+    forth, forth_sd = one.predict(other.x + grid[:, None])
+    back, back_sd = other.predict(one.x - grid[:, None])
+    error = np.concatenate([other.y[:, None, :] - forth, back - one.y[:, None, :]], axis=-1)
+    sd = np.concatenate([forth_sd, back_sd], axis=-1)
+    weight = sd**-2.0
+    log_b = np.sum(weight * error[0], axis=-1) / (np.sum(weight, axis=-1) + LIFT**-2.0) * lifts
+    error[0] -= log_b[:, None]
+    # Heavy tails: one end of a sweep may be the instrument's.
+    surprise = np.sum(2.0 * np.log1p(error**2 / sd**2) + 2.0 * np.log(sd), axis=(0, -1)) + (log_b / LIFT) ** 2
+    best = int(np.argmin(surprise))
+    return float(grid[best]) + STEP * _vertex(surprise, best), float(log_b[best])
+
+
+def _vertex(values: Real, i: int) -> float:
+    """Place of the parabola's minimum beside the least of equidistant values, in steps."""
+    if not 0 < i < len(values) - 1:
+        return 0.0
+    before, here, after = values[i - 1 : i + 2]
+    return float(0.5 * (before - after) / max(before - 2.0 * here + after, 1e-300))
+
+
+def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
+    """First guesses of all free factors of a model, by the names of their parameters.
+
+    Parameters
+    ----------
+    model : Model
+        With the levels of the data; see `Model.bound_to`.
+    measurement : Measurement
+        The data.
+    """
+    own = [(name, element) for name, element in _level_effects(model)]
+    columns = list(dict.fromkeys(element.column for _, element in own))
+    number = np.column_stack([levels_of(column, measurement.points.need(column)) for column in columns])
+    combinations, which = np.unique(number, axis=0, return_inverse=True)
+    curves = [_Curve.of(measurement, np.flatnonzero(which.ravel() == i)) for i in range(len(combinations))]
+    pairs = list(_neighbours(combinations))
+    size = number.max(axis=0) + 1
+    starts = np.concatenate([[0], np.cumsum(size)])
+    matrix, found = np.zeros((len(pairs), starts[-1])), np.zeros((len(pairs), 2))
+    for row, (i, j, k) in enumerate(pairs):
+        matrix[row, starts[k] + combinations[j, k]] = 1.0
+        matrix[row, starts[k] + combinations[i, k]] = -1.0
+        found[row] = _pair(curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k]))
+    log_factors = np.linalg.lstsq(matrix, found, rcond=None)[0]
+    guesses: dict[str, float] = {}
+    for prefix, element in own:
+        k = columns.index(element.column)
+        here = log_factors[starts[k] : starts[k + 1], 0 if element.logarithmic else 1]
+        here = np.exp(here - here[element.reference])
+        names = (f"{prefix}.{parameter.name}" for parameter in element.parameters)
+        guesses |= dict(zip(names, here[list(element.free)].tolist(), strict=True))
+    return guesses
+
+
+def superposed(model: Model, measurement: Measurement) -> tuple[Model, Measurement, dict[str, float]]:
+    """The data laid over one another, the model without its free factors, and the first guesses of these."""
+    guesses = aligned(model, measurement)
+    omega, stiffness, sd = measurement.omega, measurement.stiffness, measurement.sd
+    for prefix, element in _level_effects(model):
+        own = np.array([guesses[f"{prefix}.{parameter.name}"] for parameter in element.parameters])
+        value = element.respond(own, measurement.points).value.real
+        if element.logarithmic:
+            omega = omega * np.exp(value)
+            continue
+        stiffness = stiffness / value
+        sd = None if sd is None else sd / value
+    rest = replace(model, effects=tuple(effect for effect in model.effects if not effect.by_levels))
+    return rest, replace(measurement, omega=omega, stiffness=stiffness, sd=sd), guesses
+
+
+def _level_effects(model: Model) -> Iterator[tuple[str, Levels]]:
+    for effect, prefix in model.named_effects():
+        if isinstance(effect.element, Levels):
+            yield prefix, effect.element
+
+
+def _moves(model: Model, column: str) -> bool:
+    return any(effect.composition is shift and column in effect.needs for effect in model.effects)
+
+
+def _lifts(own: list[tuple[str, Levels]], column: str) -> bool:
+    return any(element.column == column and not element.logarithmic for _, element in own)
+
+
+def _neighbours(combinations: NDArray[np.int64]) -> Iterator[tuple[int, int, int]]:
+    """Numbers of two combinations that differ in one column k only, by neighbours there; and k."""
+    for k in range(combinations.shape[1]):
+        others = np.delete(combinations, k, axis=1)
+        _, group = np.unique(others, axis=0, return_inverse=True)
+        for each in np.unique(group):
+            rows = np.flatnonzero(group.ravel() == each)
+            rows = rows[np.argsort(combinations[rows, k])]
+            for i, j in zip(rows[:-1].tolist(), rows[1:].tolist(), strict=True):
+                yield i, j, k

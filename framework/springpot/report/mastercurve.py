@@ -1,0 +1,224 @@
+"""A master curve for people: as text, and as a picture of the curve, its factors and what is left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from springpot.rheology import Points, Real
+from springpot.rheology.levels import KELVIN
+from springpot.superposition import MasterCurve, level_text
+from springpot.superposition.laws import LawFit
+
+from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .numbers import number, percent, seconds, with_interval
+from .text import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WORDS = {
+    "simple": "one curve holds: nothing is left but noise",
+    "nearly-simple": "one curve nearly holds: it adds {added} to the error, which is little but no noise",
+    "not-simple": "one curve does not hold: it adds {added} to the error",
+    "not-judged": "no level has points enough to judge whether one curve holds",
+}
+MOST_SAID = 8
+"""Places of failure that are told; the rest are in the JSON."""
+LEGEND = 8
+"""Levels that a legend names; more are told by a bar of colours."""
+DECADE = 10.0
+"""Values that differ by more than this are drawn on a logarithmic axis."""
+SMOOTH = 400
+"""Points of a drawn curve."""
+
+
+def mastercurve_text(found: MasterCurve) -> str:
+    """Factors level by level, laws, and whether one curve is enough."""
+    rest = found.simplicity
+    reference = level_text(found.factors.column, found.reference)
+    lines = [
+        f"master curve of {found.data.name} at {reference}, {len(found.data)} points, {seconds(found.seconds)}",
+        f"error       {percent(rest.error)} of |K|{_other_errors(found)}",
+        "",
+        _levels(found).plain(),
+    ]
+    if found.laws:
+        lines += ["", _laws(found).plain()]
+    lines += ["", f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}"]
+    lines += [f"  - {failure.says}" for failure in rest.failures[:MOST_SAID]]
+    if len(rest.failures) > MOST_SAID:
+        lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
+    lines += [f"note: {note}" for note in found.notes]
+    return "\n".join(lines)
+
+
+def _other_errors(found: MasterCurve) -> str:
+    beside = (
+        f"; each level by itself {percent(found.simplicity.alone)}" if np.isfinite(found.simplicity.alone) else ""
+    )
+    return f"; a shift alone {percent(found.error_without_vertical)}{beside}" if found.vertical else beside
+
+
+def _levels(found: MasterCurve) -> Table:
+    headers = [f"{found.factors.column}{_in_unit(found.unit)}", "a", "95 %", "b", "95 %", "error", "alone"]
+    rows = []
+    for level in found.levels:
+        a, a_between = with_interval(level.a, level.a_low, level.a_high)
+        b, b_between = with_interval(level.b, level.b_low, level.b_high)
+        if level.value == found.reference:
+            a, a_between, b, b_between = "1", "reference", "1", ""
+        elif not level.determined:
+            a_between, b_between = "not determined", ""
+        name = level_text(found.factors.column, level.value).removesuffix(" degC")
+        name = name.removeprefix(f"{found.factors.column} ")
+        rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])
+    if not found.vertical:
+        headers = [*headers[:3], *headers[5:]]
+        rows = [[*row[:3], *row[5:]] for row in rows]
+    return Table(headers, rows, frozenset({headers[0], "a", "b", "error", "alone"}))
+
+
+def _in_unit(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
+
+
+def _laws(found: MasterCurve) -> Table:
+    headers = ["law", "of", "parameters", "off by", "most at", "chance", "verdict"]
+    rows = []
+    for law in found.laws:
+        parameters = zip(law.law.element.parameters, law.values, law.low, law.high, strict=True)
+        words = []
+        for parameter, value, low, high in parameters:
+            middle, between = with_interval(float(value), float(low), float(high))
+            words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
+        most = level_text(found.factors.column, law.worst)
+        off = percent(float(np.expm1(law.departure)), 2)
+        told = [law.law.name, "b" if law.law.vertical else "a", ", ".join(words), off, most, number(law.chance, 2)]
+        rows.append([*told, law.verdict])
+    return Table(headers, rows, frozenset({"off by", "chance"}))
+
+
+def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Figure | Path:
+    """Curve, factors with the laws, and errors of each level.
+
+    Parameters
+    ----------
+    found : MasterCurve
+        The curve.
+    path : str or Path, optional
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing or the file cannot be written.
+    """
+    with blank(9.6, 7.6) as figure:
+        halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
+        _draw_curve(halves[0], found)
+        places = halves[1].subplots(1, 3 if found.vertical else 2)
+        _draw_factors(places[0], found, vertical=False)
+        if found.vertical:
+            _draw_factors(places[1], found, vertical=True)
+        _draw_errors(places[-1], found)
+        return figure if path is None else save(figure, path)
+
+
+def _colours(found: MasterCurve) -> tuple[Any, Any]:
+    from matplotlib import colormaps
+    from matplotlib.colors import Normalize
+
+    levels = found.factors.levels
+    # Cold is blue and hot is red; the pale middle of a diverging map would vanish on paper.
+    return colormaps["turbo"], Normalize(float(levels.min()), float(levels.max()))
+
+
+def _draw_curve(figure: Any, found: MasterCurve) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    left, right = figure.subplots(1, 2, sharex=True)
+    data, levels = found.reduced, found.factors.levels
+    measured = found.data.conditions[found.factors.column]
+    colour, norm = _colours(found)
+    omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
+    curve = found.curve(omega)
+    unit = data.units.stiffness
+    for axes, points, line, name in (
+        (left, data.storage, curve.real, "storage"),
+        (right, data.loss, curve.imag, "loss"),
+    ):
+        shown = points > 0
+        axes.plot(
+            omega, np.where(line > 0, line, np.nan), "-", color=INK, linewidth=1.0, zorder=2, label="any material"
+        )
+        axes.scatter(data.omega[shown], points[shown], s=13, c=colour(norm(measured[shown])), zorder=3, linewidths=0)
+        for direction in ("x", "y"):
+            logarithmic(axes, direction)
+        axes.set_ylabel(f"{name} / b [{unit}]")
+        axes.set_xlabel("a ω [rad/s]")
+    named = level_text(found.factors.column, found.reference)
+    left.set_title(f"{found.data.name} at {named}: {percent(found.simplicity.error, 2)} off".replace("$", r"\$"))
+    right.set_title(found.simplicity.verdict.replace("-", " "))
+    bar = figure.colorbar(ScalarMappable(norm, colour), ax=[left, right], pad=0.01, aspect=30)
+    bar.set_label(f"{found.factors.column}{_in_unit(found.unit)}")
+    if len(levels) <= LEGEND:
+        bar.set_ticks(levels.tolist(), labels=[f"{value:.4g}" for value in levels])
+    bar.outline.set_visible(False)
+    left.legend(loc="best")
+
+
+def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
+    levels = found.levels
+    x = found.factors.levels
+    name = "b" if vertical else "a"
+    value = np.array([getattr(level, name) for level in levels])
+    low = np.array([getattr(level, f"{name}_low") for level in levels])
+    high = np.array([getattr(level, f"{name}_high") for level in levels])
+    known = found.determined
+    for k, law in enumerate([law for law in found.laws if law.law.vertical == vertical and law.law.name != "VFT"]):
+        fine = np.linspace(x.min(), x.max(), SMOOTH)
+        label = "WLF = VFT" if law.law.name == "WLF" else law.law.name
+        axes.plot(fine, np.exp(_along(law, fine, found)), "-", color=COLOURS[k], linewidth=1.2, label=label, zorder=2)
+    bars = np.maximum(np.array([value - low, high - value]), 0.0)
+    axes.errorbar(
+        x[known], value[known], bars[:, known], fmt="o", color=INK, markersize=4.0, linewidth=1.0, capsize=2.0
+    )
+    if not np.all(known):
+        axes.plot(x[~known], value[~known], "x", color=QUIET, label="not determined")
+    if value[known].max() > DECADE * value[known].min():
+        logarithmic(axes, "y")
+    axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
+    axes.set_title("factors b of stiffness" if vertical else "factors a of frequency")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="best")
+
+
+def _along(law: LawFit, celsius: Real, found: MasterCurve) -> Real:
+    """A law's logarithm of the factor between the levels."""
+    reference = found.reference + KELVIN
+    at = Points(np.zeros(len(celsius)), temperature=celsius + KELVIN, reference_temperature=reference)
+    value = law.law.element.respond(law.values, at).value.real
+    return np.asarray(np.log(value) if law.law.vertical else value, dtype=np.float64)
+
+
+def _draw_errors(axes: Axes, found: MasterCurve) -> None:
+    x = found.factors.levels
+    levels = found.levels
+    axes.plot(x, [100 * level.error for level in levels], "o-", color=COLOURS[0], label="on the curve")
+    axes.plot(x, [100 * level.alone for level in levels], "s--", color=QUIET, label="each by itself", linewidth=1.0)
+    if max(level.error for level in levels) > DECADE * np.nanmin([level.alone for level in levels]):
+        logarithmic(axes, "y")
+    else:
+        axes.set_ylim(bottom=0.0)
+    axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
+    axes.set_title("error [% of |K|]")
+    axes.legend(loc="best")

@@ -1,0 +1,189 @@
+"""Factors without a law: one for each level of a condition, such as each temperature or each water content.
+
+The levels are in the data and not in the model: an effect of this kind is a template until it is bound to points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .nodes import GRADIENT, VALUE, Node, Response
+from .parameters import Parameter
+from .points import Points, Real
+
+KELVIN = 273.15
+HELD_KELVIN = 0.5
+"""A rig holds a set temperature within half a kelvin of every other time it is set."""
+HELD_SHARE = {"amplitude": 0.02}
+"""How nearly other settings are held, as a share of the value; those not listed within `HELD_OTHER`."""
+HELD_OTHER = 2e-3
+WIDEST = 1e20
+"""Bound on a factor and its inverse: beyond 20 decades no two sweeps have been shifted."""
+
+
+def held(column: str, values: Real) -> Real:
+    """How far apart values (n,) of a column may lie and still be one setting, in the column's unit (n,)."""
+    if column == "temperature":
+        return np.full(len(values), HELD_KELVIN)
+    if column in HELD_SHARE:
+        return HELD_SHARE[column] * np.abs(values)
+    return np.full(len(values), HELD_OTHER * float(np.max(np.abs(values), initial=0.0)))
+
+
+def levels_of(column: str, values: Real) -> NDArray[np.int64]:
+    """Number of the level that each value belongs to, in ascending order.
+
+    Neighbouring values that a rig does not tell apart are one level, unless they drift on and on: a level is never
+    wider than twice what is held.
+
+    Parameters
+    ----------
+    column : str
+        Name of the condition.
+    values : ndarray, shape (n,)
+        Its values; temperatures in kelvin or degC.
+    """
+    distinct, which = np.unique(values, return_inverse=True)
+    room = held(column, distinct)
+    number = np.zeros(len(distinct), dtype=np.int64)
+    first = 0
+    for i in range(1, len(distinct)):
+        apart = distinct[i] - distinct[i - 1] > room[i] or distinct[i] - distinct[first] > 2.0 * room[i]
+        first = i if apart else first
+        number[i] = number[i - 1] + apart
+    return number[which.ravel()]
+
+
+def level_word(value: float) -> str:
+    """A level as part of a parameter's name: -22.5 is ``m22p5``, which is an identifier."""
+    return f"{value:.6g}".replace("-", "m").replace("+", "").replace(".", "p")
+
+
+@dataclass(frozen=True)
+class Levels(Node):
+    """A positive factor for each level of a condition, one at the reference level.
+
+    Between two levels the logarithm of the factor is interpolated; beyond them it stays.
+
+    Parameters
+    ----------
+    column : str
+        The condition: ``"temperature"``, ``"amplitude"`` or any column of the data.
+    letter : str
+        Name of the factors: ``a`` for shifts of frequency, ``b`` for vertical ones.
+    logarithmic : bool
+        Whether the node responds with the factor's logarithm, as `shift` asks, or with the factor, as `chain` asks.
+    values : tuple of float
+        The levels in ascending order, temperatures in kelvin. Without any the node is a template that changes
+        nothing: `bound_to` gives it the levels of the data.
+    reference : int
+        Number of the level whose factor is one.
+    """
+
+    column: str = "temperature"
+    letter: str = "a"
+    logarithmic: bool = True
+    values: tuple[float, ...] = ()
+    reference: int = 0
+    kind: str = "free factors"
+
+    def bound_to(self, at: Points) -> Levels:
+        """The node with the levels that the points have; itself if it has levels already.
+
+        Raises
+        ------
+        ValueError
+            If the points lack the column.
+        """
+        if self.values:
+            return self
+        column = at.need(self.column)
+        number = levels_of(self.column, column)
+        count = np.bincount(number)
+        means = np.bincount(number, column) / count
+        target = at.reference_temperature
+        if self.column != "temperature":
+            target = float(np.sort(column)[(len(column) - 1) // 2])
+        reference = int(np.argmin(np.abs(means - target)))
+        return replace(self, values=tuple(means.tolist()), reference=reference)
+
+    def referred_to(self, value: float) -> Levels:
+        """The same levels with the factor one at the level nearest to `value`."""
+        return replace(self, reference=int(np.argmin(np.abs(np.array(self.values) - value))))
+
+    @property
+    def shown(self) -> tuple[float, ...]:
+        """The levels as users write them: temperatures in degC."""
+        zero = KELVIN if self.column == "temperature" else 0.0
+        # Ten digits: 253.15 - 273.15 is not -20 to the last bit.
+        return tuple(float(f"{value - zero:.10g}") if abs(value - zero) > 1e-9 else 0.0 for value in self.values)
+
+    @cached_property
+    def free(self) -> tuple[int, ...]:
+        """Numbers of the levels whose factors are parameters."""
+        return tuple(i for i in range(len(self.values)) if i != self.reference)
+
+    @cached_property
+    def _parameters(self) -> tuple[Parameter, ...]:
+        shown = self.shown
+        words = [level_word(round(value, 1)) for value in shown]
+        if len(set(words)) < len(words):
+            words = [level_word(value) for value in shown]
+        return tuple(
+            Parameter(f"{self.letter}_{words[i]}", f"{self.letter}({shown[i]:.4g})", lower=1.0 / WIDEST, upper=WIDEST)
+            for i in self.free
+        )
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The factor of each level but the reference."""
+        return self._parameters
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """The condition."""
+        return frozenset({self.column})
+
+    def shares(self, at: Points) -> Real:
+        """Share of each free level (q, n) in the logarithm of the factor at the points."""
+        column, values = at.need(self.column), np.array(self.values)
+        nearest = np.argmin(np.abs(column[None, :] - values[:, None]), axis=0)
+        settled = np.abs(column - values[nearest]) <= held(self.column, values)[nearest]
+        place = np.where(settled, values[nearest], column)
+        return np.array([np.interp(place, values, unit) for unit in np.eye(len(values))[list(self.free)]])
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """The factor or its logarithm."""
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        if not self.free:
+            at.need(self.column)
+            neutral = np.full(shape, 0.0 if self.logarithmic else 1.0, dtype=np.complex128)
+            nothing = np.zeros((*shape[:-1], 0, shape[-1]), dtype=np.complex128)
+            return Response(neutral, nothing, np.zeros_like(neutral))
+        shares = self.shares(at)
+        log_factor = np.matmul(np.log(theta), shares)
+        by_theta = shares / theta[..., :, None]
+        value = log_factor if self.logarithmic else np.exp(log_factor)
+        value = np.broadcast_to(value, shape).astype(np.complex128)
+        if depth == VALUE:
+            return Response(value)
+        if not self.logarithmic:
+            by_theta = by_theta * value[..., None, :]
+        slopes = np.broadcast_to(by_theta, (*shape[:-1], *by_theta.shape[-2:])).astype(np.complex128)
+        if depth == GRADIENT:
+            return Response(value, slopes)
+        return Response(value, slopes, np.zeros(shape, dtype=np.complex128))
+
+
+def free_factors(column: str = "temperature") -> Levels:
+    """Shift factors a of the frequency, one for each level of a column, for `shift`."""
+    return Levels(column, "a", True)
+
+
+def free_vertical_factors(column: str = "temperature") -> Levels:
+    """Vertical factors b of the stiffness, one for each level of a column, for `chain`."""
+    return Levels(column, "b", False)

@@ -1,0 +1,408 @@
+"""The master curve: free factors, the reduced data, the laws, and whether superposition holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError, OutputError
+from springpot.identification import Fit, Objective, default_objective, fit
+from springpot.identification.alignment import aligned
+from springpot.identification.native import relative_objective
+from springpot.markup import Html, table, tag
+from springpot.measurement import Measurement
+from springpot.rheology import Continuum, Effect, Layer, Levels, Model, Real, chain, shift
+
+from .factors import Factors, Rows, factors_of
+from .laws import LawFit, judged_laws
+from .simplicity import Simplicity, repeat_scatter, simplicity
+from .words import level_text, unit_of
+
+SCHEMA = "springpot.mastercurve/1"
+SHARED = 0.5
+"""Scatter about the curve in units of the given standard deviations, below which these are not those of scatter."""
+LARGE = 2.0
+"""Range of vertical factors beyond physics: rho T changes by less than this between any two common temperatures."""
+DIFFER = 0.005
+"""Relative scatter of repeats from which it is told; below it is the usual noise of an instrument."""
+WIDE = float(np.log(10.0))
+"""Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
+
+
+class Level(NamedTuple):
+    """One level of a master curve.
+
+    Attributes
+    ----------
+    value : float
+        The level, a temperature in degC.
+    points : int
+        Measured there.
+    a, a_low, a_high : float
+        Factor of the frequency with its 95 % interval.
+    b, b_low, b_high : float
+        Factor of the stiffness.
+    error, alone : float
+        Relative error of the curve here, and of a material that follows this level only (nan with too few points).
+    determined : bool
+        Whether the data connect it with the reference.
+    """
+
+    value: float
+    points: int
+    a: float
+    a_low: float
+    a_high: float
+    b: float
+    b_low: float
+    b_high: float
+    error: float
+    alone: float
+    determined: bool
+
+
+@dataclass(frozen=True, eq=False)
+class MasterCurve:
+    """Sweeps at many levels brought onto one curve.
+
+    Attributes
+    ----------
+    fit : Fit
+        The material with its factors; these are one at another level than `reference`.
+    factors : Factors
+        Factors and their covariance, one at the reference.
+    reduced : Measurement
+        All points at a omega, divided by b: the curve at the reference.
+    vertical : bool
+        Whether there are vertical factors.
+    error_without_vertical : float
+        Relative error with a shift alone.
+    laws : tuple of LawFit
+        Laws of temperature, the best first; those of vertical factors last.
+    simplicity : Simplicity
+        Whether one curve is enough, and where not.
+    determined : ndarray of bool, shape (m,)
+        Levels that overlap with the reference, directly or through others.
+    notes : tuple of str
+        What a user should know.
+    seconds : float
+        Time taken.
+    """
+
+    fit: Fit
+    factors: Factors
+    reduced: Measurement
+    vertical: bool
+    error_without_vertical: float
+    laws: tuple[LawFit, ...]
+    simplicity: Simplicity
+    determined: NDArray[np.bool_]
+    notes: tuple[str, ...]
+    seconds: float
+
+    @property
+    def data(self) -> Measurement:
+        """What was measured."""
+        return self.fit.measurement
+
+    @property
+    def unit(self) -> str:
+        """Unit of the levels; empty where the data do not say."""
+        return unit_of(self.factors.column)
+
+    @property
+    def reference(self) -> float:
+        """The level at which both factors are one, a temperature in degC."""
+        return float(self.factors.levels[self.factors.reference])
+
+    @property
+    def levels(self) -> list[Level]:
+        """The levels in ascending order."""
+        counts = np.bincount(Rows.of(self.fit).number)
+        found, rest = self.factors, self.simplicity
+        rows = []
+        for i in range(len(found)):
+            a, b = found.log_a[i], found.log_b[i]
+            log_factors = (
+                a,
+                a - found.reach_a[i],
+                a + found.reach_a[i],
+                b,
+                b - found.reach_b[i],
+                b + found.reach_b[i],
+            )
+            head = (float(found.levels[i]), int(counts[i]))
+            errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
+            rows.append(Level._make((*head, *np.exp(log_factors).tolist(), *errors, bool(self.determined[i]))))
+        return rows
+
+    def curve(self, omega: Real) -> NDArray[np.complex128]:
+        """The material at the reference at angular frequencies (n,) in rad/s, in the data's unit."""
+        shift_by, lift_by = self._to_reference
+        material = replace(self.fit.model, effects=())
+        weights = self.fit.theta[: len(material.parameters)]
+        return np.asarray(lift_by * material.stiffness(weights, omega * shift_by), dtype=np.complex128)
+
+    @property
+    def _to_reference(self) -> tuple[float, float]:
+        """Factors a and b of the reference as fitted."""
+        fitted = factors_of(Rows.of(self.fit))
+        return float(np.exp(fitted.log_a[self.factors.reference])), float(
+            np.exp(fitted.log_b[self.factors.reference])
+        )
+
+    def __repr__(self) -> str:
+        rest = self.simplicity
+        return (
+            f"<MasterCurve {self.data.name}: {len(self.factors)} levels of {self.factors.column}, reference "
+            f"{self.reference:g} {self.unit}, error {100 * rest.error:.2g} %, {rest.verdict}>"
+        )
+
+    def _repr_html_(self) -> str:
+        headers = (f"{self.factors.column} [{self.unit}]", "a", "b", "error", "alone")
+        rows = [
+            (f"{one.value:g}", f"{one.a:.4g}", f"{one.b:.4g}", f"{100 * one.error:.2g} %", f"{100 * one.alone:.2g} %")
+            for one in self.levels
+        ]
+        whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
+        return str(whole)
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """Draw the curve, the factors and what is left; on a figure that is returned or into a file.
+
+        Raises
+        ------
+        OutputError
+            If matplotlib is missing or the file cannot be written.
+        """
+        if _drawing is None:
+            raise OutputError("nothing is loaded that draws a master curve: import springpot.api first")
+        return _drawing(self, path)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.mastercurve/1``."""
+        rest = self.simplicity
+        data = self.reduced
+        return {
+            "schema": SCHEMA,
+            "data": self.data.name,
+            "column": self.factors.column,
+            "unit": self.unit,
+            "reference": self.reference,
+            "vertical": self.vertical,
+            "error": {
+                "relative_rms": rest.error,
+                "without_vertical": self.error_without_vertical,
+                "each_level_alone": rest.alone,
+            },
+            "levels": [level._asdict() for level in self.levels],
+            "laws": [law.to_dict() for law in self.laws],
+            "simplicity": rest.to_dict(),
+            "curve": {"omega": data.omega, "storage": data.storage, "loss": data.loss, "unit": data.units.stiffness},
+            "notes": list(self.notes),
+            "seconds": self.seconds,
+        }
+
+
+_drawing: Callable[[MasterCurve, str | Path | None], Any] | None = None
+
+
+def use_drawing(drawing: Callable[[MasterCurve, str | Path | None], Any]) -> None:
+    """Let `drawing` draw master curves: figures are made above this room, which therefore hands itself up."""
+    global _drawing
+    _drawing = drawing
+
+
+def mastercurve(
+    measurement: Measurement,
+    *,
+    column: str = "temperature",
+    reference: float | None = None,
+    vertical: bool = True,
+    objective: Objective | None = None,
+) -> MasterCurve:
+    """Bring sweeps onto one curve with a free factor of frequency, and one of stiffness, for each level of a column.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Frequency sweeps at two levels or more.
+    column : str
+        The condition whose levels are shifted.
+    reference : float, optional
+        Level at which the factors are one, a temperature in degC; the measured level nearest to it is taken. By
+        default the middle one.
+    vertical : bool
+        Whether the stiffness has a factor too.
+    objective : Objective, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+
+    Raises
+    ------
+    SpringpotError
+        If the column is missing, has one level only, or the frequency was not varied.
+    """
+    began = perf_counter()
+    _check(measurement, column)
+    weighing = default_objective(measurement) if objective is None else objective
+    sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
+    upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
+    plain = Model("material", Continuum(), effects=(sideways,))
+    alone, found = _fits(plain, plain + upwards if vertical else plain, measurement, weighing)
+    notes = []
+    if objective is None and measurement.sd is not None and found.cost < SHARED**2 * found.dof:
+        size = np.sqrt(found.dof / max(found.cost, 1e-300))
+        notes.append(
+            f"the given standard deviations are {size:.2g} times the scatter about the curve: they hold what all "
+            "sweeps share, so that relative differences are compared instead"
+        )
+        alone, found = _fits(plain, found.model, measurement, relative_objective())
+    rows = Rows.of(found)
+    fitted = factors_of(rows)
+    at, said = _reference(fitted, reference)
+    factors = fitted.referred_to(at)
+    connected = _connected(rows, at)
+    determined = connected & (factors.reach_a < WIDE)
+    notes += [*said, *_undetermined(factors, connected, determined), *_vertical_range(factors), *_repeats(rows)]
+    laws = judged_laws(factors, determined, vertical)
+    verdict = simplicity(rows)
+    return MasterCurve(
+        found,
+        factors,
+        _reduced(rows, fitted, at),
+        vertical,
+        _error(alone),
+        tuple(laws),
+        verdict,
+        determined,
+        tuple(notes),
+        perf_counter() - began,
+    )
+
+
+def _check(measurement: Measurement, column: str) -> None:
+    if column not in measurement.conditions:
+        known = ", ".join(measurement.conditions) or "no condition at all"
+        raise DataError(f"{measurement.name}: there is no column '{column}' to shift by; the data have {known}")
+    if not np.all(np.isfinite(measurement.conditions[column])):
+        raise DataError(f"{measurement.name}: column {column} has rows without a number; leave them out")
+    if np.ptp(np.log(measurement.omega)) == 0.0:
+        raise DataError(f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps")
+
+
+def _fits(plain: Model, whole: Model, measurement: Measurement, objective: Objective) -> tuple[Fit, Fit]:
+    """With a shift alone, and with all factors."""
+    alone = fit(replace(plain, material=Continuum()), measurement, objective)
+    if len(whole.effects) == 1:
+        return alone, alone
+    return alone, _lifted(alone, replace(whole, material=Continuum()))
+
+
+def _lifted(alone: Fit, model: Model) -> Fit:
+    """With vertical factors, begun where the shifts alone have ended."""
+    data = alone.measurement
+    model = model.bound_to(data.points)
+    own = alone.theta[len(alone.model.material.parameters) :]
+    read_off = np.array(list(aligned(model, data).values()))
+    # Two ways in, because few sweeps that hardly overlap can have two optima.
+    return fit(model, data, alone.objective, seeds_theta=[np.concatenate([own, np.ones(len(own))]), read_off])
+
+
+def _error(found: Fit) -> float:
+    data = found.measurement
+    off = np.abs(found.model.stiffness(found.theta, data.points) / data.stiffness - 1.0)
+    return float(np.sqrt(np.mean(off**2)))
+
+
+def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
+    """Number of the reference level, and a note where it is not what was asked for."""
+    if wanted is None:
+        return factors.reference, []
+    nearest = int(np.argmin(np.abs(factors.levels - wanted)))
+    there = float(factors.levels[nearest])
+    room = 0.5 if factors.column == "temperature" else 1e-2 * max(abs(there), abs(wanted))
+    if abs(there - wanted) <= room:
+        return nearest, []
+    asked, used = level_text(factors.column, wanted), level_text(factors.column, there)
+    return nearest, [f"nothing was measured at {asked}: the reference is the nearest level, {used}"]
+
+
+def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
+    """Levels (m,) whose reduced frequencies overlap with those of the reference, directly or through others."""
+    x = rows.reduced[1]
+    m = len(rows.elements[0].values)
+    low = np.array([x[rows.number == i].min() for i in range(m)])
+    high = np.array([x[rows.number == i].max() for i in range(m)])
+    touching = (low[:, None] <= high[None, :]) & (low[None, :] <= high[:, None])
+    reached = np.arange(m) == reference
+    for _ in range(m):
+        reached = touching[reached].any(axis=0)
+    return np.asarray(reached)
+
+
+def _undetermined(factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_]) -> list[str]:
+    """One sentence for the levels that do not overlap, one for those that hardly do."""
+
+    def named(which: NDArray[np.bool_]) -> str:
+        return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
+
+    notes = []
+    if np.any(~connected):
+        notes.append(
+            f"{named(~connected)}: the sweeps do not overlap with the rest; their factors are not "
+            "determined, and shown is one of many that fit"
+        )
+    if np.any(connected & ~determined):
+        notes.append(
+            f"{named(connected & ~determined)}: the sweeps overlap too little or are too straight; "
+            "their factors are known to no better than a decade"
+        )
+    return notes
+
+
+def _vertical_range(factors: Factors) -> list[str]:
+    """A sentence where vertical factors do what shifts should do."""
+    span = float(np.exp(np.ptp(factors.log_b)))
+    if factors.column != "temperature" or span < LARGE:
+        return []
+    return [
+        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
+        "where sweeps are nearly straight they stand for a part of the shift"
+    ]
+
+
+def _repeats(rows: Rows) -> list[str]:
+    """A sentence where repeated sweeps differ, which no curve can follow."""
+    scatter = repeat_scatter(rows)
+    far = np.flatnonzero(scatter > DIFFER)
+    if not len(far):
+        return []
+    names = ", ".join(rows.named(i) for i in far.tolist())
+    return [f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}), which no curve can follow"]
+
+
+def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:
+    """All points at the reference."""
+    data = rows.fit.measurement
+    factor, x = rows.reduced
+    a, b = float(np.exp(fitted.log_a[reference])), float(np.exp(fitted.log_b[reference]))
+    ratio = factor / b
+    column, kept = fitted.column, {}
+    for name, values in data.conditions.items():
+        # Under its own name the column would make the curve look like sweeps at many levels again.
+        kept[f"measured {name}" if name == column else name] = values
+    return replace(
+        data,
+        omega=np.exp(x) / a,
+        stiffness=data.stiffness / ratio,
+        sd=None if data.sd is None else data.sd / ratio,
+        conditions=kept,
+        name=f"{data.name}, master curve",
+        reference=None,
+    )

@@ -1,0 +1,235 @@
+"""Free factors of a fitted material, with what the data say about each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification import Fit, weighted
+from springpot.identification.uncertainty import student
+from springpot.rheology import Continuum, Levels, Real, levels_of
+
+from .words import level_text
+
+LEVEL = 0.95
+"""Probability of the intervals."""
+LOST = 1e-5
+"""Singular value, relative to the largest, below which a direction of the factors is not determined."""
+OPEN = 30.0
+"""Standard deviation in ln a of what is not determined: thirteen decades."""
+MOST_ALIKE = 0.9
+"""Largest correlation of neighbouring residuals that is believed; of few points it is no more than a guess."""
+LEAST = 1e-12
+"""Least standard deviation of a weighted residual: exact data leave rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Factors a of frequency and b of stiffness at each level: K(omega) = b K_ref(a omega).
+
+    Attributes
+    ----------
+    column : str
+        The condition whose levels they are.
+    levels : ndarray, shape (m,)
+        The levels, temperatures in degC.
+    reference : int
+        Number of the level where both are one.
+    log_a, log_b : ndarray, shape (m,)
+        Natural logarithms; `log_b` is zero where no vertical factor was asked for.
+    covariance : ndarray, shape (2 m, 2 m)
+        Of `log_a`, then `log_b`.
+    quantile : float
+        Standard deviations to the end of an interval.
+    """
+
+    column: str
+    levels: Real
+    reference: int
+    log_a: Real
+    log_b: Real
+    covariance: Real
+    quantile: float
+
+    def __len__(self) -> int:
+        return len(self.levels)
+
+    def referred_to(self, reference: int) -> Factors:
+        """The same factors, one at another level."""
+        m = len(self)
+        turn = np.eye(2 * m)
+        turn[:m, reference] -= 1.0
+        turn[m:, m + reference] -= 1.0
+        return Factors(
+            self.column,
+            self.levels,
+            reference,
+            self.log_a - self.log_a[reference],
+            self.log_b - self.log_b[reference],
+            turn @ self.covariance @ turn.T,
+            self.quantile,
+        )
+
+    @cached_property
+    def reach_a(self) -> Real:
+        """Half-widths (m,) of the intervals of ln a."""
+        return self.quantile * np.sqrt(np.maximum(np.diag(self.covariance)[: len(self)], 0.0))
+
+    @cached_property
+    def reach_b(self) -> Real:
+        """Half-widths (m,) of the intervals of ln b."""
+        return self.quantile * np.sqrt(np.maximum(np.diag(self.covariance)[len(self) :], 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What the factors of a fitted material are judged by, row by row of the weighted residual (2n,).
+
+    Attributes
+    ----------
+    fit : Fit
+        The material with its factors.
+    elements : tuple of Levels
+        One for each effect with factors, in the order of theta.
+    number : ndarray of int, shape (n,)
+        Level of each measured point.
+    """
+
+    fit: Fit
+    elements: tuple[Levels, ...]
+    number: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, fit: Fit) -> Rows:
+        """Of a fit of a material with free factors of one column."""
+        elements = tuple(effect.element for effect in fit.model.effects if isinstance(effect.element, Levels))
+        return cls(fit, elements, levels_of(elements[0].column, fit.measurement.points.need(elements[0].column)))
+
+    def named(self, level: int) -> str:
+        """A level with its unit."""
+        first = self.elements[0]
+        return level_text(first.column, first.shown[level])
+
+    @cached_property
+    def level_of_row(self) -> NDArray[np.int64]:
+        """Level of each row (2n,): the real parts, then the imaginary ones."""
+        return np.tile(self.number, 2)
+
+    @cached_property
+    def residual(self) -> Real:
+        """Weighted residual (2n,)."""
+        model, data = self.fit.model, self.fit.measurement
+        return weighted(data.stiffness - model.stiffness(self.fit.theta, data.points), self.weights)
+
+    @cached_property
+    def weights(self) -> NDArray[np.complex128]:
+        """Weights (n,) of the real and of the imaginary parts."""
+        return np.asarray(self.fit.task.weights[0], dtype=np.complex128)
+
+    @cached_property
+    def by_theta(self) -> Real:
+        """Slopes (2n, p) of the weighted K by the parameters."""
+        model, data = self.fit.model, self.fit.measurement
+        return weighted(model.jacobian(self.fit.theta, data.points).T, self.weights).T
+
+    @cached_property
+    def spectrum(self) -> Real:
+        """Slopes (2n, s) by all that the spectrum can do: weights that are not zero, and the places of its lines."""
+        count = len(self.fit.model.material.parameters)
+        weights = self.fit.theta[:count]
+        return np.column_stack([self.by_theta[:, :count][:, weights > 0.0], self.by_places])
+
+    @cached_property
+    def by_places(self) -> Real:
+        """Slopes (2n, lines) by the logarithm of each line's rate, the factors applied."""
+        material = self.fit.model.material
+        assert isinstance(material, Continuum)
+        factor, x = self.reduced
+        turn = 1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - x))
+        moved = -self.fit.theta[2 : 2 + len(material.rates), None] * turn * (1.0 - turn) * factor
+        return weighted(moved, self.weights).T
+
+    @cached_property
+    def reduced(self) -> tuple[Real, Real]:
+        """Vertical factor, and ln of the reduced angular frequency, of each point (n,)."""
+        points = self.fit.measurement.points
+        factor, x = np.ones(len(self.number)), points.log_omega
+        theta, start = self.fit.theta, len(self.fit.model.material.parameters)
+        for element in self.elements:
+            own = theta[start : start + len(element.parameters)]
+            value = element.respond(own, points).value.real
+            factor, x = (factor, x + value) if element.logarithmic else (factor * value, x)
+            start += len(own)
+        return factor, x
+
+    @cached_property
+    def factors(self) -> Real:
+        """Slopes (2n, q) by the logarithms of the free factors."""
+        count = len(self.fit.model.material.parameters)
+        return self.by_theta[:, count:] * self.fit.theta[count:]
+
+    @cached_property
+    def scale(self) -> Real:
+        """Standard deviation (2n,) of the residual of each row, that of its own level, degrees of freedom included.
+
+        Given standard deviations only weigh: a factor compares sweeps of one series, and what these share, such as
+        the calibration, cancels in it.
+        """
+        squares = np.bincount(self.level_of_row, self.residual**2) / np.bincount(self.level_of_row)
+        spent = len(self.residual) / max(self.fit.dof, 1)
+        sd = np.maximum(np.sqrt(squares * spent), LEAST)
+        return np.asarray(sd[self.level_of_row], dtype=np.float64)
+
+    @cached_property
+    def alike(self) -> float:
+        """Factor on variances because neighbouring residuals are alike: (1 + r) / (1 - r) for their correlation r."""
+        order = np.lexsort((self.fit.measurement.omega, self.number))
+        residual = (self.residual / self.scale).reshape(2, -1).T[order]
+        same = np.diff(self.number[order]) == 0
+        product = np.mean((residual[1:] * residual[:-1])[same]) if np.any(same) else 0.0
+        r = float(np.clip(product / max(float(np.mean(residual**2)), 1e-300), 0.0, MOST_ALIKE))
+        return (1.0 + r) / (1.0 - r)
+
+
+def factors_of(rows: Rows) -> Factors:
+    """The factors with the covariance that the exact slopes give, the spectrum free to follow.
+
+    The scatter of each level is its own: where a level is not followed its factors are that much less certain.
+    """
+    slopes = without(rows.spectrum, rows.factors)
+    size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    left, values, right = np.linalg.svd(slopes / size, full_matrices=False)
+    known = values > LOST * values[0]
+    # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
+    carry = (right[known].T / values[known]) @ left[:, known].T / size[:, None]
+    covariance = rows.alike * (carry * rows.scale**2) @ carry.T
+    lost = right[~known].T / size[:, None]
+    lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
+    covariance = covariance + OPEN**2 * lost @ lost.T
+    return _spread(rows, covariance)
+
+
+def without(basis: Real, columns: Real) -> Real:
+    """What is left of columns (m, q) beside a basis (m, s)."""
+    size = np.linalg.norm(basis, axis=0)
+    kept = basis[:, size > 0.0] / size[size > 0.0]
+    left, values, _ = np.linalg.svd(kept, full_matrices=False)
+    left = left[:, values > 1e-9 * values[0]]
+    return columns - left @ (left.T @ columns)
+
+
+def _spread(rows: Rows, covariance: Real) -> Factors:
+    """Over all levels, those with the factor one included."""
+    first = rows.elements[0]
+    m = len(first.values)
+    values, place = np.zeros(2 * m), []
+    for element in rows.elements:
+        place += [i + (0 if element.logarithmic else m) for i in element.free]
+    values[place] = np.log(rows.fit.theta[len(rows.fit.model.material.parameters) :])
+    whole = np.zeros((2 * m, 2 * m))
+    whole[np.ix_(place, place)] = covariance
+    quantile = student(LEVEL, rows.fit.dof)
+    return Factors(first.column, np.array(first.shown), first.reference, values[:m], values[m:], whole, quantile)

@@ -1,0 +1,195 @@
+"""Laws of temperature judged against factors that know of no law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.stats import chi2
+
+from springpot.identification.uncertainty import student
+from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
+from springpot.rheology.levels import KELVIN
+
+from .factors import LEVEL, Factors
+
+Verdict = Literal["holds", "departs", "cannot-tell"]
+ALARM = 0.005
+"""Chance below which the departure of the factors from a law is no scatter."""
+HARDLY = 1.0
+"""Half-width of an interval of ln a from which a factor says nothing about a law."""
+TRIES = 12
+"""Starts of a law's fit along its second parameter, which alone can have two minima."""
+EXACT = 1e-6
+"""Standard deviation in ln a to which no factor is known better: exact data would make every law depart."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law with parameters.
+
+    Attributes
+    ----------
+    name : str
+        What people call it.
+    equation : str
+        In words of a formula, temperatures in kelvin, Tr that of reference.
+    element : Formula
+        Responds with ln a, or with b where it is `vertical`.
+    vertical : bool
+        Whether it is one of vertical factors.
+    """
+
+    name: str
+    equation: str
+    element: Formula
+    vertical: bool = False
+
+
+LAWS = (
+    Law("Arrhenius", "ln a = Ea / R (1 / T - 1 / Tr)", arrhenius()),
+    Law("WLF", "log10 a = -C1 (T - Tr) / (C2 + T - Tr)", wlf()),
+    Law("VFT", "ln a = B / (T - T0) - B / (Tr - T0)", vogel()),
+    Law("power of temperature", "b = (T / Tr)^n", temperature_power(), vertical=True),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LawFit:
+    """A law fitted to free factors, each weighted by what is known of it.
+
+    Attributes
+    ----------
+    law : Law
+        The law.
+    values, low, high : ndarray, shape (k,)
+        Its parameters with 95 % intervals, widened where it does not follow the factors.
+    log_factors : ndarray, shape (m,)
+        What it gives at the levels.
+    departure : float
+        Root mean square of the difference in ln a (or ln b) at the levels that are judged.
+    chance : float
+        That scatter of the factors alone leaves a departure like this; nan where there is nothing to judge by.
+    evidence : float
+        Minus twice the log-evidence by BIC; of two laws the smaller is the better.
+    verdict : str
+        ``holds``, ``departs``, or ``cannot-tell`` where the law has as many parameters as there are factors.
+    worst : float
+        The level at which it is furthest off, by what is known of the factor there.
+    """
+
+    law: Law
+    values: Real
+    low: Real
+    high: Real
+    log_factors: Real
+    departure: float
+    chance: float
+    evidence: float
+    verdict: Verdict
+    worst: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        rows = zip(self.law.element.parameters, self.values, self.low, self.high, strict=True)
+        parameters = {
+            p.name: {"value": v, "low": low, "high": high, "unit": p.unit.label or "-"} for p, v, low, high in rows
+        }
+        return {
+            "law": self.law.name,
+            "equation": self.law.equation,
+            "of": "b" if self.law.vertical else "a",
+            "parameters": parameters,
+            "departure": self.departure,
+            "chance": self.chance,
+            "bic": self.evidence,
+            "verdict": self.verdict,
+            "worst_at": self.worst,
+        }
+
+
+def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: bool) -> list[LawFit]:
+    """All laws of temperature, the best of each kind first; none for another column.
+
+    Parameters
+    ----------
+    factors : Factors
+        The free factors.
+    determined : ndarray of bool, shape (m,)
+        Levels whose factors are known.
+    with_vertical : bool
+        Whether there are vertical factors.
+    """
+    if factors.column != "temperature":
+        return []
+    found = []
+    for law in LAWS:
+        reach = factors.reach_b if law.vertical else factors.reach_a
+        used = np.flatnonzero(determined & (reach < HARDLY) & (np.arange(len(factors)) != factors.reference))
+        if len(used) >= len(law.element.parameters) and (with_vertical or not law.vertical):
+            found.append(_fitted(law, factors, used))
+    # WLF and VFT are one curve: which of them comes first is not left to rounding.
+    return sorted(found, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
+
+
+def _fitted(law: Law, factors: Factors, used: Any) -> LawFit:
+    m, kelvin = len(factors), factors.levels + KELVIN
+    at = Points(np.zeros(m), temperature=kelvin, reference_temperature=float(kelvin[factors.reference]))
+    offset = m if law.vertical else 0
+    target = (factors.log_b if law.vertical else factors.log_a)[used]
+    covariance = factors.covariance[np.ix_(used + offset, used + offset)] + EXACT**2 * np.eye(len(used))
+    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+
+    def log_factor(theta: Real) -> Real:
+        value = law.element.respond(theta, at).value.real
+        return np.log(np.maximum(value, 1e-300)) if law.vertical else value
+
+    def misfit(theta: Real) -> Real:
+        return np.asarray(whiten @ (log_factor(theta)[used] - target), dtype=np.float64)
+
+    low, high = _box(law, kelvin, float(kelvin[factors.reference]))
+    ends = [least_squares(misfit, start, bounds=(low, high), x_scale="jac") for start in _starts(low, high)]
+    best = min(ends, key=lambda end: float(end.cost))
+    square, spare = 2.0 * float(best.cost), len(used) - len(low)
+    chance = float(chi2.sf(square, spare)) if spare > 0 else float("nan")
+    verdict: Verdict = "cannot-tell" if spare == 0 else "departs" if chance < ALARM else "holds"
+    widened = max(1.0, square / spare) if spare > 0 else 1.0
+    spread = np.sqrt(np.diag(np.linalg.pinv(best.jac.T @ best.jac)) * widened)
+    reach = student(LEVEL, spare if widened > 1.0 else inf) * spread
+    given = log_factor(best.x)
+    off = float(np.sqrt(np.mean((given[used] - target) ** 2)))
+    evidence = square + len(low) * float(np.log(max(len(used), 2)))
+    bounds = (np.maximum(best.x - reach, low), np.minimum(best.x + reach, high))
+    away = np.abs(given[used] - target) / np.sqrt(np.diag(covariance))
+    worst = float(factors.levels[used[int(np.argmax(away))]])
+    return LawFit(law, best.x, *bounds, given, off, chance, evidence, verdict, worst)
+
+
+def _box(law: Law, kelvin: Real, reference: float) -> tuple[Real, Real]:
+    """Bounds of the parameters (k,), the pole below the coldest level."""
+    parameters = law.element.parameters
+    low, high = np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
+    coldest = float(kelvin.min())
+    for i, parameter in enumerate(parameters):
+        if _is_pole(parameter):
+            high[i] = coldest - 1.0
+        elif parameter.unit.label == "K" and law.element.kind == "wlf":
+            low[i] = reference - coldest + 1.0
+    return low, high
+
+
+def _is_pole(parameter: Parameter) -> bool:
+    return parameter.unit.label == "K" and parameter.scale == "linear"
+
+
+def _starts(low: Real, high: Real) -> list[Real]:
+    """One start, or several along the second parameter."""
+    first = low[0] + 0.05 * (high[0] - low[0])
+    if len(low) == 1:
+        return [np.array([first])]
+    near = np.geomspace(0.02, 0.9, TRIES // 3)
+    return [np.array([first, low[1] + share * (high[1] - low[1])]) for share in near]

@@ -1,0 +1,357 @@
+"""Whether one factor of frequency and one of stiffness bring all sweeps onto one curve, and if not, where it fails.
+
+A material is thermorheologically simple if all its relaxation times change by one factor. Each sweep by itself is
+followed by some material; what one material with free factors leaves beyond that is the failure of superposition.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+from scipy.stats import norm
+
+from springpot.identification import fit, weighted
+from springpot.rheology import Continuum, Model, Real
+
+from .factors import Rows, without
+
+Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
+ALARM = 0.005
+"""Chance below which what is left is no noise, all places that are looked at counted together."""
+NEARLY = 1.5
+"""Error over that of each level by itself up to which superposition is good enough for most uses."""
+ADDED = 0.01
+"""Error that superposition may add and still be good enough: specimens and loadings hardly repeat to 1 %."""
+STANDS_OUT = 3.0
+"""Error of a material at one level alone, over the median of the levels, from which it is no material."""
+BAND = float(np.log(10.0))
+"""Width of a branch of relaxation times: a decade."""
+LEAST_BRANCH = 1e-2
+"""Share of |K| that a branch must have somewhere to be looked at."""
+TINY = 1e-24
+"""Least variance: exact data leave rounding."""
+LEAST_SHARE = 0.1
+"""Share of what superposition leaves that a place must explain to be told: many small ones are no answer."""
+FEW = 4
+"""Points of a level from which it can be fitted by itself."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One place where superposition fails.
+
+    Attributes
+    ----------
+    kind : str
+        ``level``, ``no-material``, ``storage-and-loss`` or ``branch``.
+    place : float
+        The level, or the relaxation time of the middle of the branch in s.
+    size : float
+        Error over that of the level alone; error of the best material; shift of the loss relative to the storage in
+        ln omega; relative change of the branch's ln a.
+    chance : float
+        That noise looks like this.
+    share : float
+        Of the misfit that superposition leaves beyond noise, in chi-square, how much goes if this is mended; nan
+        for ``no-material``.
+    says : str
+        One plain sentence.
+    """
+
+    kind: Literal["level", "no-material", "storage-and-loss", "branch"]
+    place: float
+    size: float
+    chance: float
+    share: float
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Simplicity:
+    """The verdict on superposition.
+
+    Attributes
+    ----------
+    verdict : str
+        ``simple`` where nothing is left but noise, ``nearly-simple`` where the error is within 1.5 times that of each
+        level by itself or superposition adds no more than 1 %, ``not-simple``, or ``not-judged`` where no level has
+        points enough.
+    error, alone : float
+        Relative error of the one material, and of a material for each level.
+    added : float
+        What the one material adds to the error, levels that no material follows aside.
+    chance : float
+        That noise alone makes the difference.
+    level_error, level_alone : ndarray, shape (m,)
+        The same for each level.
+    failures : tuple of Failure
+        Where it fails, the gravest first.
+    """
+
+    verdict: Verdict
+    error: float
+    alone: float
+    added: float
+    chance: float
+    level_error: Real
+    level_alone: Real
+    failures: tuple[Failure, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "verdict": self.verdict,
+            "error": self.error,
+            "alone": self.alone,
+            "added": self.added,
+            "chance": self.chance,
+            "failures": [failure.to_dict() for failure in self.failures],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class _Alone:
+    """Each level with a material of its own."""
+
+    cost: Real
+    dof: Real
+    error: Real
+
+    @property
+    def judged(self) -> NDArray[np.bool_]:
+        """Levels with points enough."""
+        return np.asarray(np.isfinite(self.cost) & (self.dof > 0))
+
+    def variance(self, rows: Rows) -> Real:
+        """Variance (m,) of a weighted residual at each level: that of its own material, else of the common one."""
+        common = np.bincount(rows.level_of_row, rows.scale**2) / np.bincount(rows.level_of_row)
+        own = self.cost / np.maximum(self.dof, 1.0)
+        return np.maximum(np.where(self.judged, own, common), TINY)
+
+    def excess(self, rows: Rows) -> Real:
+        """Chi-square (m,) that the common material leaves at each level beyond that level's own."""
+        left = np.bincount(rows.level_of_row, rows.residual**2) / self.variance(rows)
+        return np.where(self.judged, left - self.dof, 0.0)
+
+
+def simplicity(rows: Rows) -> Simplicity:
+    """Test superposition.
+
+    Parameters
+    ----------
+    rows : Rows
+        The fitted material with its factors.
+    """
+    error = _level_errors(rows)
+    alone = _alone(rows)
+    judged = alone.judged
+    overall = float(np.sqrt(np.mean(_relative(rows) ** 2)))
+    if not np.any(judged):
+        nothing = float("nan")
+        return Simplicity("not-judged", overall, nothing, nothing, nothing, error, alone.error, ())
+    chance = _chance(rows, alone)
+    places = [*_levels(rows, alone, error), *_storage_and_loss(rows, alone), *_branches(rows, alone)]
+    places.sort(key=lambda place: -place.share)
+    strange = _no_material(rows, alone)
+    found = [*strange, *(place for place in places if place.share > LEAST_SHARE)]
+    usual = judged & ~np.isin(rows.elements[0].shown, [each.place for each in strange])
+    usual = usual if np.any(usual) else judged
+    shared, own = _mean(rows, error, usual), _mean(rows, alone.error, usual)
+    added = float(np.sqrt(max(shared**2 - own**2, 0.0)))
+    verdict: Verdict = "nearly-simple" if shared <= NEARLY * own or added <= ADDED else "not-simple"
+    if chance >= ALARM:
+        verdict = "simple"
+    # Where superposition holds, what is found among so many places is chance.
+    kept = [each for each in found if verdict != "simple" or each.kind == "no-material"]
+    return Simplicity(
+        verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(kept)
+    )
+
+
+def _mean(rows: Rows, error: Real, which: NDArray[np.bool_]) -> float:
+    """Root mean square of errors (m,) over the points of some levels."""
+    counts = np.bincount(rows.number)[which]
+    return float(np.sqrt(np.sum(error[which] ** 2 * counts) / counts.sum()))
+
+
+def _relative(rows: Rows) -> Real:
+    """Relative error (n,) of each point."""
+    data = rows.fit.measurement
+    return np.asarray(np.abs(rows.fit.model.stiffness(rows.fit.theta, data.points) / data.stiffness - 1.0))
+
+
+def _level_errors(rows: Rows) -> Real:
+    return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
+
+
+def _alone(rows: Rows) -> _Alone:
+    """A fit of any material to each level by itself, at the same weights."""
+    material: Model = replace(rows.fit.model, material=Continuum(), effects=())
+    m = int(rows.number.max()) + 1
+    cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
+    for level in range(m):
+        part = rows.fit.measurement.subset(rows.number == level, f"level {level}")
+        if len(np.unique(part.omega)) < FEW:
+            continue
+        found = fit(material, part, rows.fit.objective)
+        off = np.abs(found.model.stiffness(found.theta, part.points) / part.stiffness - 1.0)
+        cost[level], dof[level] = found.cost, found.dof
+        error[level] = float(np.sqrt(np.mean(off**2)))
+    return _Alone(cost, dof, error)
+
+
+def _chance(rows: Rows, alone: _Alone) -> float:
+    """That one material for all levels leaves so much more than one for each, by Fisher's test.
+
+    Each level is measured in units of its own scatter, so that one noisy level does not hide the others.
+    """
+    counts = np.bincount(rows.number)
+    spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
+    inner = float(alone.dof[alone.judged].sum())
+    extra = float(np.sum(alone.excess(rows)))
+    if spare <= inner:
+        return 1.0
+    return float(fisher.sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
+
+
+def repeat_scatter(rows: Rows) -> Real:
+    """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
+    data = rows.fit.measurement
+    _, group = np.unique(np.column_stack([rows.number, np.round(np.log(data.omega), 6)]), axis=0, return_inverse=True)
+    group = group.ravel()
+    count = np.bincount(group)
+    mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
+    square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
+    spare = np.bincount(rows.number, 1.0 - 1.0 / count[group])
+    summed = np.bincount(rows.number, square)
+    return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))
+
+
+def _no_material(rows: Rows, alone: _Alone) -> list[Failure]:
+    """Levels at which no material at all comes as near as elsewhere, and repeats do not differ as much."""
+    judged = alone.judged
+    usual = float(np.median(alone.error[judged]))
+    values, found, repeats = rows.elements[0].shown, [], repeat_scatter(rows)
+    strange = judged & (alone.error > STANDS_OUT * usual) & (alone.error > NEARLY * repeats)
+    for level in np.flatnonzero(strange).tolist():
+        ratio = alone.cost[level] / alone.dof[level] / np.median(alone.cost[judged] / alone.dof[judged])
+        chance = float(fisher.sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
+        if chance < ALARM:
+            off, at = alone.error[level], rows.named(level)
+            says = (
+                f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere {_percent(usual)}: "
+                "this is the instrument, the amplitude or the specimen, not superposition"
+            )
+            found.append(Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says))
+    return sorted(found, key=lambda one: -one.size)
+
+
+def _levels(rows: Rows, alone: _Alone, error: Real) -> list[Failure]:
+    """Levels that a material of their own follows and the common one does not."""
+    excess, judged = alone.excess(rows), alone.judged
+    whole = _total(excess)
+    values, found = rows.elements[0].shown, []
+    for level in np.flatnonzero(judged & (error > NEARLY * alone.error)).tolist():
+        count = 2.0 * float(np.sum(rows.number == level))
+        ratio = (excess[level] + alone.dof[level]) / count
+        chance = float(fisher.sf(ratio, count, alone.dof[level])) * int(judged.sum())
+        if chance < ALARM:
+            off, own = _percent(error[level]), _percent(alone.error[level])
+            share = float(excess[level]) / whole
+            says = f"at {rows.named(level)} the curve is {off} off, a material of its own {own}{_of_all(share)}"
+            size = float(error[level] / alone.error[level])
+            found.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
+    return found
+
+
+def _total(excess: Real) -> float:
+    return max(float(np.sum(np.maximum(excess, 0.0))), 1.0)
+
+
+def _of_all(share: float) -> str:
+    return f" ({100.0 * min(share, 1.0):.0f} % of what is left)"
+
+
+def _storage_and_loss(rows: Rows, alone: _Alone) -> list[Failure]:
+    """Levels at which the loss would have to be shifted otherwise than the storage."""
+    data = rows.fit.measurement
+    slope = rows.fit.model.slope(rows.fit.theta, data.points)
+    apart = 0.5 * (1j * slope.imag - slope.real)
+    columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(int(rows.number.max()) + 1)])
+    size, chance, share = _one_step(rows, alone, columns)
+    values, found = rows.elements[0].shown, []
+    for i in np.flatnonzero(chance < ALARM).tolist():
+        says = (
+            f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(size[i]))))} "
+            f"{'more' if size[i] > 0 else 'less'} shift than the storage{_of_all(share[i])}"
+        )
+        found.append(Failure("storage-and-loss", values[i], float(size[i]), float(chance[i]), float(share[i]), says))
+    return found
+
+
+def _branches(rows: Rows, alone: _Alone) -> list[Failure]:
+    """Decades of relaxation times whose factors depend on the level more, or less, than those of the others."""
+    material = rows.fit.model.material
+    assert isinstance(material, Continuum)
+    data, (factor, x) = rows.fit.measurement, rows.reduced
+    log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
+    turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
+    by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
+    share = np.abs(weights[:, None] * turn * factor) / data.magnitude
+    band = np.floor(log_rates / BAND).astype(np.int64)
+    columns, places = [], []
+    for each in np.unique(band).tolist():
+        lines = band == each
+        # A branch at the edge of what was measured stands for all that lies beyond.
+        if share[lines].sum(axis=0).max() > LEAST_BRANCH and _inside(each, x):
+            columns.append(by_shift[lines].sum(axis=0))
+            places.append(float(np.exp(-(each + 0.5) * BAND)))
+    if len(columns) < 2:
+        return []
+    size, chance, share = _one_step(rows, alone, np.array(columns))
+    found = []
+    for i in np.flatnonzero(chance < ALARM).tolist():
+        low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
+        says = (
+            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts {_percent(abs(float(size[i])))} "
+            f"{'more' if size[i] > 0 else 'less'} than the others{_of_all(share[i])}"
+        )
+        found.append(Failure("branch", places[i], float(size[i]), float(chance[i]), float(share[i]), says))
+    return found
+
+
+def _inside(band: int, x: Real) -> bool:
+    return bool((band + 1) * BAND > x.min() and band * BAND < x.max())
+
+
+def _one_step(rows: Rows, alone: _Alone, columns: NDArray[np.complex128]) -> tuple[Real, Real, Real]:
+    """Size (c,) that one step of least squares gives each direction alone, its chance, its share of the excess.
+
+    All that spectrum and factors can do is taken out; each row is weighted by the scatter of its level about a
+    material of its own. The chance counts all directions that are tried.
+    """
+    excess = alone.excess(rows)
+    scale = np.sqrt(alone.variance(rows))[rows.level_of_row, None]
+    basis = np.column_stack([rows.by_theta[:, : len(rows.fit.model.material.parameters)], rows.factors]) / scale
+    slopes = without(basis, weighted(columns, rows.weights).T / scale)
+    square = np.sum(slopes**2, axis=0)
+    whole = np.sum((weighted(columns, rows.weights).T / scale) ** 2, axis=0)
+    seen = square > 1e-8 * np.maximum(whole, 1e-300)
+    square = np.where(seen, square, 1.0)
+    residual = rows.residual / scale[:, 0]
+    size = np.where(seen, slopes.T @ residual / square, 0.0)
+    score = np.abs(size) * np.sqrt(square)
+    chance = np.minimum(2.0 * norm.sf(score) * len(score), 1.0)
+    return size, np.where(seen, chance, 1.0), score**2 / _total(excess)
+
+
+def _percent(fraction: float) -> str:
+    return f"{100.0 * fraction:.2g} %"

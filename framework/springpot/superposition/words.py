@@ -1,0 +1,48 @@
+"""Levels as people write and read them."""
+
+from __future__ import annotations
+
+import re
+
+from springpot.errors import OptionError
+from springpot.measurement.units import TEMPERATURE_UNITS, normal_unit, temperature_in_celsius
+
+_LEVEL = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+
+
+def unit_of(column: str) -> str:
+    """Unit in which levels of a column are told; the data do not say that of others."""
+    return "degC" if column == "temperature" else ""
+
+
+def level_text(column: str, value: float) -> str:
+    """A level as people say it: what was set, not what a sensor printed."""
+    if column == "temperature":
+        return f"{round(value, 1) + 0.0:g} degC"
+    return f"{column} {value:.4g}"
+
+
+def level_of(text: str, column: str = "temperature") -> float:
+    """The level that a text such as ``25degC``, ``298.15K`` or ``0.5`` names; temperatures in degC.
+
+    Raises
+    ------
+    OptionError
+        If it is no number, or has a unit that the column does not have.
+    """
+    found = _LEVEL.fullmatch(text)
+    if found is None:
+        raise OptionError(f"reference '{text}' is no number: write a level such as {_example(column)}")
+    value, unit = float(found[1]), found[2]
+    if not unit:
+        return value
+    if column != "temperature":
+        raise OptionError(f"reference '{text}': {column} has no unit here; write the number only")
+    known = normal_unit(unit)
+    if known not in TEMPERATURE_UNITS:
+        raise OptionError(f"reference '{text}': unknown unit '{unit}'; write degC, K or degF")
+    return temperature_in_celsius(value, known)
+
+
+def _example(column: str) -> str:
+    return "25degC" if column == "temperature" else "0.5"

@@ -1,0 +1,37 @@
+"""``springpot mastercurve``."""
+
+import springpot as package
+
+
+def test_the_text_has_factors_laws_and_a_verdict(springpot):
+    answer = springpot("mastercurve", "nist-srm2491", "--reference", "20degC")
+    assert answer.code == 0
+    for words in ("master curve of nist-srm2491 at 20 degC", "Arrhenius", "WLF", "VFT", "superposition   one curve"):
+        assert words in answer.out
+
+
+def test_json_is_the_same_as_in_python(springpot):
+    told = springpot("mastercurve", "nist-srm2491", "--json").json
+    found = package.mastercurve("nist-srm2491")
+    assert told["schema"] == "springpot.mastercurve/1"
+    assert [level["a"] for level in told["levels"]] == [level.a for level in found.levels]
+
+
+def test_the_reduced_data_open_again(springpot, tmp_path):
+    path = tmp_path / "curve.csv"
+    assert springpot("mastercurve", "nist-srm2491", "-o", str(path)).code == 0
+    again = package.read(path)
+    assert len(again) == 96
+    assert springpot("identify", str(path), "--model", "maxwell-3").code == 0
+
+
+def test_a_picture(springpot, tmp_path):
+    path = tmp_path / "curve.png"
+    answer = springpot("mastercurve", "nist-srm2491", "--no-vertical", "--figure", str(path))
+    assert answer.code == 0
+    assert path.stat().st_size > 10_000
+
+
+def test_bad_input_is_one_line(springpot):
+    assert springpot("mastercurve", "nist-srm2491", "--column", "water").is_one_line("water", "temperature")
+    assert springpot("mastercurve", "nist-srm2491", "--reference", "hot").is_one_line("25degC")

@@ -1,0 +1,61 @@
+"""Whether one curve is enough: silent where it is, and where it is not it says where."""
+
+import numpy as np
+import pytest
+from sweeps import mass, measured, phase_error, simple, two_branches
+
+import springpot
+
+
+def test_a_simple_material_is_called_simple():
+    """The level is 0.5 %, so that none of twelve is called otherwise but by a chance of 6 %."""
+    verdicts = [springpot.mastercurve(measured(simple, seed=seed)).simplicity for seed in range(12)]
+    assert sum(each.verdict == "simple" for each in verdicts) >= 11
+    assert all(not each.failures for each in verdicts if each.verdict == "simple")
+    assert np.median([each.chance for each in verdicts]) > 0.05
+
+
+@pytest.fixture(scope="module", params=range(3))
+def seed(request):
+    return request.param
+
+
+def test_a_branch_with_its_own_temperature_is_seen(seed):
+    rest = springpot.mastercurve(measured(two_branches, seed=seed)).simplicity
+    assert rest.verdict == "not-simple"
+    assert rest.error > 1.5 * rest.alone
+    assert {failure.kind for failure in rest.failures} & {"branch", "level"}
+
+
+def test_a_phase_error_at_one_temperature_shows_there(seed):
+    """Loss and storage cannot follow one another: at the temperature whose phase was read wrongly."""
+    rest = springpot.mastercurve(measured(phase_error, seed=seed)).simplicity
+    assert rest.verdict != "simple"
+    apart = [failure for failure in rest.failures if failure.kind in {"storage-and-loss", "level"}]
+    assert apart
+    assert 45.0 in {failure.place for failure in apart}
+
+
+def test_what_no_material_does_is_not_laid_to_superposition(seed):
+    rest = springpot.mastercurve(measured(mass, seed=seed)).simplicity
+    first = rest.failures[0]
+    assert (first.kind, first.place) == ("no-material", 60.0)
+    assert "no linear material" in first.says
+
+
+def test_repeats_that_differ_are_no_strange_material():
+    data = measured(simple)
+    hot = data.conditions["temperature"] == 60.0
+    twice = springpot.Measurement(
+        np.concatenate([data.omega, data.omega[hot]]),
+        np.concatenate([data.stiffness, 1.05 * data.stiffness[hot]]),
+        conditions={"temperature": np.concatenate([data.conditions["temperature"], np.full(hot.sum(), 60.0)])},
+    )
+    curve = springpot.mastercurve(twice)
+    assert not [failure for failure in curve.simplicity.failures if failure.kind == "no-material"]
+    assert any("repeated sweeps differ" in note for note in curve.notes)
+
+
+def test_too_few_points_are_not_judged():
+    rest = springpot.mastercurve(measured(simple, points=3)).simplicity
+    assert rest.verdict == "not-judged"
