@@ -31,7 +31,10 @@ VALUES = {
 VALUES |= {"q": 0.03, "s": 1e-6, "phi": 0.1, "g": 0.2, "e": 0.05, "Ea": 40.0, "C1": 5.0, "C2": 120.0, "n": 1.2}
 VALUES |= {"b": 0.6, "alpha": 0.3, "a": 0.7, "zeta": 0.1, "omega_r": 300.0}
 OWN = {("payne", "m"): 0.6, ("hysteretic-loss", "h"): 12.0, ("basset", "c"): 0.02}
-EFFECTS = sorted(plugins().items("effect"), key=lambda effect: effect.name)
+# A loop that solves a differential equation is compared with it in time, in test_describing_functions.
+EFFECTS = sorted(
+    (effect for effect in plugins().items("effect") if "z' =" not in effect.equation), key=lambda effect: effect.name
+)
 
 
 def modelled(omega):

@@ -17,7 +17,7 @@ from springpot.rheology import FULL, Points, draw, heated
 
 DESIGN = {
     "stiffness": "parallel-spring parallel-dashpot parallel-springpot relaxation-mode inertia hysteretic-loss",
-    "amplitude": "friction elasto-sliding power-law-damper cubic-stiffness dead-zone payne self-heating",
+    "amplitude": "friction elasto-sliding smooth-hysteresis power-law-damper cubic-stiffness dead-zone payne self-heating",
     "compliance": "series-spring series-dashpot series-springpot",
     "signal": "time-delay phase-error gain-error fixture-resonance",
     "others": "arrhenius-shift wlf-shift vertical-shift specimen-inertia",
@@ -163,6 +163,7 @@ LABELS = {
     "specimen-inertia": {"m": "kg"},
     "friction": {"F": "N"},
     "elasto-sliding": {"k": "kN/m", "F": "N"},
+    "smooth-hysteresis": {"k": "kN/m", "F": "N", "n": "-", "beta": "-"},
     "power-law-damper": {"F": "N", "a": "-"},
     "cubic-stiffness": {"k3": "kN/m mm^-2"},
     "cubic-damping": {"c3": "kN s^3/m mm^-2"},

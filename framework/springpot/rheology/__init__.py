@@ -8,6 +8,7 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .hysteresis import smooth_hysteresis
 from .linear import (
     basset,
     diffusion,
@@ -108,6 +109,7 @@ __all__ = [
     "payne_softening",
     "play",
     "power_law_damper",
+    "smooth_hysteresis",
     "clock",
     "delay",
     "filter_mismatch",
