@@ -223,12 +223,12 @@ def test_the_change_in_its_own_plane_does_not_depend_on_the_model(effect):
 
 def test_smooth_hysteresis_is_a_spring_when_small_and_friction_when_large():
     x = np.array([1e-4, 1e5])
-    k, force, n, beta = theta = np.array([2.0, 0.5, 1.0, 0.5])
+    k, force, _, beta = theta = np.array([2.0, 0.5, 1.0, 0.5])
     value = EFFECTS["smooth-hysteresis"].element.respond(theta, Points(np.zeros(2), amplitude=x)).value
     assert value[0] == pytest.approx(k, rel=1e-3)
     assert value[1] == pytest.approx(4j * force / (np.pi * x[1]), rel=3e-3)
-    # To first order z is x k / F, and on its way from tip to tip it slips by beta z^2 k / F beside what it turns back.
-    area = 8.0 * beta * k**2 * x[0] ** 3 / (3.0 * force)
+    # To first order in z the way down is z - (2 beta - 1) z^2 / 2, then z + z^2 / 2: a loop of 4 beta / 3 Z^3.
+    area = 4.0 * beta * k**2 * x[0] ** 3 / (3.0 * force)
     assert value[0].imag == pytest.approx(area / (np.pi * x[0] ** 2), rel=1e-3)
 
 

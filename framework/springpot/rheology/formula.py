@@ -34,6 +34,8 @@ class Formula(Node):
     third : callable or None
         ``third(at, *parameters)`` gives the third harmonic of the force over the displacement amplitude;
         see `Effect.third_harmonic`.
+    third_at_most : callable or None
+        ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where `third` is not known.
     """
 
     free: tuple[Parameter, ...]
@@ -41,6 +43,7 @@ class Formula(Node):
     conditions: tuple[str, ...] = ()
     kind: str = "element"
     third: Callable[..., Any] | None = None
+    third_at_most: Callable[..., Any] | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -75,6 +78,13 @@ class Formula(Node):
             return None
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
         return _spread(self.third(at, *self._columns(theta)), shape)
+
+    def third_harmonic_at_most(self, theta: Real, at: Points) -> Real | None:
+        """The most that the third harmonic may be, over the displacement amplitude; None where that is not known."""
+        if self.third_at_most is None:
+            return None
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        return np.broadcast_to(self.third_at_most(at, *self._columns(theta)), shape)
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Complex:

@@ -59,7 +59,7 @@ class Rule(NamedTuple):
 
 
 def flat_rule() -> Rule:
-    """Gauss's rule in t, where the node y = I(t; 4, 4), a regularised incomplete beta function, is flat at 0 and 1."""
+    """Gauss's rule in t, where the node y = I(t; 4, 4), an incomplete beta function, is flat at 0 and 1."""
     at, weight = legendre.leggauss(NODES)
     t = 0.5 * (at + 1.0)
     # Near 1 from the distance to 1, or its digits would be lost.
@@ -129,7 +129,7 @@ def _log_tip(depth: Any, n: Any) -> Any:
 
 
 def _integrands(depth: Any, n: Any, turn: Any) -> tuple[Any, Any, Any]:
-    """ln z at the nodes, Z / (1 + turn z^n) and Z (1 - z^(n-1)) / (1 - z^n)."""
+    """The logarithm of z at the nodes, Z / (1 + turn z^n) and Z (1 - z^(n-1)) / (1 - z^n)."""
     log_tip = _log_tip(depth, n)
     log_z, tip = log_tip + RULE.log_node, np.exp(log_tip)
     unloading = tip / (1.0 + turn * np.exp(n * log_z))
