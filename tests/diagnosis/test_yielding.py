@@ -100,7 +100,9 @@ def test_the_bound_is_half_of_what_an_elastic_law_would_make():
         centre, radius = model.third_harmonic_range(given, at)
         most = np.abs(centre) + radius
         np.testing.assert_allclose(most * np.abs(model.stiffness(given, at)), share * np.abs(slope), rtol=1e-4)
-    assert np.all(np.isinf(parse_model("springpot + backlash").third_harmonic_range(np.array([1.0, 0.5, 0.1]), at)[1]))
+    assert np.all(
+        np.isinf(parse_model("springpot + backlash").third_harmonic_range(np.array([1.0, 0.5, 0.1]), at)[1])
+    )
 
 
 def test_a_warm_specimen_makes_no_harmonic_but_hides_no_other():

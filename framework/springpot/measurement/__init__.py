@@ -4,6 +4,7 @@ from . import geometry
 from .catalogue import DataSet
 from .geometry import Geometry
 from .geometry_text import parse_geometry
+from .independence import Spread, independent, spread_of, steadied
 from .interface import as_modulus, as_stiffness, through
 from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
@@ -49,6 +50,7 @@ __all__ = [
     "STIFFNESS_UNITS",
     "STRAIN_UNITS",
     "Signals",
+    "Spread",
     "TEMPERATURE_UNITS",
     "TIME_UNITS",
     "TORQUE_UNITS",
@@ -57,6 +59,7 @@ __all__ = [
     "as_stiffness",
     "geometry",
     "harmonics_of",
+    "independent",
     "known_unit",
     "measurement_from_signals",
     "misspelt",
@@ -66,6 +69,8 @@ __all__ = [
     "parts_of",
     "pick_reader",
     "select",
+    "spread_of",
+    "steadied",
     "temperature_in_celsius",
     "through",
     "with_noise",
