@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from springpot.identification import EDGE
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, telling
 from springpot.rheology import Effect, Model
 
 from .directions import influence
@@ -18,7 +18,6 @@ from .pairs import best_pairs
 from .refit import Refit, refit
 from .scan import Scan, Score, scan
 from .structure import Structure, repeats_structure, structure
-from .sweeps import temperatures_differ
 
 SINGLES = 12
 """Effects refitted after the first scan."""
@@ -196,8 +195,8 @@ def _fits(base: Refit, model: Model) -> bool:
 
 
 def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data hold; a temperature that only drifts is none."""
-    columns = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
+    """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them."""
+    columns = telling(measurement)
     return [effect for effect in library if effect.needs <= columns]
 
 

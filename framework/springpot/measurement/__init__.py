@@ -4,7 +4,7 @@ from . import geometry
 from .catalogue import DataSet
 from .geometry import Geometry
 from .geometry_text import parse_geometry
-from .independence import Spread, independent, spread_of, steadied
+from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
@@ -71,6 +71,7 @@ __all__ = [
     "select",
     "spread_of",
     "steadied",
+    "telling",
     "temperature_in_celsius",
     "through",
     "with_noise",

@@ -111,6 +111,19 @@ def independent(measurement: Measurement, condition: str) -> bool:
     return spread is not None and spread.independent
 
 
+def telling(measurement: Measurement) -> frozenset[str]:
+    """Names of the conditions whose effects these data can show.
+
+    These are the ones that were varied by themselves, and an amplitude that was held: an effect that needs one is
+    still told by what it does along the frequency. A temperature that was held shows nothing.
+    """
+    names = {name for name in measurement.conditions if name not in HELD or independent(measurement, name)}
+    amplitude = measurement.conditions.get("amplitude")
+    if amplitude is not None and np.ptp(amplitude) == 0.0:
+        names.add("amplitude")
+    return frozenset(names)
+
+
 def steadied(measurement: Measurement) -> Measurement:
     """The same data, an amplitude that only wandered (see `Spread.varied`) set to its median.
 
