@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from effects_common import BASES, EFFECTS, POINTS, base, grown
 
-from springpot.rheology import FULL, Points, fixed_side_wave, heated, mass, moving_side_wave, spring
+from springpot.rheology import FULL, Points, balanced_series, fixed_side_wave, heated, mass, moving_side_wave, spring
 
 SMALL = 1e-6
 W, X, T, TR = POINTS.omega, POINTS.amplitude, POINTS.temperature, POINTS.reference_temperature
@@ -204,7 +204,7 @@ LINEAR_IN_PLANE = {
     "compliance": lambda new, old: 1 / new - 1 / old,
     "log-complex": lambda new, old: np.log(new / old),
 }
-OF_THE_SPECIMEN = (heated, moving_side_wave, fixed_side_wave)
+OF_THE_SPECIMEN = (heated, moving_side_wave, fixed_side_wave, balanced_series)
 OF_THE_DEVICE = [
     effect for effect in EFFECTS.values() if effect.plane != "shift" and effect.composition not in OF_THE_SPECIMEN
 ]

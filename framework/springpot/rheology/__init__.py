@@ -1,5 +1,6 @@
 """Rheology: elements, the four compositions, parameters and models."""
 
+from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
 from .continuum import Continuum
 from .drawing import draw, drawing_of
 from .effect import Effect, Layer
@@ -129,8 +130,10 @@ __all__ = [
     "fixed_side_wave",
     "moving_side_wave",
     "AMPLITUDE",
+    "BalancedSeries",
     "Chain",
     "Complex",
+    "Compliant",
     "Continuum",
     "Composition",
     "Dimension",
@@ -163,11 +166,13 @@ __all__ = [
     "TIME_FORM",
     "VALUE",
     "VISCOSITY",
+    "balanced_series",
     "chain",
     "columns",
     "dashpot",
     "draw",
     "drawing_of",
+    "hardening_spring",
     "limits_form",
     "mass",
     "order",
@@ -178,6 +183,7 @@ __all__ = [
     "rows",
     "series",
     "shift",
+    "slip_film",
     "spring",
     "springpot",
     "stiffness",

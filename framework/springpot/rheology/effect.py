@@ -15,6 +15,7 @@ from .points import Complex, Points, Real
 _PLANES = {
     "parallel": "stiffness",
     "series": "compliance",
+    "balanced_series": "compliance",
     "shift": "shift",
     "heated": "shift",
     "chain": "log-complex",
@@ -92,7 +93,7 @@ class Effect:
         """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
         if self.absent_at is not None:
             return self.absent_at
-        return inf if self.composition.__name__ == "series" else 0.0
+        return inf if self.plane == "compliance" else 0.0
 
     @property
     def needs(self) -> frozenset[str]:

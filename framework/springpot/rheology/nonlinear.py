@@ -72,7 +72,8 @@ def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
     return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third)
 
 
-def _power_law(at: Points, force: Any, exponent: Any) -> Any:
+def power_law(at: Points, force: Any, exponent: Any) -> Any:
+    """The law of F |v|^a sgn(v): first harmonic, its derivatives by F and a, and by ln omega."""
     from scipy.special import digamma, loggamma
 
     amplitude = at.need("amplitude")
@@ -86,7 +87,7 @@ def _power_law(at: Points, force: Any, exponent: Any) -> Any:
 
 
 def _power_law_third(at: Points, force: Any, exponent: Any) -> Any:
-    return _power_law(at, force, exponent)[0] * (1.0 - exponent) / (3.0 + exponent)
+    return power_law(at, force, exponent)[0] * (1.0 - exponent) / (3.0 + exponent)
 
 
 def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
@@ -95,7 +96,7 @@ def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
         Parameter(force, "F", FORCE),
         Parameter(exponent, "a", PURE, 0.0, 3.0, "linear", 0.5),
     )
-    return Formula(free, _power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third)
+    return Formula(free, power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third)
 
 
 def _cubic_spring(at: Points, k3: Any) -> Any:
