@@ -41,8 +41,8 @@ class TestModels(PluginContract):
 
 class TestEffects(PluginContract):
     plugin = "springpot_plugins.effects"
-    # Its parameter is the force at one amplitude unit per second, which is another speed in other units.
-    skip: ClassVar = {"power-law-damper": ["units"]}
+    # Their parameter is the force at one amplitude unit per second, which is another speed in other units.
+    skip: ClassVar = {"power-law-damper": ["units"], "power-law-slip": ["units"]}
 
 
 class TestOptimisers(PluginContract):

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.special import gamma
 
 import springpot
@@ -25,13 +26,20 @@ VALUES = {
     "k3": 5.0,
     "c3": 1e-3,
     "h": 0.4,
+    "Xh": 0.9,
     "Xc": 1.1,
     "b": 0.6,
 }
 VALUES |= {"q": 0.03, "s": 1e-6, "phi": 0.1, "g": 0.2, "e": 0.05, "Ea": 40.0, "C1": 5.0, "C2": 120.0, "n": 1.2}
 VALUES |= {"b": 0.6, "alpha": 0.3, "a": 0.7, "zeta": 0.1, "omega_r": 300.0}
 OWN = {("payne", "m"): 0.6, ("hysteretic-loss", "h"): 12.0, ("basset", "c"): 0.02}
-EFFECTS = [effect for effect in plugins().items("effect") if not effect.by_levels]
+# A loop that solves a differential equation is compared with it in time, in test_describing_functions.
+EFFECTS = sorted(
+    (effect for effect in plugins().items("effect") if "z' =" not in effect.equation and not effect.by_levels),
+    key=lambda effect: effect.name,
+)
+SHARED = "Y = "
+"""An amplitude that its own definition holds: what the element of a series takes of the displacement."""
 
 
 def modelled(omega):
@@ -47,16 +55,33 @@ class Stiffness(np.ndarray):
 
 def evaluated(equation, values):
     """The equation read as arithmetic; definitions follow it after commas."""
-    names = {
-        name: getattr(np, name) for name in ["exp", "sin", "tan", "tanh", "sqrt", "arcsin", "arccos", "imag", "pi"]
-    }
+    functions = ["exp", "sin", "tan", "tanh", "sqrt", "arcsin", "arccos", "imag", "pi", "abs"]
+    names = {name: getattr(np, name) for name in functions}
     names |= {"gamma": gamma, "min": np.minimum, "i": 1j, "s": 1j * OMEGA, "omega": OMEGA}
     names |= {"R": 8.31446261815324e-3}
     names |= {"K": modelled(OMEGA).view(Stiffness), "X": AMPLITUDE, "T": TEMPERATURE, "Tr": REFERENCE, **values}
-    whole, *definitions = re.split(r", (\w+) = ", equation.replace("^", "**"))
-    for name, meaning in zip(definitions[::2], definitions[1::2], strict=True):
+    typed = re.sub(r"\|(.*)\|", r"abs(\1)", equation.replace("^", "**"))
+    whole, *definitions = re.split(r", (\w+) = ", typed)
+    meanings = dict(zip(definitions[::2], definitions[1::2], strict=True))
+    if SHARED in equation:
+        names["Y"] = np.array([shared(names, meanings, row) for row in range(len(OMEGA))])
+        del meanings["Y"]
+    for name, meaning in reversed(meanings.items()):
         names[name] = eval(meaning, {}, names)
     return np.asarray(eval(whole, {}, names))
+
+
+def shared(names, meanings, row):
+    """The amplitude at one row that is what its definition says."""
+
+    def off(amplitude):
+        here = {name: value[row] if np.ndim(value) else value for name, value in names.items()} | {"Y": amplitude}
+        for name, meaning in reversed(meanings.items()):
+            if name != "Y":
+                here[name] = eval(meaning, {}, here)
+        return eval(meanings["Y"], {}, here) - amplitude
+
+    return brentq(off, 1e-9, AMPLITUDE[row] * 10.0, xtol=1e-14)
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)

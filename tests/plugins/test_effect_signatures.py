@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from effects_common import BASES, EFFECTS, POINTS, base, grown
 
-from springpot.rheology import FULL, Points, fixed_side_wave, heated, mass, moving_side_wave, spring
+from springpot.rheology import FULL, Points, balanced_series, fixed_side_wave, heated, mass, moving_side_wave, spring
 
 SMALL = 1e-6
 W, X, T, TR = POINTS.omega, POINTS.amplitude, POINTS.temperature, POINTS.reference_temperature
@@ -204,7 +204,7 @@ LINEAR_IN_PLANE = {
     "compliance": lambda new, old: 1 / new - 1 / old,
     "log-complex": lambda new, old: np.log(new / old),
 }
-OF_THE_SPECIMEN = (heated, moving_side_wave, fixed_side_wave)
+OF_THE_SPECIMEN = (heated, moving_side_wave, fixed_side_wave, balanced_series)
 OF_THE_DEVICE = [
     effect for effect in EFFECTS.values() if effect.plane != "shift" and effect.composition not in OF_THE_SPECIMEN
 ]
@@ -219,3 +219,35 @@ def test_the_change_in_its_own_plane_does_not_depend_on_the_model(effect):
         pair = model.stiffness(theta, POINTS), old.stiffness(old.vector(values), POINTS)
         change.append(LINEAR_IN_PLANE[effect.plane](*pair))
     np.testing.assert_allclose(change[0], change[1], rtol=1e-9, atol=1e-12)
+
+
+def test_smooth_hysteresis_is_a_spring_when_small_and_friction_when_large():
+    x = np.array([1e-4, 1e5])
+    k, force, _, beta = theta = np.array([2.0, 0.5, 1.0, 0.5])
+    value = EFFECTS["smooth-hysteresis"].element.respond(theta, Points(np.zeros(2), amplitude=x)).value
+    assert value[0] == pytest.approx(k, rel=1e-3)
+    assert value[1] == pytest.approx(4j * force / (np.pi * x[1]), rel=3e-3)
+    # To first order in z the way down is z - (2 beta - 1) z^2 / 2, then z + z^2 / 2: a loop of 4 beta / 3 Z^3.
+    area = 4.0 * beta * k**2 * x[0] ** 3 / (3.0 * force)
+    assert value[0].imag == pytest.approx(area / (np.pi * x[0] ** 2), rel=1e-3)
+
+
+def test_sharp_smooth_hysteresis_is_elasto_sliding():
+    x = np.geomspace(0.05, 20.0, 9)
+    at = Points(np.zeros(9), amplitude=x)
+    smooth = EFFECTS["smooth-hysteresis"].element.respond(np.array([2.0, 0.5, 200.0, 0.5]), at).value
+    sharp = EFFECTS["elasto-sliding"].element.respond(np.array([2.0, 0.5]), at).value
+    np.testing.assert_allclose(smooth, sharp, atol=0.01 * 2.0)
+
+
+def test_dahl_friction_has_a_loop_of_two_exponentials():
+    """With n = beta = 1 the falling half is z = (1 + Z) exp((x - X) k / F) - 1 with Z = tanh(k X / F)."""
+    k, force, amplitude = 2.0, 0.5, 0.4
+    angle = (np.arange(4096) + 0.5) * np.pi / 4096
+    reach = k * amplitude / force
+    falling = (1.0 + np.tanh(reach)) * np.exp(reach * (np.cos(angle) - 1.0)) - 1.0
+    theta, at = np.array([k, force, 1.0, 1.0]), Points(np.zeros(1), amplitude=np.array([amplitude]))
+    effect = EFFECTS["smooth-hysteresis"]
+    for n, found in ((1, effect.element.respond(theta, at).value), (3, effect.third_harmonic(theta, at))):
+        expected = 2.0 * force / amplitude * np.mean(falling * np.exp(-1j * n * angle))
+        np.testing.assert_allclose(found, expected, atol=1e-6)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from springpot.registry import plugins
 from springpot.rheology import Points
@@ -32,6 +34,21 @@ def stop(x: np.ndarray, reach: float) -> np.ndarray:
     return out
 
 
+def yielding(amplitude: float, k: float, force: float, n: float, beta: float) -> np.ndarray:
+    """Steady force of a Bouc-Wen element, its differential equation integrated over half a cycle from either tip."""
+
+    def rate(angle, z):
+        speed = -amplitude * np.sin(angle) * k / force
+        return speed * (1.0 - np.abs(z) ** n * (beta * np.sign(z * speed) + 1.0 - beta))
+
+    def half(tip, angles=None):
+        return solve_ivp(rate, (0.0, np.pi), [tip], "DOP853", angles, rtol=1e-11, atol=1e-13, max_step=0.02).y[0]
+
+    tip = brentq(lambda tip: half(tip)[-1] + tip, 0.0, 1.0, xtol=1e-13)
+    falling = half(tip, ANGLE[: SAMPLES // 2])
+    return force * np.concatenate([falling, -falling])
+
+
 def powered(v: np.ndarray, exponent: float) -> np.ndarray:
     return np.sign(v) * np.abs(v) ** exponent
 
@@ -46,6 +63,10 @@ FORCES = {
         ((2.0, F), lambda x, v, k, F: k * stop(x, F / k)) for F in (0.1, 0.26, 0.65, 1.3, 1.95, 2.6, 5.0)
     ],
     "power-law-damper": [((0.6, a), lambda x, v, F, a: F * powered(v, a)) for a in (0.05, 0.4, 1.0, 1.5, 2.0)],
+    "smooth-hysteresis": [
+        (theta, lambda x, v, *theta: yielding(x[0] / np.cos(ANGLE[0]), *theta))
+        for theta in ((2.0, 0.65, 1.0, 0.5), (2.0, 2.6, 1.7, 0.9), (2.0, 0.13, 4.0, 0.3), (1.0, 0.5, 0.7, 1.2))
+    ],
     "cubic-damping": [((0.3,), lambda x, v, c3: c3 * v**3)],
     "cubic-stiffness": [((k3,), lambda x, v, k3: k3 * x**3) for k3 in (0.4, -0.2)],
     "dead-zone": [((2.0, b), lambda x, v, k, b: k * touching(x, b)) for b in (0.01, 0.3, 0.9, 1.29, 1.5)],

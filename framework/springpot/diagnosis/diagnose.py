@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.identification import is_material, require_conditions
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, steadied
 from springpot.rheology import Effect, Model, Real
 
 from .candidates import candidates_of
+from .confounded import confounded_in_words
 from .experiment import next_experiment
 from .material import MaterialFloor, material_floor, split_in_words
 from .notes import notes, unexplained_harmonics
@@ -107,6 +108,8 @@ def examine(
     """As `diagnose`, with the fits and scans behind the answer, and with starts (p,) known from a smaller model."""
     require_conditions(model, measurement)
     measured, measurement = len(measurement), thinned(measurement)
+    if "amplitude" not in model.needs:
+        measurement = steadied(measurement)
     found, outliers = settled(measurement, model, library, rng, seeds)
     floor = material_floor(found.base, rng)
     named = _named_by(found, floor, library, rng)
@@ -134,7 +137,10 @@ def examine(
         candidates=tuple(candidates_of(named, probabilities, groups, verdict)),
         classes=tuple(tuple(group) for group in groups),
         next_experiment=_next_experiment(named, probabilities) if groups else None,
-        notes=tuple(notes(named, probabilities, verdict, outliers, measured)),
+        notes=(
+            *notes(named, probabilities, verdict, outliers, measured),
+            *(confounded_in_words(named, library) if verdict != "adequate" else ()),
+        ),
         evidence={
             "p_library": found.scan.p_value,
             "p_structure": found.structure.p_value,

@@ -20,7 +20,7 @@ LEAST = 0.002
 MOST_ROWS = 10.0
 """Rows that count at most: what is wrong with a prediction is wrong in all of them."""
 UNPREDICTED = -3.0
-"""Log-likelihood where an effect makes harmonics that no formula predicts."""
+"""Log-likelihood where an effect makes harmonics of which neither a formula nor a bound is known."""
 
 
 def harmonic_evidence(refit: Refit) -> float:
@@ -38,10 +38,11 @@ def harmonic_evidence(refit: Refit) -> float:
     rows = np.flatnonzero(np.isfinite(measured))
     if len(rows) == 0:
         return 0.0
-    predicted = refit.model.third_harmonic(refit.theta, data.points)
-    if predicted is None:
+    predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
+    if not np.all(np.isfinite(radius)):
         return UNPREDICTED
     sd: Real = (np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude)[rows] + LEAST
-    off, size = measured[rows] - predicted[rows], np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
-    missed = np.abs(off) ** 2 / (sd**2 + (TOLERANCE * size) ** 2)
+    off = np.maximum(np.abs(measured[rows] - predicted[rows]) - radius[rows], 0.0)
+    size = np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
+    missed = off**2 / (sd**2 + (TOLERANCE * size) ** 2)
     return -0.5 * float(np.mean(missed)) * min(float(len(rows)), MOST_ROWS)

@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from springpot.identification import EDGE
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, telling
 from springpot.rheology import Effect, Model
 
 from .directions import influence
@@ -18,7 +18,6 @@ from .pairs import best_pairs
 from .refit import Refit, refit
 from .scan import Scan, Score, scan
 from .structure import Structure, repeats_structure, structure
-from .sweeps import temperatures_differ
 
 SINGLES = 12
 """Effects refitted after the first scan."""
@@ -196,11 +195,11 @@ def _fits(base: Refit, model: Model) -> bool:
 
 
 def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data hold; a temperature that only drifts is none.
+    """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them.
 
     Factors without a law are left out: they can imitate every law.
     """
-    columns = {name for name in measurement.conditions if name != "temperature" or temperatures_differ(measurement)}
+    columns = telling(measurement)
     return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
 
 

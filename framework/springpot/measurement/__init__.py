@@ -6,6 +6,7 @@ from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .geometry import Geometry
 from .geometry_text import parse_geometry
+from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
@@ -52,6 +53,7 @@ __all__ = [
     "STIFFNESS_UNITS",
     "STRAIN_UNITS",
     "Signals",
+    "Spread",
     "TEMPERATURE_UNITS",
     "TIME_UNITS",
     "TORQUE_UNITS",
@@ -63,6 +65,7 @@ __all__ = [
     "guarded",
     "guarded_line",
     "harmonics_of",
+    "independent",
     "known_unit",
     "measurement_from_signals",
     "misspelt",
@@ -72,6 +75,9 @@ __all__ = [
     "parts_of",
     "pick_reader",
     "select",
+    "spread_of",
+    "steadied",
+    "telling",
     "temperature_in_celsius",
     "through",
     "unguarded",

@@ -1,5 +1,6 @@
 """Rheology: elements, the four compositions, parameters and models."""
 
+from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
 from .continuum import Continuum
 from .drawing import draw, drawing_of
 from .effect import Effect, Layer
@@ -9,6 +10,7 @@ from .formula import (
     Formula,
 )
 from .history import InTime
+from .hysteresis import smooth_hysteresis
 from .intime import Traced
 from .levels import Levels, free_factors, free_vertical_factors, levels_of
 from .linear import (
@@ -113,6 +115,7 @@ __all__ = [
     "payne_softening",
     "play",
     "power_law_damper",
+    "smooth_hysteresis",
     "clock",
     "delay",
     "filter_mismatch",
@@ -135,8 +138,10 @@ __all__ = [
     "free_vertical_factors",
     "moving_side_wave",
     "AMPLITUDE",
+    "BalancedSeries",
     "Chain",
     "Complex",
+    "Compliant",
     "Continuum",
     "Composition",
     "Dimension",
@@ -174,12 +179,14 @@ __all__ = [
     "Traced",
     "VALUE",
     "VISCOSITY",
+    "balanced_series",
     "chain",
     "columns",
     "dashpot",
     "draw",
     "drawing_of",
     "levels_of",
+    "hardening_spring",
     "limits_form",
     "mass",
     "order",
@@ -190,6 +197,7 @@ __all__ = [
     "rows",
     "series",
     "shift",
+    "slip_film",
     "spring",
     "springpot",
     "stiffness",

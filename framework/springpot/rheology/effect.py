@@ -18,6 +18,7 @@ from .points import Complex, Points, Real
 _PLANES = {
     "parallel": "stiffness",
     "series": "compliance",
+    "balanced_series": "compliance",
     "shift": "shift",
     "heated": "shift",
     "chain": "log-complex",
@@ -95,7 +96,7 @@ class Effect:
         """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
         if self.absent_at is not None:
             return self.absent_at
-        return inf if self.composition.__name__ == "series" else 0.0
+        return inf if self.plane == "compliance" else 0.0
 
     @property
     def needs(self) -> frozenset[str]:
@@ -165,3 +166,29 @@ class Effect:
         if found is None and "amplitude" not in self.needs:
             return np.zeros((*theta.shape[:-1], at.log_omega.shape[-1]), dtype=complex)
         return found
+
+    def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
+        """Where the third harmonic that the effect adds to the force must lie, as a circle around what is predicted.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            The element's own parameters.
+        at : Points
+            The n points.
+
+        Returns
+        -------
+        centre : ndarray of complex, shape (n,)
+            As `third_harmonic`; zero where only a bound is known.
+        radius : ndarray, shape (n,)
+            How far off it may be: zero for a formula, infinite where nothing is known. A formula holds beside the
+            model only, where the displacement is a sinusoid; elsewhere only "none" and a bound do.
+        """
+        shape = at.log_omega.shape[-1:]
+        centre = self.third_harmonic(theta, at)
+        beside = self.composition.__name__ == "parallel" or "amplitude" not in self.needs
+        if centre is not None and (beside or not np.any(centre)):
+            return centre, np.zeros(shape)
+        bound = getattr(self.element, "third_harmonic_at_most", lambda *_: None)(theta, at)
+        return np.zeros(shape, dtype=complex), np.full(shape, inf) if bound is None else bound

@@ -39,6 +39,8 @@ class Formula(Node):
         Beside the material, ``in_time(t, x, velocity, *parameters)`` gives the force and its derivative by each
         parameter, all (n,). In the measurement chain, ``in_time(t, columns, *parameters)`` turns signals (n, c)
         into what is recorded of them, and gives the derivatives of the first one.
+    third_at_most : callable or None
+        ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where `third` is not known.
     """
 
     free: tuple[Parameter, ...]
@@ -47,6 +49,7 @@ class Formula(Node):
     kind: str = "element"
     third: Callable[..., Any] | None = None
     in_time: Callable[..., tuple[Any, Sequence[Any]]] | None = None
+    third_at_most: Callable[..., Any] | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -81,6 +84,13 @@ class Formula(Node):
             return None
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
         return _spread(self.third(at, *self._columns(theta)), shape)
+
+    def third_harmonic_at_most(self, theta: Real, at: Points) -> Real | None:
+        """The most that the third harmonic may be, over the displacement amplitude; None where that is not known."""
+        if self.third_at_most is None:
+            return None
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        return np.broadcast_to(self.third_at_most(at, *self._columns(theta)), shape)
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Complex:

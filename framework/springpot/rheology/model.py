@@ -153,14 +153,34 @@ class Model:
             Zero where all is linear; None where an effect makes a harmonic that no formula here predicts, because it
             has none or does not act in parallel.
         """
-        total = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
+        centre, radius = self.third_harmonic_range(theta, at)
+        return None if np.any(radius) else centre
+
+    def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
+        """Where the third harmonic of the force over the first must lie, as a circle around what is predicted.
+
+        Parameters
+        ----------
+        theta : ndarray, shape (p,)
+            Parameters.
+        at : Points
+            The n points, with their amplitudes.
+
+        Returns
+        -------
+        centre : ndarray of complex, shape (n,)
+            The sum of what the effects make by their formulas.
+        radius : ndarray, shape (n,)
+            The sum of the bounds of those without one; infinite where an effect has neither.
+        """
+        centre = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
+        radius = np.zeros(centre.shape)
         for effect, prefix in self.named_effects():
             own = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
-            force = effect.third_harmonic(theta[own], at)
-            if force is None or ("amplitude" in effect.needs and effect.composition is not parallel):
-                return None
-            total = total + force
-        return np.asarray(total / self.stiffness(theta, at), dtype=np.complex128)
+            known, unsure = effect.third_harmonic_range(theta[own], at)
+            centre, radius = centre + known, radius + unsure
+        first = self.stiffness(theta, at)
+        return np.asarray(centre / first, dtype=np.complex128), radius / np.abs(first)
 
     def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
         """Complex stiffness.

@@ -135,10 +135,17 @@ def _heating(at: Points, s: Any) -> Any:
     return s * unit, (unit,), s * unit
 
 
+def _no_third(at: Points, *_: Any) -> Any:
+    return 0.0
+
+
 def heating(s: str = "s") -> Formula:
-    """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2; s is the shift per unit of power."""
+    """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2; s is the shift per unit of power.
+
+    The temperature that a specimen reaches in many cycles does not follow one of them, so that no harmonic arises.
+    """
     unit = Dimension(stiffness=-1, time=1, amplitude=-2)
-    return Formula((Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating")
+    return Formula((Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating", _no_third)
 
 
 class Heated(Composition):

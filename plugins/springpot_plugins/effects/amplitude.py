@@ -18,6 +18,7 @@ from springpot.rheology import (
     payne_softening,
     play,
     power_law_damper,
+    smooth_hysteresis,
 )
 
 GELB = "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968"
@@ -42,6 +43,16 @@ EFFECTS = (
         "Jenkin 1922; Iwan 1966, doi:10.1115/1.3625199",
         ("jenkins",),
         equation="K + k / pi * (b - sin(2 * b) / 2 + i * sin(b)^2), b = arccos(1 - 2 * min(F / (k * X), 1))",
+    ),
+    Effect(
+        "smooth-hysteresis",
+        parallel,
+        smooth_hysteresis("k", "F", "n", "beta"),
+        "a spring that yields gradually, at any rate alike: storage falls with amplitude, loss peaks, odd harmonics",
+        Layer.MOVING_PARTS,
+        "Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with Hysteresis",
+        ("bouc-wen",),
+        equation="K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 - beta))",
     ),
     Effect(
         "power-law-damper",

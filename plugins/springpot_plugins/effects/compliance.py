@@ -5,13 +5,18 @@ from __future__ import annotations
 from springpot.rheology import (
     Effect,
     Layer,
+    balanced_series,
     dashpot,
+    hardening_spring,
     resonant_frame,
     retardation_mode,
     series,
+    slip_film,
     spring,
     springpot,
 )
+
+BALANCE = "first harmonics are balanced; higher ones of the force do not move the model"
 
 EFFECTS = (
     Effect(
@@ -42,6 +47,30 @@ EFFECTS = (
         citation="Yoshimura and Prud'homme 1988, J. Rheol. 32, 53",
         aliases=("slip", "wall-slip", "flow"),
         equation="1 / (1 / K + 1 / (c * s))",
+    ),
+    Effect(
+        "hardening-mount",
+        balanced_series,
+        hardening_spring("k", "Xh"),
+        "a mount in series that stiffens as it is moved further: the specimen gets more of a large displacement",
+        Layer.MOUNTING,
+        "Nayfeh and Mook, Nonlinear Oscillations, 1979",
+        ("hardening-series-spring",),
+        approximate=BALANCE,
+        prior=0.3,
+        equation="1 / (1 / K + 1 / (k * (1 + (Y / Xh)^2))), Y = X * |K / (K + k * (1 + (Y / Xh)^2))|",
+    ),
+    Effect(
+        "power-law-slip",
+        balanced_series,
+        slip_film("F", "a"),
+        "the specimen slips on its plates, the faster the larger the stress: stiffness is lost at large amplitude",
+        citation="Hatzikiriakos and Dealy 1991, J. Rheol. 35, 497",
+        aliases=("stress-slip", "nonlinear-slip"),
+        approximate=BALANCE,
+        prior=0.3,
+        equation="1 / (1 / K + 1 / S), S = i * F * g * omega^a * Y^(a - 1), Y = X * |K / (K + S)|, "
+        "g = 2 / sqrt(pi) * gamma(1 + a / 2) / gamma((3 + a) / 2)",
     ),
     Effect(
         "series-springpot",

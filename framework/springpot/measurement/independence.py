@@ -1,0 +1,183 @@
+"""How far a condition was varied by itself, and how far it only moved with something else.
+
+Every rig lets the amplitude wander a little with frequency, one that controls the force lets it follow the specimen,
+and an operator chooses it to suit the temperature. Then whatever depends on frequency or temperature depends on the
+amplitude too, and no fit can say that the amplitude is the cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+from .measurement import Measurement
+
+HELD: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
+"""What a rig holds: amplitudes that lie within 10 % (as logarithms) and temperatures within 1 K were not varied.
+
+Strain of a rheometer under strain control is held within 4 % and less, and ovens drift by some tenths of a kelvin."""
+CHOSEN: Mapping[str, float] = {"amplitude": 0.2, "temperature": 1.0}
+"""Least distance of values that were chosen: ten levels a decade lie 26 % apart, 0.23 in logarithms."""
+SMOOTH_DEGREE = 5
+"""Highest degree of the polynomial in the logarithm of the frequency that counts as moving with it."""
+POINTS_PER_DEGREE = 3
+"""Distinct frequencies that a degree needs: with fewer, the polynomial would follow levels chosen at random."""
+FREE_SHARE = 0.3
+"""Share of the rows that must be left over by what is fitted for the rest to say anything."""
+FEWEST = 3
+"""Rows beside the first at one frequency and temperature from which a difference between them was a choice."""
+SAME_FREQUENCY = 1e-3
+"""Distance of logarithms within which frequencies are one."""
+ROUNDS = 20
+"""Reweighted fits towards the least sum of absolute deviations: changes are below a per cent after ten."""
+NORMAL = 1.4826
+"""Standard deviation over the median of the absolute values of a normal distribution."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How much a condition varied.
+
+    Attributes
+    ----------
+    whole : float
+        Twice the standard deviation over all rows: for two levels alike often, their distance. In kelvin, and of
+        amplitudes in units of their logarithm.
+    own : float
+        The same of what is left when the frequency, and for an amplitude the temperature, have explained what they
+        can. Where some rows share both, it is the spread among these; else what a slow curve through most of the
+        rows leaves, so that a resonance of the rig is not taken for a choice.
+    held, chosen : float
+        What a rig holds, and what values that were chosen differ by at least, in the same unit.
+    """
+
+    whole: float
+    own: float
+    held: float
+    chosen: float
+
+    @property
+    def varied(self) -> bool:
+        """Whether it was varied at all."""
+        return self.whole > self.held
+
+    @property
+    def independent(self) -> bool:
+        """Whether it was varied by itself, so that data can show what it does."""
+        return self.varied and self.own >= self.chosen
+
+
+def spread_of(measurement: Measurement, condition: str) -> Spread | None:
+    """How much a condition varied, and how much of that nothing else explains.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    condition : {"amplitude", "temperature"}
+        Which.
+
+    Returns
+    -------
+    Spread or None
+        None without such a column.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> omega = np.geomspace(0.1, 100.0, 12)
+    >>> follows = Measurement(omega, 1e3 * omega**0.5 + 0j, conditions={"amplitude": 0.3 / omega**0.5})
+    >>> spread_of(follows, "amplitude").independent
+    False
+    """
+    column = measurement.conditions.get(condition)
+    if column is None:
+        return None
+    values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny)) if condition == "amplitude" else column
+    whole = float(np.std(values))
+    own = min(whole, _unexplained(measurement, condition, values))
+    return Spread(2.0 * whole, 2.0 * own, HELD[condition], CHOSEN[condition])
+
+
+def independent(measurement: Measurement, condition: str) -> bool:
+    """Whether a condition was varied by itself; see `Spread`."""
+    spread = spread_of(measurement, condition)
+    return spread is not None and spread.independent
+
+
+def telling(measurement: Measurement) -> frozenset[str]:
+    """Names of the conditions whose effects these data can show.
+
+    These are the ones that were varied by themselves, and an amplitude that was held: an effect that needs one is
+    still told by what it does along the frequency. A temperature that was held shows nothing.
+    """
+    names = {name for name in measurement.conditions if name not in HELD or independent(measurement, name)}
+    amplitude = measurement.conditions.get("amplitude")
+    if amplitude is not None and np.ptp(amplitude) == 0.0:
+        names.add("amplitude")
+    return frozenset(names)
+
+
+def steadied(measurement: Measurement) -> Measurement:
+    """The same data, an amplitude that only wandered (see `Spread.varied`) set to its median.
+
+    What an effect of the amplitude does at one amplitude can then still be told, but nothing is read into the wander.
+    """
+    spread = spread_of(measurement, "amplitude")
+    if spread is None or spread.varied:
+        return measurement
+    column = measurement.conditions["amplitude"]
+    steady = np.full_like(column, np.median(column))
+    return replace(measurement, conditions={**measurement.conditions, "amplitude": steady})
+
+
+def _unexplained(measurement: Measurement, condition: str, values: Real) -> float:
+    """Standard deviation that neither the frequency nor, for an amplitude, the temperature explains."""
+    log_omega = np.log(measurement.omega)
+    if condition == "temperature":
+        return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
+    temperature = measurement.conditions.get("temperature", np.zeros(len(values)))
+    same_omega, same_temperature = _levels(log_omega, SAME_FREQUENCY), _levels(temperature, HELD["temperature"])
+    both = same_omega * (int(same_temperature.max()) + 1) + same_temperature
+    rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
+    free = len(values) - len(np.unique(both))
+    within = float(np.sqrt(np.sum(rest**2) / max(free, 1)))
+    if free >= FREE_SHARE * len(values) or (free >= FEWEST and 2.0 * within >= CHOSEN["amplitude"]):
+        return within
+    return min(_off_curves(same_temperature, log_omega, values), _off_curves(same_omega, temperature, values))
+
+
+def _levels(column: Real, apart: float) -> NDArray[np.int64]:
+    """Number of the level of each value; levels lie further apart than that."""
+    order = np.argsort(column, kind="stable")
+    number = np.zeros(len(column), dtype=np.int64)
+    number[order[1:]] = np.cumsum(np.diff(column[order]) > apart)
+    return number
+
+
+def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
+    """Standard deviation of y, told from most of the rows, about a slow curve in x for each level; else infinite."""
+    left: list[Real] = []
+    for number in range(int(level.max()) + 1):
+        rows = np.flatnonzero(level == number)
+        left.append(_off_curve(x[rows], y[rows]))
+    rest = np.concatenate(left)
+    return NORMAL * float(np.median(rest)) if len(rest) >= FREE_SHARE * len(y) else np.inf
+
+
+def _off_curve(x: Real, y: Real) -> Real:
+    """Absolute deviations from the polynomial of the least sum of them, without those that it brings to zero."""
+    degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, 6))) // POINTS_PER_DEGREE)
+    scaled = 2.0 * (x - x.min()) / (float(np.ptp(x)) or 1.0) - 1.0
+    basis = np.polynomial.legendre.legvander(scaled, degree)
+    weight, rest = np.ones(len(y)), y
+    for _ in range(ROUNDS):
+        rest = y - basis @ np.linalg.lstsq(basis * weight[:, None], y * weight, rcond=None)[0]
+        weight = 1.0 / np.sqrt(np.maximum(np.abs(rest), 1e-3 * HELD["amplitude"]))
+    return np.sort(np.abs(rest))[degree + 1 :]

@@ -1,0 +1,129 @@
+"""Nonlinear elements in series with a model, by the balance of the first harmonics.
+
+A model and an element that carry the same force share the displacement X: across the element lies
+X_e = X |K| / |K + K_e(X_e)|, one real equation at each point. Higher harmonics of the force would move the model too;
+they are left out, which is exact for weak nonlinearity and where one of the two takes nearly all of the displacement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from .formula import Formula
+from .nodes import GRADIENT, VALUE, Composition, Node, Response
+from .nonlinear import NEEDS_AMPLITUDE, power_law
+from .parameters import AMPLITUDE, FORCE, PURE, Parameter, stiffness
+from .points import Complex, Points, Real
+
+NEWTON_STEPS = 40
+"""Six are enough but for an element that hardens or slips by powers of ten; the equation is monotone."""
+LONGEST = 2.0
+"""Longest step in the logarithm of the amplitude, so that a step from far off does not overshoot."""
+CONVERGED = 1e-8
+"""Step after which nothing is left to rounding, as the error of Newton's method is squared each time."""
+
+
+@dataclass(frozen=True)
+class Compliant(Formula):
+    """An element that may stand in series.
+
+    Parameters
+    ----------
+    growth : callable
+        ``growth(value, *parameters)`` gives dK / d ln X from K itself.
+    """
+
+    growth: Callable[..., Any] = lambda value, *_: 0.0 * value
+
+    def log_slope(self, theta: Real, value: Complex) -> Complex:
+        """The derivative dK / d ln X where K is `value`, shape (..., n)."""
+        slope: Complex = self.growth(value, *self._columns(theta))
+        return slope
+
+
+class BalancedSeries(Composition):
+    """A model in series with an element that is not linear: 1 / K = 1 / K_a + 1 / K_e(X_e)."""
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K at the displacement X_e that the element takes."""
+        body_theta, own = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        body = self.children[0].respond(body_theta, at, depth)
+        element, slope = self._balanced(body.value, own, at, depth)
+        both = body.value + element.value
+        value = body.value * element.value / both
+        if depth == VALUE:
+            return Response(value)
+        by_body, by_element = (element.value / both) ** 2, (body.value / both) ** 2
+        stiffening = 1.0 + np.real(slope / both)
+
+        def total(of_body: Complex, of_element: Complex) -> Complex:
+            """Change of the whole K, the share of the displacement that the element takes moving along."""
+            moved = np.real((of_body + of_element) / both - of_body / body.value)
+            shift = -moved / stiffening
+            found: Complex = by_body * of_body + by_element * (of_element + slope * shift)
+            return found
+
+        columns = [total(body.by_theta[..., i, :], 0.0 * value) for i in range(body.by_theta.shape[-2])]
+        columns += [total(0.0 * value, element.by_theta[..., i, :]) for i in range(element.by_theta.shape[-2])]
+        by_theta = np.stack(columns, axis=-2)
+        if depth == GRADIENT:
+            return Response(value, by_theta)
+        return Response(value, by_theta, total(body.by_log_omega, element.by_log_omega))
+
+    def _balanced(self, body: Complex, own: Real, at: Points, depth: int) -> tuple[Response, Complex]:
+        """The element's response at the amplitude that it takes, and dK_e / d ln X_e there."""
+        element = self.children[1]
+        while not isinstance(element, Compliant):
+            element = element.node  # type: ignore[attr-defined]  # names in front of its parameters
+        log_whole = np.log(at.need("amplitude")) + np.log(np.abs(body))
+        log_own = np.broadcast_to(np.log(at.need("amplitude")), body.shape)
+        for _ in range(NEWTON_STEPS):
+            there = replace(at, amplitude=np.exp(log_own))
+            found = element.respond(own, there).value
+            both = body + found
+            off = log_own + np.log(np.abs(both)) - log_whole
+            step = np.clip(-off / (1.0 + np.real(element.log_slope(own, found) / both)), -LONGEST, LONGEST)
+            log_own = log_own + step
+            if np.max(np.abs(step), initial=0.0) < CONVERGED:
+                break
+        there = replace(at, amplitude=np.exp(log_own))
+        response = element.respond(own, there, depth)
+        return response, element.log_slope(own, response.value)
+
+
+def balanced_series(body: Node, element: Node) -> Node:
+    """`body` in series with a nonlinear `element` (a `Compliant`)."""
+    return BalancedSeries((body, element))
+
+
+def _hardening(at: Points, k: Any, doubled: Any) -> Any:
+    grown = (at.need("amplitude") / doubled) ** 2
+    return k * (1.0 + grown), (1.0 + grown, -2.0 * k * grown / doubled), 0.0
+
+
+def _hardening_growth(value: Any, k: Any, doubled: Any) -> Any:
+    return 2.0 * (value - k)
+
+
+def hardening_spring(k: str = "k", doubled: str = "Xh") -> Compliant:
+    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2): at the amplitude Xh it is twice as stiff."""
+    free = (stiffness(k), Parameter(doubled, "X_h", AMPLITUDE))
+    return Compliant(free, _hardening, NEEDS_AMPLITUDE, "hardening spring", growth=_hardening_growth)
+
+
+def _slip_growth(value: Any, force: Any, exponent: Any) -> Any:
+    return (exponent - 1.0) * value
+
+
+def slip_film(force: str = "F", exponent: str = "a") -> Compliant:
+    """A film that slips at a speed which grows as the force to the power 1 / a, F |v|^a sgn(v).
+
+    F is the force at a speed of one amplitude unit per second. a = 1 is a film of Newtonian fluid; molten polymers
+    slip with 1 / a of 2 to 6.
+    """
+    free = (Parameter(force, "F", FORCE), Parameter(exponent, "a", PURE, 0.1, 1.0, "linear", 0.4))
+    return Compliant(free, power_law, NEEDS_AMPLITUDE, "slip film", growth=_slip_growth)

@@ -1,0 +1,270 @@
+"""Smooth hysteresis after Bouc and Wen: a spring that yields gradually, with its exact loop.
+
+The force F z of the element follows the displacement x by z' = (k / F) x' (1 - |z|^n (beta sgn(z x') + 1 - beta)):
+k is its stiffness near z = 0 and F the force at which it yields (Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane
+and Rodellar 2007, Systems with Hysteresis). It knows no rate, so that a steady cycle between -X and X is one loop.
+On its falling half the distance from the tip is
+
+    int_z^Z dy / (1 + (2 beta - 1) y^n)      while z falls from its greatest value Z to 0, and beyond
+    int_0^|z| dy / (1 - y^n)
+
+more, both together 2 k X / F. Integrated by parts, the harmonic F_m of the force is 2 i / (pi m) times the integral
+of exp(-i m phi) over z, with cos phi = x / X. Both integrals are done by Gauss's rule in a variable that is flat
+at z = 0 and at the tips, where they have roots and powers: they converge geometrically, to 1e-8 with 24 nodes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.special import betainc, betaln
+
+from .nodes import VALUE, Node, Response
+from .nonlinear import NEEDS_AMPLITUDE
+from .parameters import FORCE, PURE, Parameter, stiffness
+from .points import Complex, Points, Real
+
+NODES = 24
+"""Nodes on each half of z; the error falls by a factor of ten with every three more."""
+FLATNESS = 4
+"""Power with which the variable is flat at its ends: then roots at the tips become squares."""
+NEWTON_STEPS = 5
+"""Four reach rounding from the start below for kX/F from 1e-8 to 1e8 and n from 0.5 to 8."""
+OVERFLOW = 700.0
+"""Exponent beyond which an exponential is no floating-point number."""
+BLOCK = 2**12
+"""Loops that are integrated at once: what fits a processor's cache."""
+
+
+class Rule(NamedTuple):
+    """Integration over (0, 1).
+
+    Attributes
+    ----------
+    log_node : ndarray, shape (q,)
+        Logarithms of the nodes.
+    weight : ndarray, shape (q,)
+        Weights of the whole integral.
+    up_to, beyond : ndarray, shape (q, q)
+        Weights of the integral from 0 to each node, and from it to 1.
+    """
+
+    log_node: Real
+    weight: Real
+    up_to: Real
+    beyond: Real
+
+
+def flat_rule() -> Rule:
+    """Gauss's rule in t, where the node y = I(t; 4, 4), an incomplete beta function, is flat at 0 and 1."""
+    at, weight = legendre.leggauss(NODES)
+    t = 0.5 * (at + 1.0)
+    # Near 1 from the distance to 1, or its digits would be lost.
+    near_one = np.log1p(-betainc(FLATNESS, FLATNESS, 1.0 - t))
+    log_node = np.where(t < 0.5, np.log(betainc(FLATNESS, FLATNESS, t)), near_one)
+    slope = 0.5 * np.exp((FLATNESS - 1) * np.log(t * (1.0 - t)) - betaln(FLATNESS, FLATNESS))
+    to_series = (legendre.legvander(at, NODES - 1) * weight[:, None]).T * (np.arange(NODES)[:, None] + 0.5)
+    integrated = np.stack([legendre.legval(at, legendre.legint(one, lbnd=-1)) for one in np.eye(NODES)], axis=1)
+    up_to = integrated @ to_series * slope
+    return Rule(log_node, weight * slope, up_to, up_to[::-1, ::-1])
+
+
+RULE = flat_rule()
+
+
+class Loop(NamedTuple):
+    """The falling half of a steady loop at the nodes of both halves of z.
+
+    Attributes
+    ----------
+    depth : ndarray, shape (..., 1)
+        -ln(1 - Z^n) / n: how far the tip has yielded; finite where Z is 1 but for less than rounding.
+    log_z, unloading, regular, log_part : ndarray, shape (..., q)
+        ln |z| at the nodes, the integrands of the way on either side of z = 0, less the part of the second that is
+        integrated by hand, and that part.
+    share : ndarray, shape (..., 1, q)
+        Weight of each node in an integral over z.
+    cosine, sine : ndarray, shape (..., 2, q)
+        Displacement over its amplitude, and the root of one minus its square.
+    """
+
+    depth: Any
+    log_z: Any
+    unloading: Any
+    regular: Any
+    log_part: Any
+    share: Any
+    cosine: Any
+    sine: Any
+
+
+def loop(reach: Any, n: Any, turn: Any) -> Loop:
+    """The steady loop.
+
+    Parameters
+    ----------
+    reach : ndarray, shape (..., 1)
+        k X / F, the amplitude over the displacement at which a bilinear spring would yield.
+    n, turn : ndarray, shape (..., 1)
+        Sharpness of the yielding, and 2 beta - 1.
+    """
+    depth = _depth(reach, n, turn)
+    log_z, unloading, regular = _integrands(depth, n, turn)
+    log_part = -np.log(-np.expm1(n * log_z)) / n
+    whole = (unloading @ RULE.weight)[..., None]
+    way = np.stack([unloading @ RULE.beyond.T, whole + log_part + regular @ RULE.up_to.T], axis=-2)
+    way = way / reach[..., None]
+    # The nodes next to the tips, whose weights are next to nothing, may lie beyond them by the rule's error.
+    room = way * (2.0 - way)
+    room = np.where(np.real(room) > 0.0, room, 0.0)
+    share = (np.exp(_log_tip(depth, n)) * RULE.weight)[..., None, :]
+    return Loop(depth, log_z, unloading, regular, log_part, share, 1.0 - way, np.sqrt(room))
+
+
+def _log_tip(depth: Any, n: Any) -> Any:
+    return np.log(-np.expm1(-n * depth)) / n
+
+
+def _integrands(depth: Any, n: Any, turn: Any) -> tuple[Any, Any, Any]:
+    """The logarithm of z at the nodes, Z / (1 + turn z^n) and Z (1 - z^(n-1)) / (1 - z^n)."""
+    log_tip = _log_tip(depth, n)
+    log_z, tip = log_tip + RULE.log_node, np.exp(log_tip)
+    unloading = tip / (1.0 + turn * np.exp(n * log_z))
+    return log_z, unloading, tip * np.expm1((n - 1.0) * log_z) / np.expm1(n * log_z)
+
+
+def _depth(reach: Any, n: Any, turn: Any) -> Any:
+    """How far the tip has yielded: Newton's method in the logarithms of both sides, which are nearly straight."""
+    log_goal = np.log(2.0 * reach)
+    log_depth = np.minimum(n * np.log(reach) - np.log(n), log_goal)
+    for _ in range(NEWTON_STEPS):
+        depth = np.exp(log_depth)
+        _, unloading, regular = _integrands(depth, n, turn)
+        way = depth + ((unloading + regular) @ RULE.weight)[..., None]
+        log_tip, rest = _log_tip(depth, n), np.exp(-n * depth)
+        growth = np.exp((1.0 - n) * log_tip) * (1.0 + rest / (1.0 + turn * (1.0 - rest)))
+        log_depth = log_depth - (np.log(way) - log_goal) * way / (depth * growth)
+    return np.exp(log_depth)
+
+
+def first_over(reach: Any, n: Any, turn: Any) -> Any:
+    """First harmonic over k X, shape (1, ...)."""
+    return _first(loop(reach[..., None], n[..., None], turn[..., None]), reach)[None]
+
+
+def _first(found: Loop, reach: Any) -> Any:
+    return 2.0 / (np.pi * reach) * np.sum(found.share * (found.sine + 1j * found.cosine), axis=(-2, -1))
+
+
+def third_over(reach: Any, n: Any, turn: Any) -> Any:
+    """Third harmonic over k X, shape (1, ...)."""
+    found = loop(reach[..., None], n[..., None], turn[..., None])
+    turned = (found.cosine - 1j * found.sine) ** 3
+    return (2j / (3.0 * np.pi * reach) * np.sum(found.share * turned, axis=(-2, -1)))[None]
+
+
+def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
+    """First harmonic over k X and its derivatives by the three arguments, shape (4, ...).
+
+    They are those of the sums, term by term, so that they belong to the value to rounding.
+    """
+    a, n, turn = (each[..., None] for each in (reach, n, turn))
+    found = loop(a, n, turn)
+    log_z, power = found.log_z, np.exp(n * found.log_z)
+    tip, lost = np.exp(_log_tip(found.depth, n)), np.expm1(n * found.log_z)
+    # Of the integrands and the part done by hand: by ln Z, by n and by the turn.
+    slip = found.unloading**2 / tip * power
+    lower = np.exp((n - 1.0) * log_z)
+    bend = tip * ((n - 1.0) * lower * lost - n * np.expm1((n - 1.0) * log_z) * power) / lost**2
+    unloading = (found.unloading - n * turn * slip, -turn * log_z * slip, -slip)
+    regular = (found.regular + bend, tip * log_z * lower * np.expm1(log_z) / lost**2, 0.0 * slip)
+    by_hand = (-power / lost, -(found.log_part + log_z * power / lost) / n, 0.0 * slip)
+    # How the tip moves, so that the way from tip to tip stays 2 k X / F.
+    odds = 1.0 / np.expm1(np.minimum(n * found.depth, OVERFLOW))
+    pull = [((u + r) @ RULE.weight)[..., None] for u, r in zip(unloading, regular, strict=True)]
+    tip_by_n = (found.depth * odds - np.log(tip)) / n
+    drive = (2.0 + 0.0 * a, -(pull[1] + pull[0] * tip_by_n), -pull[2])
+    slopes = []
+    for i, own in enumerate(drive):
+        log_tip = odds * own / (1.0 + odds * pull[0]) + (tip_by_n if i == 1 else 0.0)
+        u, r, h = (part[0] * log_tip + (part[i] if i else 0.0) for part in (unloading, regular, by_hand))
+        whole = (u @ RULE.weight)[..., None]
+        way = np.stack([u @ RULE.beyond.T, whole + h + r @ RULE.up_to.T], axis=-2)
+        way = (way - (1.0 - found.cosine if i == 0 else 0.0)) / a[..., None]
+        sine = np.divide(found.cosine * way, found.sine, where=found.sine != 0.0, out=np.zeros_like(way))
+        moved = log_tip[..., None] * (found.sine + 1j * found.cosine) + sine - 1j * way
+        slopes.append(2.0 / (np.pi * reach) * np.sum(found.share * moved, axis=(-2, -1)))
+    first = _first(found, reach)
+    return np.stack([first, slopes[0] - first / reach, slopes[1], slopes[2]])
+
+
+def _in_blocks(function: Any, arguments: tuple[Any, ...]) -> Any:
+    """`function` of arguments that broadcast, a block of loops after the other."""
+    shape = np.broadcast_shapes(*(np.shape(each) for each in arguments))
+    flat = [np.broadcast_to(each, shape).ravel() for each in arguments]
+    count = max(1, -(-len(flat[0]) // BLOCK))
+    parts = zip(*(np.array_split(each, count) for each in flat), strict=True)
+    found = np.concatenate([function(*part) for part in parts], axis=-1)
+    return found.reshape((*found.shape[:-1], *shape))
+
+
+@dataclass(frozen=True)
+class Hysteresis(Node):
+    """A spring that yields gradually: its first harmonic, exact for a sinusoidal displacement.
+
+    Parameters
+    ----------
+    free : tuple of Parameter
+        Stiffness k, yield force F, sharpness n and share beta.
+    """
+
+    free: tuple[Parameter, ...]
+    kind: str = "hysteresis"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """k, F, n and beta."""
+        return self.free
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """The amplitude."""
+        return frozenset(NEEDS_AMPLITUDE)
+
+    def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
+        """K, the same at all frequencies; it is worked out once for each amplitude that was measured."""
+        amplitude, which = np.unique(at.need("amplitude"), return_inverse=True)
+        k, force, n, beta = (theta[..., i : i + 1] for i in range(4))
+        reach, turn = k * amplitude / force, 2.0 * beta - 1.0
+        if depth == VALUE:
+            return Response(k * _in_blocks(first_over, (reach, n, turn))[0][..., which])
+        first, by_reach, by_n, by_turn = _in_blocks(first_and_slopes, (reach, n, turn))
+        slopes = [first + reach * by_reach, -k * reach / force * by_reach, k * by_n, 2.0 * k * by_turn]
+        value = (k * first)[..., which]
+        return Response(value, np.stack(slopes, axis=-2)[..., which], np.zeros_like(value))
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex:
+        """Third harmonic of the force over the displacement amplitude, shape (..., n)."""
+        k, force, n, beta = (theta[..., i : i + 1] for i in range(4))
+        reach = k * at.need("amplitude") / force
+        third: Complex = k * _in_blocks(third_over, (reach, n, 2.0 * beta - 1.0))[0]
+        return third
+
+
+def smooth_hysteresis(k: str = "k", force: str = "F", n: str = "n", beta: str = "beta") -> Hysteresis:
+    """A Bouc-Wen element: stiffness k, yield force F, sharpness n (large: bilinear) and hysteretic share beta.
+
+    beta = 1 with n = 1 is Dahl's friction (1976, doi:10.2514/3.61511), beta = 1/2 unloads with the stiffness k; below
+    1/2 the element could give back more energy than it took (Erlicher and Point 2004,
+    doi:10.1016/j.crme.2003.10.009), which is fitted to data none the less.
+    """
+    free = (
+        stiffness(k),
+        Parameter(force, "F", FORCE),
+        Parameter(n, "n", PURE, 0.5, 8.0, "linear", 1.0),
+        Parameter(beta, "β", PURE, 0.1, 1.5, "linear", 0.5),
+    )
+    return Hysteresis(free)
