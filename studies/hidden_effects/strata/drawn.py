@@ -27,8 +27,9 @@ class Drawn:
 
     ``kind`` is "nothing", "one" (a library effect is missing), "outside" (something that has no name) or "base" (the
     model's own spectrum is wrong); ``right`` holds every name that is a right answer. ``floor`` is the relative rms
-    error per complex point of the noise alone; ``chi2`` what the best refitted model leaves of the noise-free data,
-    ``material_chi2`` what any passive spectrum leaves of them, where that was asked.
+    error per complex point of the noise alone; ``network`` names the true spectrum where that is not the model's;
+    ``chi2`` is what the best refitted model leaves of the noise-free data, ``material_chi2`` what any passive
+    spectrum leaves of them, where that was asked.
     """
 
     seed: int
@@ -46,6 +47,7 @@ class Drawn:
     sd: Real | None = None
     digits: int = 10
     third: Complex | None = None
+    network: str = ""
     material: str | None = None
     material_chi2: float | None = None
     material_right: tuple[str, ...] = ()
@@ -82,6 +84,7 @@ class Drawn:
             "kind": self.kind,
             "design": self.stratum,
             "detail": self.detail,
+            "network": self.network,
             "model": self.model,
             "truth": list(self.right),
             "parameters": [self.parameters],

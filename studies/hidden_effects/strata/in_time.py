@@ -73,8 +73,8 @@ def harmonic(force: Real, order: int) -> Complex:
 def march(rate: Rate, start: State, omega: Real, count: int = TURNS) -> Real:
     """States (STEPS, m, n) over the last of ``count`` turns; ``rate(state (m, n), turn)`` is per second.
 
-    Everything here is odd, so that in the steady state half a turn changes the sign. Half the difference of two states
-    half a turn apart is therefore free of the offsets that would take many turns to die; it is the next start.
+    Everything here is odd, so that in the steady state half a turn changes the sign. Half the difference of two
+    states half a turn apart is therefore free of the offsets that would take many turns to die; it is the next start.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def _step(rate: Rate, y: State, turn: float, h: float) -> State:
     return y + h / 6.0 * (a + 2.0 * b + 2.0 * c + rate(y + h * c, turn + h))
 
 
-# --- what specimen and rig are made of; each returns the force of the last turn (STEPS, n) ------------------------
+# --- what specimen and rig are made of; each returns the force of the last turn (STEPS, n) ----------------------
 def solid_force(solid: Solid, motion: Motion) -> Real:
     """The specimen alone."""
     branch = march(lambda y, turn: solid.branch_rate(y, motion.at(turn)[1]), solid.steady(motion)[None], motion.omega)
