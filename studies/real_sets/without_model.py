@@ -36,8 +36,8 @@ COLUMNS = (
 NOTE = (
     "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
     "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
-    "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what a "
-    "note tells of repeats, single points, or the measuring chain."
+    "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
+    "a note tells of repeats, single points, or the measuring chain."
 )
 
 

@@ -94,6 +94,7 @@ class Drawn:
             "material_truth": list(self.material_right),
             "floor": self.floor,
             "points": len(self.sweep),
+            "harmonics": self.third is not None,
             "sigma": "given" if self.sd is not None else ("repeats" if self.sweep.repeat is not None else "unknown"),
         }
 
