@@ -5,6 +5,10 @@
 Answers are appended to ``results/hidden_effect/answers.jsonl`` and a second run resumes; tables and pictures are
 a pure function of that file (``--report-only`` makes them again). ``--auto N`` also runs discovery on every N-th
 case, ``--signals N`` sends N cases through time signals, ``--experiments`` carries out the suggested experiments.
+
+    python studies/hidden_effect.py --strata notch,ripple --cases 100 --seeds 20
+
+runs 100 cases of each of these strata instead, and asks each case again with other seeds of the simulated noise.
 """
 
 from __future__ import annotations
@@ -33,28 +37,42 @@ from hidden_effects.oracle import oracle, true_ratio
 from hidden_effects.report import write
 from hidden_effects.rivals import rivals, sizes
 from hidden_effects.signals import SignalCase, draw_signal_case
+from hidden_effects.strata import STRATA, draw
+from hidden_effects.strata.drawn import Drawn
 
 ROOT = Path(__file__).resolve().parent.parent
 PATIENCE = 300  # seconds until an answer counts as failed
 
 
 # --- the tool under test: the only functions that know springpot --------------------------------------------------
-def answer(case: Case) -> dict[str, Any]:
+def seen(case: Case | Drawn) -> Any:
+    """Return the case as the tool reads it from its file."""
+    import springpot
+
+    with tempfile.TemporaryDirectory() as folder:
+        return springpot.read(case.to_csv(Path(folder) / "case.csv"))
+
+
+def answer(case: Case | Drawn, model: str | None = None) -> dict[str, Any]:
     """Return the diagnosis of a case as the dictionary of schema springpot.diagnosis/1."""
     import springpot
 
-    with tempfile.TemporaryDirectory() as folder:
-        measurement = springpot.read(case.to_csv(Path(folder) / "case.csv"))
-    return dict(springpot.diagnose(measurement, case.model).to_dict())
+    return dict(springpot.diagnose(seen(case), model or case.model).to_dict())
 
 
-def ladder(case: Case) -> dict[str, Any]:
+def ladder(case: Case | Drawn) -> dict[str, Any]:
     """Return automatic discovery of a case as the dictionary of schema springpot.discovery/1."""
     import springpot
 
-    with tempfile.TemporaryDirectory() as folder:
-        measurement = springpot.read(case.to_csv(Path(folder) / "case.csv"))
-    return dict(springpot.discover(measurement, case.model).to_dict())
+    return dict(springpot.discover(seen(case), case.model).to_dict())
+
+
+def verdicts(case: Case | Drawn, seeds: int) -> list[str]:
+    """Return the verdicts that as many seeds of the tool's simulated noise lead to."""
+    import springpot
+
+    measurement = seen(case)
+    return [str(springpot.diagnose(measurement, case.model, seed=seed).verdict) for seed in range(seeds)]
 
 
 def answer_signals(case: SignalCase) -> dict[str, Any]:
@@ -82,7 +100,9 @@ def _too_late(*_: object) -> None:
     raise TimeoutError(f"no answer in {PATIENCE} s")
 
 
-def run_case(seed: int, auto: bool, with_rivals: bool, experiments: bool, reference: bool) -> dict[str, Any]:
+def run_case(
+    seed: int, auto: bool, with_rivals: bool, experiments: bool, reference: bool, seeds: int
+) -> dict[str, Any]:
     """Draw, diagnose and describe one case; with ``reference`` the oracle answers instead of the tool."""
     case = draw_case(seed)
     row = case.summary()
@@ -96,6 +116,21 @@ def run_case(seed: int, auto: bool, with_rivals: bool, experiments: bool, refere
         row["unexplained"] = min(case.chi2, *row["rivals"].values()) if case.kind == "outside" else None
     if experiments and row["answer"]:
         row |= _timed(lambda: tie_broken(case, row), "tie_broken", "experiment_seconds")
+    if seeds > 1:
+        row |= _timed(lambda: verdicts(case, seeds), "verdicts", "verdicts_seconds")
+    return row
+
+
+def run_stratum(stratum: str, seed: int, auto: bool, seeds: int) -> dict[str, Any]:
+    """Draw and diagnose one case of a stratum, where it asks for that without a model too."""
+    case = draw(stratum, seed)
+    row = case.summary() | _timed(lambda: answer(case), "answer", "seconds")
+    if auto:
+        row |= _timed(lambda: ladder(case), "ladder", "ladder_seconds")
+    if case.material:
+        row |= _timed(lambda: answer(case, case.material), "material_answer", "material_seconds")
+    if seeds > 1:
+        row |= _timed(lambda: verdicts(case, seeds), "verdicts", "verdicts_seconds")
     return row
 
 
@@ -153,16 +188,14 @@ def slim(found: dict[str, Any], most: int = 12) -> dict[str, Any]:
 # --- all cases ----------------------------------------------------------------------------------------------------
 def run(asked: argparse.Namespace, path: Path) -> None:
     """Run what is not in the file of answers yet."""
-    done = {(r["design"] == "signals", r["seed"]) for r in read(path)}
-    todo = [(run_case, s, _options(asked, s)) for s in range(asked.seed, asked.seed + asked.cases)]
-    todo += [(run_signals, s, ()) for s in range(asked.seed, asked.seed + asked.signals)]
-    todo = [t for t in todo if (t[0] is run_signals, t[1]) not in done]
+    done = {_key(row) for row in read(path)}
+    todo = [(key, function, options) for key, function, options in _jobs(asked) if key not in done]
     print(f"{len(done)} cases done, {len(todo)} to do")
     with (
         path.open("a", encoding="utf-8") as file,
         ProcessPoolExecutor(asked.workers, initializer=warm_up) as pool,
     ):
-        futures = [pool.submit(function, seed, *options) for function, seed, options in todo]
+        futures = [pool.submit(function, *options) for _, function, options in todo]
         for count, future in enumerate(as_completed(futures), 1):
             file.write(json.dumps(future.result()) + "\n")
             file.flush()
@@ -170,9 +203,29 @@ def run(asked: argparse.Namespace, path: Path) -> None:
                 print(f"{count} of {len(todo)}", flush=True)
 
 
-def _options(asked: argparse.Namespace, seed: int) -> tuple[bool, bool, bool, bool]:
-    auto = bool(asked.auto) and seed % asked.auto == 0
-    return auto, not asked.no_rivals, asked.experiments, asked.reference
+Job = tuple[tuple[str, int], Callable[..., dict[str, Any]], tuple[Any, ...]]
+
+
+def _key(row: dict[str, Any]) -> tuple[str, int]:
+    """What tells a row from all others; sweeps and fields are drawn from one row of seeds."""
+    return ("cases" if row["design"] in ("sweep", "field") else row["design"]), row["seed"]
+
+
+def _jobs(asked: argparse.Namespace) -> Iterator[Job]:
+    """All that is asked for: a key, a function and its arguments."""
+    seeds = range(asked.seed, asked.seed + asked.cases)
+    for stratum in asked.strata:
+        yield from (((stratum, s), run_stratum, (stratum, s, _walks(asked, s), asked.seeds)) for s in seeds)
+    if asked.strata:
+        return
+    plain = (not asked.no_rivals, asked.experiments, asked.reference, asked.seeds)
+    yield from ((("cases", s), run_case, (s, _walks(asked, s), *plain)) for s in seeds)
+    yield from ((("signals", s), run_signals, (s,)) for s in range(asked.seed, asked.seed + asked.signals))
+
+
+def _walks(asked: argparse.Namespace, seed: int) -> bool:
+    """Whether this case is also discovered automatically."""
+    return bool(asked.auto) and seed % asked.auto == 0
 
 
 def read(path: Path) -> Iterator[dict[str, Any]]:
@@ -186,6 +239,14 @@ def read(path: Path) -> Iterator[dict[str, Any]]:
             continue
 
 
+def _strata(text: str) -> tuple[str, ...]:
+    """The named strata."""
+    names = tuple(STRATA) if text == "all" else tuple(text.split(","))
+    if unknown := set(names) - set(STRATA):
+        raise argparse.ArgumentTypeError(f"no stratum {', '.join(sorted(unknown))}; there are {', '.join(STRATA)}")
+    return names
+
+
 def main() -> None:
     """Run and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -195,6 +256,14 @@ def main() -> None:
     parser.add_argument("--experiments", action="store_true", help="carry out the suggested experiments")
     parser.add_argument("--no-rivals", action="store_true", help="skip the ideal rivals of one-effect cases")
     parser.add_argument("--reference", action="store_true", help="let the generator's own BIC selector answer")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="verdicts of N seeds of simulated noise")
+    parser.add_argument(
+        "--strata",
+        type=_strata,
+        default=(),
+        metavar="NAME,...",
+        help=f"these strata instead, or all: {', '.join(STRATA)}",
+    )
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--out", type=Path, default=ROOT / "results" / "hidden_effect")
@@ -211,7 +280,7 @@ def main() -> None:
         if figure.n and figure.goal is not None:
             met = "met   " if figure.met else "MISSED"
             print(
-                f"{met} {figure.design:7} {figure.name:55} {figure.value:.3f} (goal {figure.better} {figure.goal:g})"
+                f"{met} {figure.design:10} {figure.name:60} {figure.value:.3f} (goal {figure.better} {figure.goal:g})"
             )
 
 

@@ -2,9 +2,10 @@
 
     python studies/real_data.py [NAME ...] [--out results/real_data]
 
-Each set goes through `discover` from one or more models. The answers are kept in ``answers/NAME.json``; the tables
-are a pure function of these files, so that single sets can be run again. A set that is not on this machine is passed
-over with a line that says so; its old answers stay. Data are found through ``SPRINGPOT_DATA`` or beside the checkout.
+Each set goes through `discover` from one or more models, and once without naming one. The answers are kept in
+``answers/NAME.json`` and ``answers/without_model/NAME.json``; the tables are a pure function of these files, so that
+single sets can be run again. A set that is not on this machine is passed over with a line that says so; its old
+answers stay. Data are found through ``SPRINGPOT_DATA`` or beside the checkout.
 """
 
 from __future__ import annotations
@@ -18,24 +19,35 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from paper.draw import can_draw
+from real_sets import without_model
 from real_sets.answers import answer, save, saved, table
 from real_sets.draw import draw
 from real_sets.published import published
 from real_sets.sets import SETS, RealSet, opened
-from springpot import discover
+from springpot import Measurement, discover
 from springpot.benchmark import save_table
 from springpot.errors import DataError, SpringpotError
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def run(one: RealSet, folder: Path) -> bool:
+def run(one: RealSet, folder: Path, only_without_model: bool = False) -> bool:
     """Ask the tool about one set; False if the set is not here."""
     try:
         data = opened(one)
     except DataError as error:
         print(f"{one.name}: not on this machine ({error})")
         return False
+    without = without_model.ask(one, data)
+    without_model.save(without, folder)
+    print(f"{one.name}, without a model: {without['last']['says']}", flush=True)
+    if not only_without_model:
+        _with_models(one, data, folder)
+    return True
+
+
+def _with_models(one: RealSet, data: Measurement, folder: Path) -> None:
+    """Ask from each of the set's models, and draw the last."""
     answers = []
     for model in one.models:
         ladder = discover(data, model)
@@ -49,7 +61,6 @@ def run(one: RealSet, folder: Path) -> bool:
     save(answers, folder)
     if one.drawn and can_draw(folder):
         draw(ladder, folder / f"{one.name}.png")
-    return True
 
 
 def report(folder: Path) -> None:
@@ -58,6 +69,9 @@ def report(folder: Path) -> None:
     if answers:
         save_table(table(answers), folder, "real_data", ("md", "csv"))
         save_table(published(answers), folder, "published", ("md", "csv"))
+    without = list(without_model.saved(folder))
+    if without:
+        save_table(without_model.table(without), folder, "without_model", ("md", "csv"))
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -66,13 +80,14 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(known)}; all by default")
     parser.add_argument("--out", type=Path, default=ROOT / "results" / "real_data")
+    parser.add_argument("--only-without-model", action="store_true", help="ask no model of the set's own")
     parser.add_argument("--report-only", action="store_true", help="only write the tables again")
     asked = parser.parse_args(arguments)
     if unknown := set(asked.names) - set(known):
         parser.error(f"no set {', '.join(sorted(unknown))}; there are {', '.join(known)}")
     asked.out.mkdir(parents=True, exist_ok=True)
     for name in () if asked.report_only else asked.names or known:
-        run(known[name], asked.out)
+        run(known[name], asked.out, asked.only_without_model)
         report(asked.out)
     if asked.report_only:
         report(asked.out)

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "studies"))
 
 import real_data  # noqa: E402
-from real_sets import sets  # noqa: E402
+from real_sets import sets, without_model  # noqa: E402
 from real_sets.answers import saved, table  # noqa: E402
 from real_sets.published import published  # noqa: E402
 from springpot.benchmark.tables import to_csv, to_markdown  # noqa: E402
@@ -59,6 +59,27 @@ def test_an_embedded_set_goes_through_from_data_to_tables(nowhere, monkeypatch, 
     first = {path.name: path.read_bytes() for path in tmp_path.glob("*.*")}
     real_data.main(["--out", str(tmp_path), "--report-only"])
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.*")} == first
+    (free,) = without_model.saved(tmp_path)
+    assert 0 < free["first"]["error"]["material_floor"] < one["steps"][0]["relative_rms"]
+    assert "within 1.5 x or named" in (tmp_path / "without_model.md").read_text(encoding="utf-8")
+
+
+def told(verdict: str, error: float, missing: list[str], notes: list[str]) -> dict[str, object]:
+    step = {"relative_rms": error, "noise_floor": 0.01, "accepted": None, "class": []}
+    part = {"verdict": verdict, "says": "", "notes": notes, "error": {"material_floor": 0.01}}
+    last = part | {"missing": missing}
+    return {"set": "x", "points": 9, "steps": [step], "verdict": verdict, "first": part, "last": last}
+
+
+def test_without_a_model_a_set_is_settled_near_the_floor_or_with_a_named_cause():
+    near, far = told("unexplained", 0.014, [], []), told("unexplained", 0.016, [], ["diagnosed on 9 points"])
+    effect = told("effect-missing", 0.05, ["inertia", "basset"], [])
+    chain = told("unexplained", 0.05, [], ["what is missing looks like a gain that drifts"])
+    assert [without_model.is_settled(one) for one in (near, far, effect, chain)] == [True, False, True, True]
+    assert without_model.cause(effect) == "inertia or basset"
+    goal = without_model.table([near, far, effect, chain]).rows[-1]
+    assert goal[-1] == "3 of 4: not met"
+    assert without_model.table([near] * 12).rows[-1][-1] == "12 of 12: met"
 
 
 def test_absent_sets_are_one_line_each(nowhere, capsys, tmp_path):

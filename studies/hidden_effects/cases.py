@@ -107,11 +107,7 @@ class Case:
 
     def to_csv(self, path: str | Path) -> Path:
         """Write what a tool may see, and nothing of the truth, rows in measuring order."""
-        columns = self.columns()
-        rows = zip(*columns.values(), strict=True)
-        lines = [",".join(columns), *(",".join(f"{v:.10g}" for v in row) for row in rows)]
-        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return Path(path)
+        return write_table(self.columns(), path)
 
     def summary(self) -> dict[str, Any]:
         """Return the truth as plain JSON values."""
@@ -132,6 +128,15 @@ class Case:
         }
 
 
+def write_table(columns: dict[str, np.ndarray], path: str | Path, digits: dict[str, int] | None = None) -> Path:
+    """Write columns as CSV; ``digits`` gives the significant digits of those that are rounded."""
+    places = [(digits or {}).get(name, 10) for name in columns]
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(columns), *(",".join(f"{v:.{n}g}" for v, n in zip(row, places, strict=True)) for row in rows)]
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return Path(path)
+
+
 def draw_case(seed: int) -> Case:
     """Return the case of this seed, always the same.
 
@@ -150,7 +155,7 @@ def draw_case(seed: int) -> Case:
 
 
 @dataclass(frozen=True)
-class _Truth:
+class Truth:
     """The noise-free part of a case."""
 
     stiffness: Complex
@@ -175,9 +180,9 @@ def _attempt(seed: int, kind: str, design: str, rng: np.random.Generator) -> Cas
     if outside:
         truth = _disturb(rng, sweep, network, theta, noise, target, outside)
     elif kind == "nothing":
-        truth = _Truth(network.stiffness(sweep, theta), 0.0)
+        truth = Truth(network.stiffness(sweep, theta), 0.0)
     else:
-        truth = _hidden(rng, sweep, network, theta, noise, target, 2 if kind == "two" else 1)
+        truth = hide_in(rng, sweep, network, theta, noise, target, 2 if kind == "two" else 1)
     sigma = deviation(noise, sweep, truth.stiffness)
     error = sigma * (rng.standard_normal(len(sweep)) + 1j * rng.standard_normal(len(sweep)))
     return Case(
@@ -209,7 +214,7 @@ def expression(network: Network) -> str:
     return network.base.name + (f" + {network.law.name}" if network.law else "")
 
 
-def _hidden(
+def hide_in(
     rng: np.random.Generator,
     sweep: Sweep,
     network: Network,
@@ -217,7 +222,7 @@ def _hidden(
     noise: dict[str, float],
     target: float,
     count: int,
-) -> _Truth:
+) -> Truth:
     """Hide one or two effects so that the refitted base leaves ``target``."""
     plan = hide(rng, sweep, network, theta, pick(rng, sweep, network, count))
     scales = np.ones(count)
@@ -235,7 +240,7 @@ def _hidden(
     if min(own) < 3.0:  # one of the two hides in the other: nobody could know
         raise NotVisible
     hidden = tuple(Hidden(plan.label(n), plan.values(n, full), c) for n, c in zip(plan.names, own, strict=True))
-    return _Truth(truth(scale), chi2, hidden, network=plan.network, theta=full, model=expression(plan.fitted))
+    return Truth(truth(scale), chi2, hidden, network=plan.network, theta=full, model=expression(plan.fitted))
 
 
 def _only(plan: Plan, sweep: Sweep, index: int) -> Callable[[float], Complex]:
@@ -257,7 +262,7 @@ def _disturb(
     noise: dict[str, float],
     target: float,
     outside: str,
-) -> _Truth:
+) -> Truth:
     """Disturb the base in a way that no effect of a library has."""
     k0 = network.stiffness(sweep, theta)
     if outside == ASYMMETRY:
@@ -274,4 +279,4 @@ def _disturb(
             return pattern(k0, 0.01 * scale)
 
     scale, chi2 = scale_to(truth, network, theta, sweep, noise, target)
-    return _Truth(truth(scale), chi2, outside=outside, details=details | {"size": 0.01 * scale})
+    return Truth(truth(scale), chi2, outside=outside, details=details | {"size": 0.01 * scale})

@@ -202,7 +202,15 @@ def _detection(d: str, rows: list[Row]) -> list[Figure]:
         share("nothing missing, yet flagged", d, nothing, flagged, 0.02, "<="),
         share("nothing missing, called inconclusive", d, nothing, lambda r: verdict(r) == "inconclusive"),
         share("nothing missing, yet auto-accepted", d, ladders, lambda r: bool(accepted(r)), 0.005, "<="),
+        same_verdict(d, rows),
     ]
+
+
+def same_verdict(d: str, rows: list[Row]) -> Figure:
+    """Whether other seeds of the simulated noise change the verdict."""
+    tried = [r for r in rows if len(r.get("verdicts") or ()) > 1]
+    most = max((len(r["verdicts"]) for r in tried), default=0)
+    return share(f"same verdict for {most} seeds", d, tried, lambda r: len(set(r["verdicts"])) == 1, 0.99)
 
 
 def _naming(d: str, rows: list[Row]) -> list[Figure]:
@@ -285,7 +293,7 @@ def _outside(d: str, rows: list[Row]) -> list[Figure]:
     hard = [r for r in every if (r.get("unexplained") or 0.0) >= 30.0]
     plain = "outside the library"
     return [
-        share(f"{plain}: flagged, unexplained chi2 >= 30", d, hard, flagged, 0.95),
+        share(f"{plain}: flagged, unexplained chi2 >= 30", d, hard, flagged, 0.97 if d == "sweep" else 0.95),
         share(
             f"{plain}: flagged, correlated noise left out",
             d,
@@ -293,7 +301,7 @@ def _outside(d: str, rows: list[Row]) -> list[Figure]:
             flagged,
         ),
         share(f"{plain}: called unexplained, unexplained chi2 >= 30", d, hard, lambda r: verdict(r) == "unexplained"),
-        share(f"{plain}: confidently misnamed, unexplained chi2 >= 30", d, hard, sure, 0.03, "<="),
+        share(f"{plain}: confidently misnamed, unexplained chi2 >= 30", d, hard, sure, 0.01, "<="),
         share(f"{plain}: confidently misnamed (all)", d, every, sure),
     ]
 

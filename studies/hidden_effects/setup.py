@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hidden_effects.bases import BASE_WEIGHTS, BASES, LAWS, Complex, Law, Real, Sweep
+from hidden_effects.bases import BASE_WEIGHTS, BASES, LAWS, Base, Complex, Law, Real, Sweep
 from hidden_effects.fit import Network
 
 
@@ -46,10 +46,13 @@ def _law(rng: np.random.Generator) -> tuple[Law, Real]:
     return LAWS["wlf-shift"], np.array([rng.uniform(3.0, 12.0), rng.uniform(80.0, 200.0)])
 
 
-def draw_base(rng: np.random.Generator, sweep: Sweep, name: str | None = None) -> tuple[Network, Real]:
+def draw_base(rng: np.random.Generator, sweep: Sweep, wanted: str | Base | None = None) -> tuple[Network, Real]:
     """A base model that relaxes inside the reduced window, and a temperature law where there are temperatures."""
     weights = np.array(list(BASE_WEIGHTS.values()))
-    base = BASES[name or str(rng.choice(list(BASE_WEIGHTS), p=weights / weights.sum()))]
+    if isinstance(wanted, Base):
+        base = wanted
+    else:
+        base = BASES[wanted or str(rng.choice(list(BASE_WEIGHTS), p=weights / weights.sum()))]
     law, own = _law(rng) if sweep.temperature is not None else (None, np.zeros(0))
     reference = float(np.round(np.median(sweep.temperature), 1)) if sweep.temperature is not None else 20.0
     network = Network(base, law, reference=reference)

@@ -1,0 +1,134 @@
+"""Every set asked without naming a model: any linear passive material is judged; what it leaves needs a cause."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from springpot import Measurement, discover
+from springpot.benchmark import Table
+from springpot.benchmark.tables import Entry
+from springpot.diagnosis import Ladder
+from springpot.files import write_text
+
+from .sets import SETS, RealSet
+
+MODEL = "material"
+FOLDER = Path("answers") / "without_model"
+NEAR = 1.5
+"""An error within this factor of the noise floor leaves nothing to explain."""
+GOAL = 12
+"""Sets of the sixteen that must be near the floor or have a named cause."""
+CAUSES = (
+    "what is missing looks like",
+    "a single point stands out",
+    "single points stand out",
+    "repeats differ",
+    "replicates differ",
+)
+"""How a note begins that names a cause which is no effect of the library."""
+COLUMNS = (
+    "set", "points", "noise floor", "material floor", "error before/floor", "effects accepted [cannot be told from]",
+    "error after/floor", "verdict", "named cause of what is left", "within 1.5 x or named",
+)  # fmt: skip
+NOTE = (
+    "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
+    "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
+    "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
+    "a note tells of repeats, single points, or the measuring chain."
+)
+
+
+def ask(one: RealSet, data: Measurement) -> dict[str, Any]:
+    """What the tool says of a set when no model is named.
+
+    Parameters
+    ----------
+    one : RealSet
+        The set.
+    data : Measurement
+        Its data.
+    """
+    return _kept(one, data, discover(data, MODEL))
+
+
+def _kept(one: RealSet, data: Measurement, ladder: Ladder) -> dict[str, Any]:
+    said = ladder.to_dict()
+    first, last = ladder.steps[0].case.diagnosis.to_dict(), said.pop("diagnosis")
+    kept = ("verdict", "says", "notes", "error")
+    return said | {
+        "set": one.name,
+        "data": one.data,
+        "points": len(data),
+        "first": {key: first[key] for key in kept},
+        "last": {key: last[key] for key in kept} | {"missing": _missing(last)},
+    }
+
+
+def _missing(diagnosis: dict[str, Any]) -> list[str]:
+    """The effects one of which is said to be missing."""
+    if diagnosis["verdict"] != "effect-missing" or not diagnosis["candidates"]:
+        return []
+    return list(diagnosis["candidates"][0]["class"])
+
+
+def save(answer: dict[str, Any], folder: Path) -> Path:
+    """Write the answer on one set."""
+    (folder / FOLDER).mkdir(parents=True, exist_ok=True)
+    path: Path = write_text(folder / FOLDER / f"{answer['set']}.json", json.dumps(answer, indent=1) + "\n")
+    return path
+
+
+def saved(folder: Path) -> Iterator[dict[str, Any]]:
+    """All answers in the order of the sets."""
+    for one in SETS:
+        path = folder / FOLDER / f"{one.name}.json"
+        if path.exists():
+            yield json.loads(path.read_text(encoding="utf-8"))
+
+
+def table(answers: Sequence[dict[str, Any]]) -> Table:
+    """One row for each set, and one for the goal."""
+    good = sum(is_settled(one) for one in answers)
+    met = "met" if good >= GOAL else "not met"
+    goal = f"goal: at least {GOAL} of {len(SETS)} within {NEAR:g} x of the noise floor or with a named cause"
+    empty = (None,) * (len(COLUMNS) - 2)
+    rows = [*(_row(one) for one in answers), (goal, *empty, f"{good} of {len(answers)}: {met}")]
+    return Table("Measured data without a model", COLUMNS, rows, NOTE)
+
+
+def ratio(one: dict[str, Any], step: int = -1) -> float:
+    """Error over noise floor on one rung; the floor is always that of the last."""
+    return float(one["steps"][step]["relative_rms"]) / float(one["steps"][-1]["noise_floor"])
+
+
+def cause(one: dict[str, Any]) -> str:
+    """What the tool names as the cause of what is left, empty where it names none."""
+    last = one["last"]
+    if last["missing"]:
+        return " or ".join(last["missing"])
+    if last["verdict"] == "adequate":
+        return ""
+    return "; ".join(note for note in last["notes"] if note.startswith(CAUSES))
+
+
+def is_settled(one: dict[str, Any]) -> bool:
+    """Whether the error is near the noise floor, or the cause of what is left is named."""
+    return ratio(one) <= NEAR or bool(cause(one))
+
+
+def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
+    floor = float(one["steps"][-1]["noise_floor"])
+    accepted = "; ".join(_accepted(step) for step in one["steps"][1:]) or "none"
+    return (
+        one["set"], one["points"], f"{100 * floor:.2g} %", f"{100 * one['first']['error']['material_floor']:.2g} %",
+        round(ratio(one, 0), 2), accepted, round(ratio(one), 2), one["verdict"], cause(one) or None,
+        "yes" if is_settled(one) else "no",
+    )  # fmt: skip
+
+
+def _accepted(step: dict[str, Any]) -> str:
+    alike = [other for other in step["class"] if other != step["accepted"]]
+    return f"{step['accepted']} [{', '.join(alike)}]" if alike else str(step["accepted"])
