@@ -10,6 +10,7 @@ from springpot.identification import Window, settings
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Effect, Model, Real
 
+
 @dataclass(frozen=True, eq=False)
 class Influence:
     """How K changes when an effect joins a fitted model with the model's parameters held.

@@ -1,4 +1,4 @@
-"""The picture of a discovery: the error after each accepted effect against the noise floor."""
+"""The picture of a discovery: the error after each accepted effect against the noise floor and the material floor."""
 
 from __future__ import annotations
 
@@ -55,12 +55,14 @@ def figure_ladder(ladder: Ladder, path: str | Path | None = None) -> Figure | Pa
 
 
 def draw_ladder(axes: Axes, ladder: Ladder) -> None:
-    """Error, forecast and noise floor of each step on a logarithmic axis."""
+    """Error, forecast, noise floor and material floor of each step on a logarithmic axis."""
     steps = ladder.steps
     place = np.arange(len(steps))
     error = 100.0 * np.array([step.relative_rms for step in steps])
     floor = 100.0 * np.array([step.noise_floor for step in steps])
+    material = 100.0 * np.array([step.material_floor for step in steps])
     _floor(axes, floor)
+    _material(axes, material)
     _forecast(axes, steps, error)
     axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
     for x, step in enumerate(steps):
@@ -68,9 +70,8 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
         axes.annotate(words, (x, error[x]), (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
     _names(axes, steps)
     logarithmic(axes, "y")
-    positive = floor[floor > 0]
-    least = min(float(positive.min()) if len(positive) else error.min(), float(error.min()))
-    axes.set_ylim(least / ROOM, float(max(error.max(), floor.max())) * ROOM)
+    lines = np.concatenate([floor, material, error])
+    axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
     logarithmic(axes, "y")
     axes.set_ylabel("error [% of |K|]")
     axes.legend(loc="upper right")
@@ -89,6 +90,16 @@ def _floor(axes: Axes, floor: np.ndarray[tuple[int], np.dtype[np.float64]]) -> N
         edges, np.repeat(floor, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5
     )
     axes.set_xlim(edges[0], edges[-1])
+
+
+def _material(axes: Axes, material: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
+    """The least error that any material reaches with the effects of each step, as a level across its place."""
+    ends = np.arange(len(material)) + 0.5
+    ends[-1] += AFTER
+    starts = np.concatenate([[-0.5], ends[:-1]])
+    axes.hlines(
+        material, starts, ends, color=COLOURS[2], linestyle="--", linewidth=1.6, label="material floor", zorder=2.5
+    )
 
 
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

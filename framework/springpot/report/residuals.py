@@ -130,7 +130,7 @@ def _symmetric(axes: Axes, within: float, largest: float) -> None:
 
 def fits_of(comparison: Comparison) -> list[Fit]:
     """The models of a comparison as drawn."""
-    return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.judgements]
+    return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.shown]
 
 
 def figure_compared(comparison: Comparison, path: str | Path) -> Path:
