@@ -40,8 +40,11 @@ STARTS = 8
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
 NEXT = 3
-"""Models shown beside the adequate ones, to tell how much worse the next are."""
+"""Models shown beside the adequate ones, which tell how much worse the next are."""
+LOOKED_AT = 20
+"""Of the others, how many are looked at for these."""
 MOST_DRAWN = 6
+"""Models in a picture: more colours are not told apart."""
 
 
 class Skipped(NamedTuple):
@@ -77,19 +80,13 @@ class Ranking(Comparison):
     @cached_property
     def groups(self) -> tuple[tuple[Judgement, ...], ...]:
         """The adequate models, those together whose curves lie closer than the noise can tell."""
-        groups: list[list[Judgement]] = []
-        for one in self.adequate:
-            known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
-            if known is None:
-                groups.append([one])
-            else:
-                known.append(one)
-        return tuple(map(tuple, groups))
+        return grouped(self.adequate)
 
-    @property
+    @cached_property
     def next(self) -> tuple[Judgement, ...]:
-        """The best of those that are not adequate."""
-        return self.judgements[len(self.adequate) :][:NEXT]
+        """The best of those that are not adequate, one of each kind of curve."""
+        nearest = self.judgements[len(self.adequate) :][:LOOKED_AT]
+        return tuple(group[0] for group in grouped(nearest)[:NEXT])
 
     @property
     def shown(self) -> tuple[Judgement, ...]:
@@ -134,8 +131,8 @@ def rank(
     measurement : Measurement
         The data.
     installed : sequence of Model or Family
-        What is ranked, alone and with the effects that any material needs; of a family, members until one is adequate
-        or one more term brings no evidence. Those that need a column which the data lack are left out.
+        What is ranked, alone and with the effects that any material needs; of a family, members until one is
+        adequate or one more term brings no evidence. Those that need a column which the data lack are left out.
     library : sequence of Effect
         Effects that may be missing from any material.
     rng : numpy.random.Generator
@@ -207,7 +204,7 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
 def _fitted(
     item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
 ) -> Iterator[Refit]:
-    """Fits of a model with effects; of a family, of its members up to the first that lacks nothing or gains nothing."""
+    """Fits of a model with effects; of a family, those of members up to the first that lacks or gains nothing."""
     if isinstance(item, Model):
         if not is_material(item):
             yield from _one(item, effects, floor, skipped)
@@ -233,6 +230,18 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
     else:
         yield refit(grown, data, floor.noise, starts=STARTS)
+
+
+def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
+    """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
+    groups: list[list[Judgement]] = []
+    for one in judgements:
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
+        if known is None:
+            groups.append([one])
+        else:
+            known.append(one)
+    return tuple(map(tuple, groups))
 
 
 def _with(effects: tuple[Effect, ...]) -> str:

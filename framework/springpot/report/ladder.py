@@ -11,6 +11,7 @@ from springpot.diagnosis import Ladder, Step
 from springpot.diagnosis.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .floors import draw_floors
 from .numbers import percent
 
 if TYPE_CHECKING:
@@ -61,8 +62,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     error = 100.0 * np.array([step.relative_rms for step in steps])
     floor = 100.0 * np.array([step.noise_floor for step in steps])
     material = 100.0 * np.array([step.material_floor for step in steps])
-    _floor(axes, floor)
-    _material(axes, material)
+    draw_floors(axes, floor, material, AFTER)
     _forecast(axes, steps, error)
     axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
     for x, step in enumerate(steps):
@@ -79,27 +79,6 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
 
 def _ratio(step: Step) -> str:
     return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor" if step.noise_floor > 0 else "no noise"
-
-
-def _floor(axes: Axes, floor: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-    """The noise floor as a band that reaches the bottom, for each step its own."""
-    bounds = np.arange(len(floor) + 1) - 0.5
-    bounds[-1] += AFTER
-    edges = np.repeat(bounds, 2)[1:-1]
-    axes.fill_between(
-        edges, np.repeat(floor, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5
-    )
-    axes.set_xlim(edges[0], edges[-1])
-
-
-def _material(axes: Axes, material: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-    """The least error that any material reaches with the effects of each step, as a level across its place."""
-    ends = np.arange(len(material)) + 0.5
-    ends[-1] += AFTER
-    starts = np.concatenate([[-0.5], ends[:-1]])
-    axes.hlines(
-        material, starts, ends, color=COLOURS[2], linestyle="--", linewidth=1.6, label="material floor", zorder=2.5
-    )
 
 
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

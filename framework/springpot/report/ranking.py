@@ -48,7 +48,7 @@ def _table(ranking: Ranking) -> str:
     rows += [_row(one, "not enough") for one in ranking.next]
     table = Table(HEADERS, rows, frozenset(HEADERS[2:])).plain()
     left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.next)
-    return f"{table}\n{left} more do worse; --json has all" if left else table
+    return f"{table}\n{left} more are not enough; --json has all" if left else table
 
 
 def _row(one: Judgement, verdict: str) -> tuple[str, ...]:

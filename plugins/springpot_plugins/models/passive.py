@@ -11,6 +11,5 @@ MODELS = (
         "any linear passive material: a spectrum of relaxation times without a model, the least error that any reaches",
         "Ferry, Viscoelastic Properties of Polymers, 1980, ch. 3; Lawson and Hanson 1995, doi:10.1137/1.9781611971217",
         aliases=("any-material", "free-spectrum"),
-        drawing="  K_e ∥ c ∥ H(r): a spring, a dashpot, and Maxwell elements of all rates r",
     ),
 )
