@@ -9,6 +9,7 @@ from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
 from .problem import Problem
 from .recorder import BudgetSpent, Recorder, RecorderGroup, all_points
+from .regularised import Spectrum, regularised
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, paper_box, require_conditions
@@ -30,6 +31,7 @@ __all__ = [
     "Run",
     "SearchSpace",
     "Solution",
+    "Spectrum",
     "Uncertainty",
     "Window",
     "all_points",
@@ -45,6 +47,7 @@ __all__ = [
     "paper_box",
     "held_costs",
     "profile",
+    "regularised",
     "require_conditions",
     "run",
     "run_batch",
