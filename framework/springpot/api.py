@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 import numpy as np
 
-from springpot.diagnosis import Comparison, Diagnosis, Ladder
+from springpot.diagnosis import Comparison, Diagnosis, Ladder, any_material, rank
 from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
@@ -91,7 +91,7 @@ def identify(
 
 def diagnose(
     measurement: Measurement | str | Path,
-    model: Model | str,
+    model: Model | str | None = None,
     *,
     effects: Sequence[Effect | str] | None = None,
     seed: int = 0,
@@ -102,8 +102,9 @@ def diagnose(
     ----------
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
-    model : Model or str
-        The model to be judged.
+    model : Model or str, optional
+        The model to be judged; without it any linear passive material, so that only what is no part of the material
+        can be missing.
     effects : sequence of Effect or str, optional
         Effects to look for beside the installed ones; one of the same name takes the installed one's place.
     seed : int
@@ -126,13 +127,13 @@ def diagnose(
     'inertia'
     """
     data = _measurement(measurement)
-    found = diagnose_objects(data, _model(model), library(effects), np.random.default_rng(seed))
+    found = diagnose_objects(data, _judged(model), library(effects), np.random.default_rng(seed))
     return with_header(found, data)
 
 
 def discover(
     measurement: Measurement | str | Path,
-    model: Model | str,
+    model: Model | str | None = None,
     *,
     accept: Effect | str | Sequence[Effect | str] | None = None,
     effects: Sequence[Effect | str] | None = None,
@@ -144,8 +145,8 @@ def discover(
     ----------
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
-    model : Model or str
-        Where to begin.
+    model : Model or str, optional
+        Where to begin; without it any linear passive material.
     accept : Effect, str or sequence of them, optional
         Effects to accept, in this order; without it the evidence decides.
     effects : sequence of Effect or str, optional
@@ -158,7 +159,7 @@ def discover(
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    found, start = library(effects), _model(model)
+    found, start = library(effects), _judged(model)
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
     grown = start
     for effect in wanted or ():
@@ -166,22 +167,40 @@ def discover(
     return discover_objects(_measurement(measurement), start, found, np.random.default_rng(seed), wanted)
 
 
-def compare(measurement: Measurement | str | Path, models: Model | str | Sequence[Model | str]) -> Comparison:
+def compare(
+    measurement: Measurement | str | Path,
+    models: Model | str | Sequence[Model | str] | None = None,
+    *,
+    seed: int = 0,
+    told: Callable[[str], None] = lambda stage: None,
+) -> Comparison:
     """Judge models against the same noise floor: their errors, where they fail, and how sure that is.
 
     Parameters
     ----------
     measurement : Measurement, str or Path
         The data, or their name as for `read`.
-    models : Model, str or sequence of them
-        At least one.
+    models : Model, str or sequence of them, optional
+        At least one; without it all installed models are ranked against what any linear passive material reaches.
+    seed : int
+        Of simulated noise.
+    told : callable, optional
+        Told in a few words what is being done while installed models are ranked.
+
+    Returns
+    -------
+    Comparison
+        A `springpot.diagnosis.Ranking` where no models are given.
 
     Raises
     ------
     SpringpotError
         If a name is unknown, or if a model and the data do not fit each other.
     """
-    return compare_objects(_measurement(measurement), [_model(model) for model in _listed(models)])
+    data, rng = _measurement(measurement), np.random.default_rng(seed)
+    if models is None:
+        return rank(data, list(plugins().items("model")), library(), rng, told)
+    return compare_objects(data, [_model(model) for model in _listed(models)], rng)
 
 
 def mastercurve(
@@ -256,6 +275,11 @@ def _model(model: Model | str) -> Model:
     if not isinstance(model, str | Model):
         raise ModelError(f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}")
     return parse_model(model) if isinstance(model, str) else model
+
+
+def _judged(model: Model | str | None) -> Model:
+    """A model, or any material where none is given."""
+    return any_material() if model is None else _model(model)
 
 
 def _shown(thing: object) -> str:

@@ -28,10 +28,18 @@ def data_argument(command: F) -> F:
     return click.argument("data", metavar="DATA")(command)
 
 
+MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
+
+
 def model_option(command: F) -> F:
     """Add ``--model EXPR``."""
-    text = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
-    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=text)(command)
+    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=MODEL)(command)
+
+
+def judged_option(command: F) -> F:
+    """Add ``--model EXPR``, without which any material is judged."""
+    text = f"{MODEL} Without it any linear passive material is judged."
+    return click.option("--model", "-m", "model", metavar="EXPR", help=text)(command)
 
 
 def seed_option(command: F) -> F:

@@ -1,12 +1,21 @@
-"""``springpot compare``: models against the same data and noise floor."""
+"""``springpot compare``: models against the same data, noise floor and material floor."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from .common import FILE, data_argument, emit, geometry_option, json_option, opened
+from .common import FILE, data_argument, emit, geometry_option, json_option, opened, seed_option
+from .waiting import Waiting
+
+if TYPE_CHECKING:
+    from springpot.diagnosis import Comparison
+    from springpot.measurement import Measurement
+    from springpot.rheology import Model
+
+MODELS = "A model expression; give several, or none to rank all installed models."
 
 
 @click.command(
@@ -14,26 +23,43 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, ope
     epilog="Example: springpot compare damper.csv -m fractional-maxwell -m fractional-zener --figure views.png",
 )
 @data_argument
-@click.option(
-    "--model", "-m", "models", metavar="EXPR", required=True, multiple=True, help="A model expression; give several."
-)
+@click.option("--model", "-m", "models", metavar="EXPR", multiple=True, help=MODELS)
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw all views and residual planes (.png, .svg or .pdf).")
+@seed_option
 @geometry_option
 @json_option
-def command(data: str, models: tuple[str, ...], figure: Path | None, geometry: str | None, as_json: bool) -> None:
-    """Judge models of DATA against one noise floor: how far each is off, where, and how sure that is."""
-    from springpot.api import compare
+def command(
+    data: str, models: tuple[str, ...], figure: Path | None, seed: int | None, geometry: str | None, as_json: bool
+) -> None:
+    """Judge models of DATA against one noise floor: how far each is off, where, and how sure that is.
+
+    Without --model all installed models are ranked, alone and with the effects that no material can do without: the
+    simplest that follows the data as well as any material does comes first.
+    """
+    from springpot.diagnosis import Ranking
     from springpot.registry import parse_model
     from springpot.report.answers import comparison_text
     from springpot.report.canvas import check_figure_path
+    from springpot.report.ranking import ranked_text
 
     if figure is not None:
         check_figure_path(figure)
-    comparison = compare(opened(data, geometry), [parse_model(model) for model in dict.fromkeys(models)])
+    expressions = [parse_model(model) for model in dict.fromkeys(models)]
+    found = _compared(opened(data, geometry), expressions, seed or 0)
     if figure is not None:
         from springpot.report.residuals import figure_compared
 
-        figure_compared(comparison, figure)
-    emit(comparison, as_json, lambda: print(comparison_text(comparison)))
+        figure_compared(found, figure)
+    emit(found, as_json, lambda: print(ranked_text(found) if isinstance(found, Ranking) else comparison_text(found)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
+
+
+def _compared(measurement: Measurement, models: list[Model], seed: int) -> Comparison:
+    """The given models, or all that are installed."""
+    from springpot.api import compare
+
+    if models:
+        return compare(measurement, models, seed=seed)
+    with Waiting() as waiting:
+        return compare(measurement, seed=seed, told=waiting.told)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import geometry_option, json_option, model_option, opened, seed_option
+from .common import geometry_option, json_option, judged_option, opened, seed_option
 from .faults import BAD_INPUT, FAULT, exit_code
 
 if TYPE_CHECKING:
@@ -18,19 +18,21 @@ if TYPE_CHECKING:
 
 @click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
 @click.argument("data", nargs=-1, required=True, metavar="DATA...")
-@model_option
+@judged_option
 @seed_option
 @geometry_option
 @json_option
-def command(data: tuple[str, ...], model: str, seed: int | None, geometry: str | None, as_json: bool) -> int:
+def command(data: tuple[str, ...], model: str | None, seed: int | None, geometry: str | None, as_json: bool) -> int:
     """Where a model fails on DATA, which physical effect is missing, how sure that is, and what to measure next.
+
+    Without --model any linear passive material is judged: what is missing then is no part of the material.
 
     Each DATA is a file or a registered data set and gets its own answer; with several, --json prints one line of
     JSON for each. One that cannot be used is named on stderr, and the others are still answered.
     """
     from springpot.registry import parse_model
 
-    expression = parse_model(model)
+    expression = None if model is None else parse_model(model)
     lines = as_json and len(data) > 1
     worst = 0
     for i, name in enumerate(data):
@@ -44,7 +46,7 @@ def command(data: tuple[str, ...], model: str, seed: int | None, geometry: str |
     return worst
 
 
-def _answer(opener: Callable[[], Measurement], model: Model, seed: int, as_json: bool, line: bool) -> int:
+def _answer(opener: Callable[[], Measurement], model: Model | None, seed: int, as_json: bool, line: bool) -> int:
     from springpot.api import diagnose
     from springpot.report.answers import diagnosis_text
     from springpot.report.jsontext import to_json

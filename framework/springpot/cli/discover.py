@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .common import FILE, data_argument, emit, geometry_option, json_option, model_option, opened, seed_option
+from .common import FILE, data_argument, emit, geometry_option, json_option, judged_option, opened, seed_option
 
 
 @click.command(
@@ -14,7 +14,7 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, mod
 )
 @data_argument
 @click.argument("more", nargs=-1, metavar="[EFFECT]...")
-@model_option
+@judged_option
 @click.option("--accept", multiple=True, metavar="EFFECT", help="Accept this effect; may be given several times.")
 @click.option("--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left.")
 @click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
@@ -25,7 +25,7 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, mod
 def command(
     data: str,
     more: tuple[str, ...],
-    model: str,
+    model: str | None,
     accept: tuple[str, ...],
     auto: bool,
     report: Path | None,
@@ -36,7 +36,8 @@ def command(
 ) -> None:
     """Add effects that are missing from a model of DATA and show how far each lowers the error.
 
-    Every step shows the error that was predicted and the one that was reached, both beside the noise floor.
+    Every step shows the error that was predicted and the one that was reached, both beside the noise floor and the
+    least error that any material reaches. Without --model discovery begins with any linear passive material.
     """
     from springpot.api import discover
     from springpot.registry import parse_model, plugins
@@ -53,14 +54,16 @@ def command(
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-    expression, effects = parse_model(model), [plugins().effect(name) for name in accept]
+    expression = None if model is None else parse_model(model)
+    effects = [plugins().effect(name) for name in accept]
     measurement = opened(data, geometry)
     ladder = discover(measurement, expression, accept=None if auto else effects, seed=seed or 0)
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:
         choice = ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
-        again = ["springpot", "discover", data, "--model", model, *choice, "--seed", str(seed or 0)]
+        named = [] if model is None else ["--model", model]
+        again = ["springpot", "discover", data, *named, *choice, "--seed", str(seed or 0)]
         again += [] if geometry is None else ["--geometry", geometry]
         write_report(ladder, measurement, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder)))

@@ -60,10 +60,15 @@ def command(data: str, model: str, geometry: str | None, figure: Path | None, as
 
 
 def draw(found: Identification, path: Path) -> None:
-    """Write the figure of data, fit and residuals."""
+    """Write the figure of data, fit and residuals, and of the spectrum where the data choose one."""
+    from springpot.identification import is_material
     from springpot.report.curves import Fit
     from springpot.report.figures import figure_identification
+    from springpot.report.spectrum import figure_material
 
+    if is_material(found.model):
+        figure_material(found, path)
+        return
     figure_identification(found.measurement, [Fit(found.model, found.theta)], path)
 
 
@@ -71,6 +76,7 @@ def show(found: Identification, figure: Path | None) -> None:
     """Print the result for people."""
     from springpot.report.numbers import number, percent, seconds
     from springpot.report.reference import reference_note
+    from springpot.report.spectrum import in_words
     from springpot.report.text import indented
     from springpot.rheology.drawing import drawing_of
 
@@ -86,7 +92,9 @@ def show(found: Identification, figure: Path | None) -> None:
     if refers := reference_note(data, [found.model.network]):
         print(f"\n{refers}")
     objective = result["objective"]
-    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms){_beside_floor(found)}")
+    if found.spectrum is not None:
+        print(f"\nspectrum    {in_words(found.spectrum, data.units.stiffness)}")
+    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms){_beside_floors(found)}")
     print(f"objective   {objective['name']}, {number(objective['value'])}")
     spent = f"{result['evaluations']} evaluations in {seconds(result['seconds'])}"
     print(f"optimiser   {result['optimiser']}, {result['status']}, {spent}")
@@ -96,9 +104,10 @@ def show(found: Identification, figure: Path | None) -> None:
         print(f"figure      {figure}")
 
 
-def _beside_floor(found: Identification) -> str:
-    """The error as a multiple of what noise alone leaves, where the data are enough to tell."""
+def _beside_floors(found: Identification) -> str:
+    """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
     from springpot.diagnosis.floor import fitted_to_floor
+    from springpot.diagnosis.material import of_any_material
     from springpot.diagnosis.thinning import thinned
     from springpot.diagnosis.verdict import FEWEST_SPARE
     from springpot.report.numbers import number, percent
@@ -107,7 +116,8 @@ def _beside_floor(found: Identification) -> str:
     if fitted.fit.dof < FEWEST_SPARE or not fitted.floor > 0.0:
         return ""
     ratio = number(found.relative_rms / fitted.floor, 2)
-    return f", {ratio} x the noise floor of {percent(fitted.floor, 2)} ({fitted.noise.source})"
+    noise = f"{ratio} x the noise floor of {percent(fitted.floor, 2)} ({fitted.noise.source})"
+    return f", {noise}; material floor {percent(of_any_material(fitted).relative_rms, 2)}"
 
 
 def _show_parameters(heading: str, parameters: dict[str, dict[str, Any]]) -> None:

@@ -4,6 +4,8 @@ from .compare import Comparison, Judgement, compare
 from .diagnose import Case, diagnose, examine
 from .findings import Finding
 from .ladder import Ladder, Step, discover
+from .material import any_material
+from .ranking import Ranking, rank
 from .result import Candidate, Diagnosis, Error, NextExperiment, Value, Where
 
 __all__ = [
@@ -16,11 +18,14 @@ __all__ = [
     "Judgement",
     "Ladder",
     "NextExperiment",
+    "Ranking",
     "Step",
     "Value",
     "Where",
+    "any_material",
     "compare",
     "diagnose",
     "discover",
     "examine",
+    "rank",
 ]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
@@ -13,15 +15,19 @@ from springpot.measurement import Measurement
 from springpot.rheology import Model
 
 from .candidates import printed
+from .diagnose import error_of
 from .display import html_of_comparison
 from .findings import Finding, findings, judged
 from .floor import fitted_to_floor
+from .material import MaterialFloor, material_floor
 from .overtones import overtones
 from .refit import Refit, refit
-from .result import Error, Where
+from .result import Error, Value, Where
+from .thinning import thinned
 from .where import where
 from .words import times
 
+Effects: TypeAlias = tuple[str, ...]
 SCHEMA = "springpot.comparison/1"
 STARTS = 4
 MOST_PLACES = 3
@@ -37,25 +43,34 @@ class Judgement:
     refit : Refit
         Its fit, in units of the noise.
     error : Error
-        Its error and the noise floor, relative to |K|.
+        Its error, the noise floor and the material floor, relative to |K|.
     delta_bic : float
         Bayesian information criterion above that of the best model compared.
-    where : tuple of Where
-        Where it fails.
-    findings : tuple of Finding
-        Tests on its residual.
     """
 
     refit: Refit
     error: Error
     delta_bic: float
-    where: tuple[Where, ...]
-    findings: tuple[Finding, ...]
+
+    @cached_property
+    def where(self) -> tuple[Where, ...]:
+        """Where it fails."""
+        return tuple(where(self.refit.frame()))
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """Tests on its residual."""
+        return tuple(findings(self.refit.frame(), self.refit.noise.source))
 
     @property
     def model(self) -> Model:
         """The model."""
         return self.refit.model
+
+    @cached_property
+    def parameters(self) -> dict[str, Value]:
+        """Its parameters with their intervals, in printed units."""
+        return printed(self.refit)
 
     @property
     def fails(self) -> bool:
@@ -82,7 +97,7 @@ class Judgement:
             "delta_bic": self.delta_bic,
             "fails": self.fails,
             "says": self.says,
-            "parameters": {name: asdict(value) for name, value in printed(self.refit).items()},
+            "parameters": {name: asdict(value) for name, value in self.parameters.items()},
             "where": [place.to_dict() for place in self.where],
             "tests": [finding.to_dict() for finding in self.findings],
         }
@@ -114,6 +129,11 @@ class Comparison:
         """The model with the least information criterion."""
         return min(self.judgements, key=lambda judgement: judgement.delta_bic)
 
+    @property
+    def shown(self) -> tuple[Judgement, ...]:
+        """Those that a picture shows."""
+        return self.judgements
+
     @cached_property
     def measurement(self) -> Measurement:
         """The data, repeats averaged, with the standard deviations of the noise floor."""
@@ -142,7 +162,7 @@ class Comparison:
         }
 
 
-def compare(measurement: Measurement, models: Sequence[Model]) -> Comparison:
+def compare(measurement: Measurement, models: Sequence[Model], rng: np.random.Generator) -> Comparison:
     """Fit models and judge each against the noise floor that they share.
 
     The floor is the lowest that any of the models finds: a model that fails takes part of its failure for noise.
@@ -153,6 +173,8 @@ def compare(measurement: Measurement, models: Sequence[Model]) -> Comparison:
         The data.
     models : sequence of Model
         At least one.
+    rng : numpy.random.Generator
+        For the simulated noise against which the residual of any material is held.
 
     Raises
     ------
@@ -165,13 +187,43 @@ def compare(measurement: Measurement, models: Sequence[Model]) -> Comparison:
     """
     if not models:
         raise OptionError("nothing to compare: give at least one model")
+    measured, measurement = len(measurement), thinned(measurement)
     fits = _fits(measurement, models)
     quiet = fits[0]
-    least = min(-2.0 * fit.log_evidence for fit in fits)
-    judgements = tuple(_judgement(fit, -2.0 * fit.log_evidence - least) for fit in fits)
-    harmonics = judged(overtones(quiet.data.mean, quiet.noise.sd))
-    notes = (quiet.noise.doubt,) if quiet.noise.doubt else ()
-    return Comparison(measurement.name, judgements, tuple(harmonics), notes)
+    notes = [quiet.noise.doubt] if quiet.noise.doubt else []
+    if measured > len(measurement):
+        notes.append(f"compared on {len(measurement)} of the {measured} points")
+    return Comparison(
+        measurement.name, tuple(judgements(fits, material_floors(fits, rng))), harmonics_of(quiet), tuple(notes)
+    )
+
+
+def harmonics_of(found: Refit) -> tuple[Finding, ...]:
+    """What the force harmonics of the data say, whatever the model."""
+    return tuple(judged(overtones(found.data.mean, found.noise.sd)))
+
+
+def judgements(fits: Sequence[Refit], floors: Mapping[Effects, MaterialFloor]) -> Iterator[Judgement]:
+    """Fits in units of one noise, each beside the material floor with the same effects."""
+    least = min(-2.0 * found.log_evidence for found in fits)
+    for found in fits:
+        error = error_of(found, floors[effects_of(found)])
+        yield Judgement(found, error, -2.0 * found.log_evidence - least)
+
+
+def material_floors(fits: Iterable[Refit], rng: np.random.Generator) -> dict[Effects, MaterialFloor]:
+    """The material floor for each set of effects, sought from the best of the fits that have them."""
+    best: dict[Effects, Refit] = {}
+    for found in fits:
+        known = best.setdefault(effects_of(found), found)
+        if found.rss < known.rss:
+            best[effects_of(found)] = found
+    return {effects: material_floor(found, rng) for effects, found in best.items()}
+
+
+def effects_of(found: Refit) -> Effects:
+    """Names of the effects of a fitted model."""
+    return tuple(effect.name for effect in found.model.effects)
 
 
 def _fits(measurement: Measurement, models: Sequence[Model]) -> list[Refit]:
@@ -190,9 +242,3 @@ def _fits(measurement: Measurement, models: Sequence[Model]) -> list[Refit]:
         found if found is quiet else refit(found.model, quiet.data, quiet.noise, [found.theta], starts=STARTS)
         for found in first
     ]
-
-
-def _judgement(found: Refit, delta_bic: float) -> Judgement:
-    frame, noise = found.frame(), found.noise
-    error = Error(found.relative_rms, found.floor, noise.source, noise.doubt)
-    return Judgement(found, error, delta_bic, tuple(where(frame)), tuple(findings(frame, noise.source)))

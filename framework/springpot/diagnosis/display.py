@@ -12,7 +12,7 @@ from springpot.markup import Html, joined, table, tag
 if TYPE_CHECKING:
     from .compare import Comparison
     from .ladder import Ladder
-    from .result import Diagnosis
+    from .result import Diagnosis, Error
 
 Drawing = Callable[[Any, "str | Path | None"], Any]
 SHOWN = 6
@@ -43,8 +43,12 @@ def _percent(fraction: float) -> str:
     return f"{100 * fraction:.3g} %"
 
 
+def _floors(error: Error) -> str:
+    return f"noise floor {_percent(error.noise_floor)}, material floor {_percent(error.material_floor)}"
+
+
 def html_of_diagnosis(diagnosis: Diagnosis) -> Html:
-    """Verdict, error against the floor, where the model fails and the leading effects."""
+    """Verdict, error against both floors, where the model fails and the leading effects."""
     error = diagnosis.error
     rows = [
         (c.effect, f"{c.probability:.3f}", _percent(c.predicted_error), _percent(c.error_after), c.verdict)
@@ -55,7 +59,8 @@ def html_of_diagnosis(diagnosis: Diagnosis) -> Html:
         "div",
         tag("p", tag("b", f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}")),
         tag("p", diagnosis.says),
-        tag("p", f"error {_percent(error.relative_rms)}, noise floor {_percent(error.noise_floor)}"),
+        tag("p", f"error {_percent(error.relative_rms)}, {_floors(error)}"),
+        tag("p", diagnosis.split) if diagnosis.split else joined(()),
         tag("ul", *(tag("li", where.says) for where in diagnosis.where)),
         table(headers, rows) if rows else joined(()),
     )
@@ -69,11 +74,12 @@ def html_of_ladder(ladder: Ladder) -> Html:
             "-" if step.predicted_error is None else _percent(step.predicted_error),
             _percent(step.relative_rms),
             _percent(step.noise_floor),
+            _percent(step.material_floor),
             f"{step.relative_rms / step.noise_floor:.3g}",
         )
         for step in ladder.steps
     ]
-    headers = ("accepted", "predicted error", "error", "noise floor", "x floor")
+    headers = ("accepted", "predicted error", "error", "noise floor", "material floor", "x floor")
     return tag(
         "div",
         tag("p", tag("b", f"{ladder.data}: {ladder.verdict}")),
@@ -90,6 +96,7 @@ def html_of_comparison(comparison: Comparison) -> Html:
             judged.model.name + (" (best)" if judged is best and len(comparison.judgements) > 1 else ""),
             _percent(judged.error.relative_rms),
             _percent(judged.error.noise_floor),
+            _percent(judged.error.material_floor),
             f"{judged.error.relative_rms / judged.error.noise_floor:.3g}",
             f"{judged.delta_bic:.3g}",
             "fails" if judged.fails else "holds",
@@ -98,7 +105,7 @@ def html_of_comparison(comparison: Comparison) -> Html:
     ]
     told = [f"{judged.model.name}: {judged.says}" for judged in comparison.judgements]
     told += [finding.says for finding in comparison.harmonics if finding.found]
-    headers = ("model", "error", "noise floor", "x floor", "delta BIC", "verdict")
+    headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
     return tag(
         "div",
         tag("p", tag("b", f"models of {comparison.data}")),

@@ -79,7 +79,7 @@ def judged(found: list[Finding]) -> list[Finding]:
     return sorted(kept, key=lambda one: (not one.found, one.p_value))
 
 
-def _tail(value: float, dof: float, scale_dof: float) -> float:
+def tail(value: float, dof: float, scale_dof: float) -> float:
     """Chance of at least `value` for a sum of `dof` squares of unit noise, whose unit may itself be estimated."""
     if scale_dof == inf:
         return float(chi2.sf(value, dof))
@@ -104,7 +104,7 @@ def _lack_of_fit(frame: Frame, source: Source) -> Iterator[Finding]:
         f"the residual is {times(np.sqrt(value / free))} what the noise leaves "
         f"(chi-square {value:.4g} on {free} degrees of freedom)"
     )
-    yield Finding("lack of fit", value, _tail(value, free, frame.scale_dof), False, words)
+    yield Finding("lack of fit", value, tail(value, free, frame.scale_dof), False, words)
 
 
 def _parts(frame: Frame) -> Iterator[Finding]:
@@ -117,7 +117,7 @@ def _parts(frame: Frame) -> Iterator[Finding]:
         value = float(np.sum(frame.rest[rows] ** 2))
         ratio = float(np.sqrt(value / free))
         words = f"{word} alone is {times(ratio)} what its noise leaves"
-        yield Finding(f"{word} alone", ratio, _tail(value, free, frame.scale_dof), False, words)
+        yield Finding(f"{word} alone", ratio, tail(value, free, frame.scale_dof), False, words)
 
 
 def _orders(frame: Frame) -> list[NDArray[np.int64]]:
@@ -208,9 +208,7 @@ def _trends(frame: Frame) -> Iterator[Finding]:
             f"from the lowest to the highest {name} the measured |K| {'gains' if size > 0 else 'loses'} "
             f"{100 * abs(np.expm1(size)):.2g} % and its phase {phase:+.2g} deg against the model"
         )
-        yield Finding(
-            f"trend with {name}", value, _tail(value, max(basis.shape[1], 1), frame.scale_dof), False, words
-        )
+        yield Finding(f"trend with {name}", value, tail(value, max(basis.shape[1], 1), frame.scale_dof), False, words)
 
 
 def _outliers(frame: Frame) -> Iterator[Finding]:

@@ -43,8 +43,8 @@ class Step:
         The model of this rung.
     accepted : str or None
         The effect that was added, None for the first rung.
-    relative_rms, noise_floor : float
-        Relative error and what noise alone leaves.
+    relative_rms, noise_floor, material_floor : float
+        Relative error, what noise alone leaves, and the least that any material reaches with the same effects.
     predicted_error : float or None
         What the rung before foretold.
     parameters : dict of str to Value
@@ -61,6 +61,7 @@ class Step:
     accepted: str | None
     relative_rms: float
     noise_floor: float
+    material_floor: float
     predicted_error: float | None
     parameters: dict[str, Value]
     changed: dict[str, float]
@@ -69,11 +70,13 @@ class Step:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
-        row = {name: getattr(self, name) for name in ("accepted", "relative_rms", "noise_floor", "predicted_error")}
+        told = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
+        row = {name: getattr(self, name) for name in told}
         values = {name: asdict(value) for name, value in self.parameters.items()}
         return {
             "model": self.model.name,
             **row,
+            "material_chance": self.case.diagnosis.error.material_chance,
             "class": list(self.alike),
             "parameters": values,
             "changed": self.changed,
@@ -229,7 +232,8 @@ def _step(case: Case, accepted: str | None, predicted: float | None, before: Cas
             if new is not None and old.value and not old.low <= new.value <= old.high:
                 changed[name] = new.value / old.value
     error = case.diagnosis.error
-    return Step(base.model, accepted, error.relative_rms, error.noise_floor, predicted, parameters, changed, case)
+    errors = error.relative_rms, error.noise_floor, error.material_floor
+    return Step(base.model, accepted, *errors, predicted, parameters, changed, case)
 
 
 def _pruned(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.identification import is_material
-from springpot.rheology import Continuum
+from springpot.rheology import Continuum, Model
 
 from .refit import Refit, refit
 from .structure import Structure, structure
@@ -48,6 +48,20 @@ class MaterialFloor:
         return self.rest.p_value
 
 
+def any_material() -> Model:
+    """The model of any linear passive material, which is judged where no model is named."""
+    return Model(NAME, Continuum(), "any linear passive material")
+
+
+def of_any_material(base: Refit) -> Refit:
+    """The fit of any material in the place of a model's own, its effects fitted anew."""
+    if is_material(base.model):
+        return base
+    free = replace(any_material(), effects=base.model.effects)
+    seed = base.theta[len(base.model.material.parameters) :]
+    return refit(free, base.data, base.noise, [seed])
+
+
 def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     """The least error that any material reaches in the place of a model's own, its effects fitted anew.
 
@@ -58,11 +72,7 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     rng : numpy.random.Generator
         For simulated noise.
     """
-    found = base
-    if not is_material(base.model):
-        free = replace(base.model, base=NAME, material=Continuum(), search=None)
-        seed = base.theta[len(base.model.material.parameters) :]
-        found = refit(free, base.data, base.noise, [seed])
+    found = of_any_material(base)
     return MaterialFloor(found, structure(found.frame(), rng))
 
 

@@ -10,6 +10,7 @@ from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
 from .problem import Problem
 from .recorder import Recorder, RecorderGroup
+from .regularised import Spectrum, regularised
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, paper_box, require_conditions
@@ -31,6 +32,7 @@ __all__ = [
     "Run",
     "SearchSpace",
     "Solution",
+    "Spectrum",
     "Uncertainty",
     "Window",
     "all_points",
@@ -46,6 +48,7 @@ __all__ = [
     "paper_box",
     "held_costs",
     "profile",
+    "regularised",
     "require_conditions",
     "run",
     "run_batch",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter
 from typing import Any
 
@@ -13,6 +14,7 @@ from springpot.errors import DataError, OptionError
 from springpot.markup import table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Levels, Model, Parameter, Real
+from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 
 from .guard import guarded
 from .material import is_material
@@ -21,6 +23,7 @@ from .notes import notes_on
 from .objective import Objective
 from .optimiser import Optimiser
 from .problem import Problem
+from .regularised import Spectrum, regularised
 from .space import require_conditions
 from .uncertainty import Uncertainty, bootstrap, ends, profile, spread_of
 
@@ -55,6 +58,8 @@ class Identification:
         Time taken in all.
     notes : tuple of str
         Plain sentences on what the numbers do not say.
+    seed : int
+        Of the noise behind the band of a spectrum.
     """
 
     fit: Fit
@@ -66,6 +71,12 @@ class Identification:
     evaluations: int
     seconds: float
     notes: tuple[str, ...] = ()
+    seed: int = 0
+
+    @cached_property
+    def spectrum(self) -> Spectrum | None:
+        """The smoothest spectrum that the data allow, where these choose it; None for a network of elements."""
+        return regularised(self.fit, np.random.default_rng(self.seed)) if is_material(self.model) else None
 
     @property
     def model(self) -> Model:
@@ -112,6 +123,7 @@ class Identification:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, schema ``springpot.identification/1``; an interval without an end has None."""
+        spectrum = {} if self.spectrum is None else {"spectrum": self._spectrum(self.spectrum)}
         return {
             "schema": SCHEMA,
             "model": self.model.name,
@@ -125,6 +137,23 @@ class Identification:
             "optimiser": self.optimiser,
             "status": self.status,
             "notes": list(self.notes),
+            **spectrum,
+        }
+
+    def _spectrum(self, found: Spectrum) -> dict[str, Any]:
+        """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band of the weights."""
+        units = self.measurement.units
+        (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
+        weight = size * found.step
+        return {
+            "rates": found.rates.tolist(),
+            "weights": (weight * found.density).tolist(),
+            "low": (weight * found.low).tolist(),
+            "high": (weight * found.high).tolist(),
+            "unit": unit,
+            "equilibrium": {"value": size * found.equilibrium, "unit": unit},
+            "viscosity": {"value": flow * found.viscosity, "unit": flow_unit},
+            "seen": list(found.seen),
         }
 
     def _printed(
@@ -269,7 +298,7 @@ def identify(
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
-    return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes))
+    return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes), seed or 0)
 
 
 def _references(model: Model) -> list[str]:

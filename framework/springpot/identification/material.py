@@ -282,6 +282,15 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     return weights / size, float(rest) ** 2
 
 
+def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, float]:
+    """Least and largest logarithm of the reduced frequencies that reach a fitted material."""
+    probe = _Probe([])
+    own = theta[len(fitted.material.parameters) :]
+    with np.errstate(all="ignore"):
+        replace(fitted, material=probe).network.respond(own, points)
+    return min(seen[0] for seen in probe.seen), max(seen[1] for seen in probe.seen)
+
+
 def fit_spectrum(
     model: Model, measurement: Measurement, objective: Objective, seeds_theta: Sequence[Real] = (), starts: int = 8
 ) -> Spectral:

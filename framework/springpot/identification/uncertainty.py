@@ -134,7 +134,8 @@ class Uncertainty:
         """Ends (p,) of the intervals of all parameters; zero or infinite where the data give no end."""
         fit, coordinates = self.fit, self.fit.task.coordinates
         turn = _printed_slopes(fit)
-        reach = self.quantile * spread_of(turn, self.covariance)
+        with np.errstate(invalid="ignore"):  # of a parameter on its bound nothing is known from here
+            reach = self.quantile * spread_of(turn, self.covariance)
         low, high = ends(fit.theta, reach, coordinates.log, _bounds(fit))
         rest = np.flatnonzero(self.at_bound)
         for i in rest.tolist():

@@ -33,7 +33,7 @@ def diagnosis_text(diagnosis: Diagnosis, measurement: Measurement | None = None)
     """
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}\n{diagnosis.says}",
-        error_line(diagnosis),
+        "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis),
         ranking_text(diagnosis, measurement),
         _absent(diagnosis),
@@ -44,13 +44,18 @@ def diagnosis_text(diagnosis: Diagnosis, measurement: Measurement | None = None)
 
 
 def error_line(diagnosis: Diagnosis) -> str:
-    """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``."""
+    """``error 8.3 % -> 1.1 % with inertia, 1.1 x floor``, and the two floors."""
     error, best = diagnosis.error, diagnosis.best
-    floor = f"noise floor {percent(error.noise_floor)} ({error.noise_source})"
     if best is None:
-        return f"error {percent(error.relative_rms)}, {times(error.relative_rms, error)}; {floor}"
+        return f"error {percent(error.relative_rms)}, {times(error.relative_rms, error)}; {floors(error)}"
     after = f"{percent(best.error_after)} with {best.effect}, {times(best.error_after, error)}"
-    return f"error {percent(error.relative_rms)} -> {after}; {floor}"
+    return f"error {percent(error.relative_rms)} -> {after}; {floors(error)}"
+
+
+def floors(error: Error) -> str:
+    """``noise floor 0.63 % (estimated); material floor 0.62 %``: what noise leaves, and what any material."""
+    noise = f"noise floor {percent(error.noise_floor)} ({error.noise_source})"
+    return f"{noise}; material floor {percent(error.material_floor)}"
 
 
 def times(value: float, error: Error) -> str:
@@ -162,7 +167,7 @@ def _next(diagnosis: Diagnosis) -> str:
 
 def ladder_text(ladder: Ladder) -> str:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
-    headers = ("step", "model", "predicted", "error", "x floor", "noise floor")
+    headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = [
         (
             str(i),
@@ -171,6 +176,7 @@ def ladder_text(ladder: Ladder) -> str:
             percent(step.relative_rms, 3),
             number(step.relative_rms / step.noise_floor, 2) if step.noise_floor > 0 else "-",
             percent(step.noise_floor, 2),
+            percent(step.material_floor, 2),
         )
         for i, step in enumerate(ladder.steps)
     ]
@@ -249,12 +255,13 @@ def accepted_name(step: Step) -> str:
 
 def comparison_text(comparison: Comparison) -> str:
     """The models side by side, then what the tests say on each."""
-    headers = ("model", "error", "x floor", "chi2/dof", "delta BIC", "parameters")
+    headers = ("model", "error", "x floor", "material floor", "chi2/dof", "delta BIC", "parameters")
     rows = []
     for judged in comparison.judgements:
         error, dof = judged.error, judged.refit.fit.dof
         ratio = number(error.relative_rms / error.noise_floor, 2) if error.noise_floor > 0 else "-"
-        row = (percent(error.relative_rms), ratio, number(judged.refit.rss / dof, 3), number(judged.delta_bic, 3))
+        floor, chi_square = percent(error.material_floor), number(judged.refit.rss / dof, 3)
+        row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
         rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
     error = comparison.judgements[0].error
     parts = [

@@ -13,6 +13,7 @@ from springpot.measurement import Measurement
 from . import views
 from .canvas import INK, blank, save
 from .curves import Fit
+from .floors import DASHES
 from .numbers import percent
 from .views import Scene
 
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 MARK_WIDTH = 1.75
-"""Inches for one entry of a legend."""
+"""Inches for one entry of a legend, at least."""
+LINE_WIDTH, LETTER_WIDTH = 0.6, 0.075
+"""Inches for the line and for each letter of an entry."""
 
 TITLE_WIDTH = 78
 """Characters of a title before it is cut."""
@@ -92,7 +95,7 @@ def _cut(text: str) -> str:
     return text if len(text) <= TITLE_WIDTH else f"{text[: TITLE_WIDTH - 1]}…"
 
 
-def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
+def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False) -> None:
     """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
 
     Parameters
@@ -103,8 +106,12 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
         What they show.
     below : Scene, optional
         What further rows show, in which colours stand for sweeps though they may stand for models above.
+    floors : bool
+        Whether the material floor is drawn beside residuals.
     """
     marks = _marks(scene)
+    if floors:
+        marks.append(_mark("± material floor", **DASHES))
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
         handles=marks,
@@ -112,7 +119,7 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
         title_fontsize=11.0,
         alignment="left",
         loc="outside upper left",
-        ncols=min(len(marks), int(figure.get_figwidth() / MARK_WIDTH)),
+        ncols=min(len(marks), max(1, int(figure.get_figwidth() / _width(marks)))),
         handlelength=2.6,
     )
     above.get_title().set_color(INK)
@@ -121,6 +128,11 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None) -> None:
     elif below is not None and below.by_sweep:
         title = "residuals of"
         figure.legend(handles=_sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
+
+
+def _width(marks: Sequence[Line2D]) -> float:
+    """Inches that the widest entry of a legend needs."""
+    return max(MARK_WIDTH, *(LINE_WIDTH + LETTER_WIDTH * len(str(mark.get_label())) for mark in marks))
 
 
 def _marks(scene: Scene) -> list[Line2D]:
@@ -146,10 +158,10 @@ def _sweep_marks(scene: Scene) -> list[Line2D]:
     ]
 
 
-def _mark(label: str, colour: str, **style: Any) -> Line2D:
+def _mark(label: str, color: str, **style: Any) -> Line2D:
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], color=colour, label=_literal(label), **style)
+    return Line2D([], [], color=color, label=_literal(label), **style)
 
 
 def _literal(text: str) -> str:

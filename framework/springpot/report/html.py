@@ -135,6 +135,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
         ("error of the model given", percent(first.relative_rms)),
         ("error at the end", percent(last.relative_rms)),
         (f"noise floor ({error.noise_source})", percent(last.noise_floor)),
+        ("material floor", percent(last.material_floor)),
         ("error against the floor", times(last.relative_rms, error).replace(" x ", " × ")),
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]
@@ -147,10 +148,17 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     else:
         story = f"The error is {percent(first.relative_rms)} of |K|; no effect was accepted."
     verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
-    yield tag("div", tag("div", story), verdict, class_="verdict")
+    split = [tag("div", f"{_capital(told)}.") for told in _splits(ladder)]
+    yield tag("div", tag("div", story), verdict, *split, class_="verdict")
     yield tag("div", *(tag("div", tag("b", value), word, class_="fact") for word, value in facts), class_="facts")
     for note in ladder.diagnosis.notes:
         yield tag("p", f"Note: {note}.")
+
+
+def _splits(ladder: Ladder) -> list[str]:
+    """What the material floor says of the first model, and of the last where that is another."""
+    diagnoses = [step.case.diagnosis for step in (ladder.steps[0], ladder.steps[-1])]
+    return list(dict.fromkeys(f"{one.model.name}: {one.split}" for one in diagnoses if one.split))
 
 
 def _capital(text: str) -> str:
@@ -159,7 +167,10 @@ def _capital(text: str) -> str:
 
 def _ladder(ladder: Ladder) -> Iterator[Html]:
     yield tag("h2", "The error, step by step")
-    caption = "Error after each accepted effect, as predicted before and as reached, against the noise floor"
+    caption = (
+        "Error after each accepted effect, as predicted before and as reached, against the noise floor and the least "
+        "error that any material reaches with the same effects"
+    )
     picture = panel(lambda axes: draw_ladder(axes, ladder), caption, max(4.6, 0.8 * len(ladder.steps) + 1.4), 3.6)
     yield tag("div", picture, class_="alone")
     rows = [
@@ -170,12 +181,14 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
             percent(step.relative_rms),
             number(step.relative_rms / step.noise_floor, 3) if step.noise_floor > 0 else "-",
             percent(step.noise_floor),
+            percent(step.material_floor),
             moves_text(step) or "-",
         )
         for i, step in enumerate(ladder.steps)
     ]
-    headers = ("step", "accepted", "predicted error", "error", "× floor", "noise floor", "old parameters changed")
-    yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
+    numbers = ("predicted error", "error", "× floor", "noise floor", "material floor")
+    headers = ("step", "accepted", *numbers, "old parameters changed")
+    yield tag("div", table(headers, rows, numbers), class_="scroll")
 
 
 def _places(ladder: Ladder) -> Iterator[Html]:

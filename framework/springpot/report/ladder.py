@@ -1,4 +1,4 @@
-"""The picture of a discovery: the error after each accepted effect against the noise floor."""
+"""The picture of a discovery: the error after each accepted effect against the noise floor and the material floor."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from springpot.diagnosis import Ladder, Step
 from springpot.diagnosis.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .floors import draw_floors
 from .numbers import percent
 
 if TYPE_CHECKING:
@@ -55,12 +56,13 @@ def figure_ladder(ladder: Ladder, path: str | Path | None = None) -> Figure | Pa
 
 
 def draw_ladder(axes: Axes, ladder: Ladder) -> None:
-    """Error, forecast and noise floor of each step on a logarithmic axis."""
+    """Error, forecast, noise floor and material floor of each step on a logarithmic axis."""
     steps = ladder.steps
     place = np.arange(len(steps))
     error = 100.0 * np.array([step.relative_rms for step in steps])
     floor = 100.0 * np.array([step.noise_floor for step in steps])
-    _floor(axes, floor)
+    material = 100.0 * np.array([step.material_floor for step in steps])
+    draw_floors(axes, floor, material, AFTER)
     _forecast(axes, steps, error)
     axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
     for x, step in enumerate(steps):
@@ -68,9 +70,8 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
         axes.annotate(words, (x, error[x]), (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
     _names(axes, steps)
     logarithmic(axes, "y")
-    positive = floor[floor > 0]
-    least = min(float(positive.min()) if len(positive) else error.min(), float(error.min()))
-    axes.set_ylim(least / ROOM, float(max(error.max(), floor.max())) * ROOM)
+    lines = np.concatenate([floor, material, error])
+    axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
     logarithmic(axes, "y")
     axes.set_ylabel("error [% of |K|]")
     axes.legend(loc="upper right")
@@ -78,17 +79,6 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
 
 def _ratio(step: Step) -> str:
     return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor" if step.noise_floor > 0 else "no noise"
-
-
-def _floor(axes: Axes, floor: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-    """The noise floor as a band that reaches the bottom, for each step its own."""
-    bounds = np.arange(len(floor) + 1) - 0.5
-    bounds[-1] += AFTER
-    edges = np.repeat(bounds, 2)[1:-1]
-    axes.fill_between(
-        edges, np.repeat(floor, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5
-    )
-    axes.set_xlim(edges[0], edges[-1])
 
 
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.diagnosis import Comparison
+from springpot.diagnosis import Comparison, Error
 from springpot.diagnosis.thinning import thinned
 from springpot.diagnosis.where import in_plane
 from springpot.measurement import Measurement, Units
@@ -26,6 +26,8 @@ from .bands import draw_bands
 from .canvas import QUIET, blank, logarithmic, save
 from .curves import Fit
 from .figures import headed
+from .floors import DASHES
+from .numbers import percent
 from .views import Scene
 
 if TYPE_CHECKING:
@@ -130,7 +132,7 @@ def _symmetric(axes: Axes, within: float, largest: float) -> None:
 
 def fits_of(comparison: Comparison) -> list[Fit]:
     """The models of a comparison as drawn."""
-    return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.judgements]
+    return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.shown]
 
 
 def figure_compared(comparison: Comparison, path: str | Path) -> Path:
@@ -157,16 +159,19 @@ def figure_compared(comparison: Comparison, path: str | Path) -> Path:
         for axes, draw, name in zip(grid[0], drawings, names, strict=True):
             draw(axes, everything)
             axes.set_title(name)
-        for row, fit in zip(grid[1:], fits, strict=True):
-            _row_of_residuals(row, Scene(measurement, [fit]), len(fits) > 1)
-        headed(figure, everything, Scene(measurement, fits[:1]))
+        for row, fit, judged in zip(grid[1:], fits, comparison.shown, strict=True):
+            _row_of_residuals(row, Scene(measurement, [fit]), judged.error, len(fits) > 1)
+        headed(figure, everything, Scene(measurement, fits[:1]), floors=True)
         return save(figure, path)
 
 
-def _row_of_residuals(row: Sequence[Axes], scene: Scene, named: bool) -> None:
-    """Residual of one model in per cent of |K| and in the four planes."""
+def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bool) -> None:
+    """Residual of one model in per cent of |K|, beside the least that any material leaves, and in the four planes."""
     views.residual(row[0], scene)
-    row[0].set_title(_cut(scene.fits[0].name) if named else "residual")
+    for side in (-100.0, 100.0):
+        row[0].axhline(side * error.material_floor, zorder=2.5, **DASHES)
+    name = f"{_cut(scene.fits[0].name)}\n" if named else ""
+    row[0].set_title(f"{name}error {percent(error.relative_rms)}, material floor {percent(error.material_floor)}")
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)
         axes.set_title(f"{plane.name} plane")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from .continuum import Continuum
 from .model import Model
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift
 
@@ -62,6 +63,9 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
         return sketch(node.node, f"{prefix}.{node.prefix}" if prefix else node.prefix)
     if isinstance(node, Mapped):
         return sketch(node.node, prefix)
+    if isinstance(node, Continuum):
+        own = (Leaf("spring", "K_e"), Leaf("dashpot", "c"), Leaf("spectrum", "H(r)"))
+        return Stack(tuple(Leaf(part.kind, f"{prefix}.{part.label}" if prefix else part.label) for part in own))
     if isinstance(node, Parallel):
         return Stack(tuple(sketch(child, prefix) for child in node.children))
     if isinstance(node, Series):

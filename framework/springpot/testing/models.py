@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from springpot.rheology import Model, drawing_of
+from springpot.identification import fit, is_material
+from springpot.rheology import Continuum, Model, drawing_of
 from springpot.rheology.family import Family
 
 from .aspects import SEED, cited, complaints, name_and_summary
 from .derivatives import derivative, sample
-from .networks import EXACT, OMEGA, network_aspects
+from .networks import EXACT, OMEGA, SAMPLE, network_aspects, sample_measurement
 
 MEMBERS = (1, 3)
 """Members of a family that are checked."""
+RATES = (0.03, 1.0, 40.0)
+"""Lines [rad/s] below, within and above the frequencies at which a material is checked."""
+FOLLOWED = 1e-4
+"""Relative error to which lines four a decade follow a smooth spectrum between points that are two a decade."""
 
 
 def check_model(model: Model | Family, *, passive: bool = False, skip: Collection[str] = ()) -> list[str]:
@@ -22,7 +28,9 @@ def check_model(model: Model | Family, *, passive: bool = False, skip: Collectio
 
     Aspects: ``words`` (name, summary, citation, drawing), ``parameters``, ``shapes``, ``derivatives`` (exact, by
     Cauchy's integral), ``finite`` (over the search box), ``units``, ``pure``, ``search`` (the search form inverts and
-    keeps the bounds) and ``passive``.
+    keeps the bounds) and ``passive``. Of a material whose spectrum the data choose everything is checked with lines
+    in it, whether ``passive`` is asked for or not, and ``spectrum``: that a fit follows a network of springs,
+    springpots and dashpots.
 
     Parameters
     ----------
@@ -40,6 +48,8 @@ def check_model(model: Model | Family, *, passive: bool = False, skip: Collectio
     """
     if isinstance(model, Family):
         return _check_family(model, passive, skip)
+    if is_material(model):
+        return _check_material(model, skip)
     aspects = {"words": lambda: _words(model), **network_aspects(model), "search": lambda: _search(model)}
     if passive:
         aspects["passive"] = lambda: _passive(model)
@@ -56,6 +66,25 @@ def _check_family(family: Family, passive: bool, skip: Collection[str]) -> list[
         else:
             found += [f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)]
     return found
+
+
+def _check_material(model: Model, skip: Collection[str]) -> list[str]:
+    """The contract with the lines that a fit may choose: without any there is only a spring beside a dashpot."""
+    lined = replace(model, material=Continuum(RATES))
+    aspects = {"words": lambda: _words(model), **network_aspects(lined), "passive": lambda: _passive(lined)}
+    return complaints({**aspects, "spectrum": lambda: _spectrum(model)}, skip)
+
+
+def _spectrum(model: Model) -> Iterator[str]:
+    """Any network of springs, springpots and dashpots is one of the materials."""
+    data = sample_measurement()
+    theta = sample(SAMPLE.parameters, np.random.default_rng(SEED), (1,))[0]
+    found = fit(model, replace(data, stiffness=SAMPLE.stiffness(theta, data.points)))
+    left = np.abs(found.model.stiffness(found.theta, data.points) / SAMPLE.stiffness(theta, data.points) - 1.0)
+    if not left.max() < FOLLOWED:
+        yield f"a spring beside a spring in series with a springpot is followed to {left.max():.1e} only"
+    if np.any(found.theta < 0.0):
+        yield "a weight of the spectrum is negative"
 
 
 def _words(model: Model) -> Iterator[str]:

@@ -14,6 +14,7 @@ from springpot.measurement import Measurement, Units
 from springpot.rheology import (
     FULL,
     MAXWELL_FORM,
+    Continuum,
     Model,
     Parameter,
     Points,
@@ -167,10 +168,17 @@ def _units(model: Model) -> Iterator[str]:
     for what, (stiffness, time, amplitude) in changes.items():
         at = replace(POINTS.shifted(-np.log(time)), amplitude=POINTS.need("amplitude") * amplitude)
         for theta in _thetas(model):
-            other = model.stiffness(converted(model, theta, stiffness, time, amplitude), at)
+            other = _of_rates(model, time).stiffness(converted(model, theta, stiffness, time, amplitude), at)
             if not np.allclose(other, stiffness * model.stiffness(theta, POINTS), rtol=1e-8, atol=0.0):
                 yield f"K does not follow a change of the unit of {what}: a parameter's Dimension is wrong"
                 break
+
+
+def _of_rates(model: Model, time: float) -> Model:
+    """The model with the lines of its spectrum, if it has any, in a unit of time of which an old one has `time`."""
+    if not isinstance(model.material, Continuum):
+        return model
+    return replace(model, material=Continuum(tuple(rate / time for rate in model.material.rates)))
 
 
 def _pure(model: Model) -> Iterator[str]:

@@ -11,6 +11,5 @@ MODELS = (
         "any linear passive material: a spectrum of relaxation times, the least error that any model reaches",
         "Ferry, Viscoelastic Properties of Polymers, 1980, ch. 3",
         aliases=("any-material", "free-spectrum"),
-        drawing="  K_e ∥ c ∥ H(r): a spring, a dashpot, and Maxwell elements of all rates r",
     ),
 )

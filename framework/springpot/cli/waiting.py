@@ -1,0 +1,57 @@
+"""What is being done, told on stderr to those who wait longer than a second."""
+
+from __future__ import annotations
+
+import sys
+from threading import Lock, Timer
+from types import TracebackType
+
+PATIENCE = 1.0
+"""Seconds that nobody asks about."""
+WIDTH = 100
+"""Letters of a line that is written over."""
+
+
+class Waiting:
+    """Tells stages of a long answer: in place on a terminal, else each kind of stage in a line of its own."""
+
+    def __init__(self) -> None:
+        self._timer = Timer(PATIENCE, self._begin)
+        self._timer.daemon = True
+        self._lock = Lock()
+        self._begun, self._stage, self._kind = False, "", ""
+
+    def __enter__(self) -> Waiting:
+        self._timer.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._timer.cancel()
+        with self._lock:
+            if self._begun and sys.stderr.isatty():
+                print(f"\r{' ' * WIDTH}\r", end="", file=sys.stderr, flush=True)
+            self._begun, self._stage = False, ""
+
+    def told(self, stage: str) -> None:
+        """What is being done now."""
+        with self._lock:
+            self._stage = stage
+            if self._begun:
+                self._show()
+
+    def _begin(self) -> None:
+        with self._lock:
+            self._begun = bool(self._stage)
+            if self._begun:
+                self._show()
+
+    def _show(self) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{self._stage:{WIDTH}.{WIDTH}}", end="", file=sys.stderr, flush=True)
+            return
+        kind = self._stage.split()[0]  # one line for all the models that are fitted, not one for each
+        if kind != self._kind:
+            print(self._stage, file=sys.stderr, flush=True)
+        self._kind = kind

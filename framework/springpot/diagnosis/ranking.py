@@ -1,0 +1,253 @@
+"""Installed models in order, where none is named: the simplest that does what any material can comes first.
+
+What is no part of the material is found first, by a discovery that begins with any material; with the effects that
+it accepts each model is fitted in units of the same noise. The material floor then says which models are adequate:
+those beside which a free spectrum gains no more than it gains from noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.identification import is_material, weighted
+from springpot.measurement import Measurement
+from springpot.rheology import Effect, Model
+from springpot.rheology.family import Family
+
+from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
+from .findings import tail
+from .ladder import Ladder, discover
+from .material import any_material
+from .refit import Refit, refit
+
+CHANCE = 1e-3
+"""Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
+right one in 25 data sets is lost."""
+DECISIVE = 10.0
+"""Information criterion above the least from which another model is decisively better (Kass and Raftery 1995,
+doi:10.1080/01621459.1995.10476572)."""
+ALIKE = 2.0
+"""Standard deviations of the noise between two curves, over all points together, below which no data like these tell
+them apart."""
+STARTS = 8
+"""Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
+FIRST_MEMBER, LAST_MEMBER = 2, 6
+"""Members of a family of sums that are tried; the first of each has a name of its own."""
+NEXT = 3
+"""Models shown beside the adequate ones, which tell how much worse the next are."""
+LOOKED_AT = 20
+"""Of the others, how many are looked at for these."""
+MOST_DRAWN = 6
+"""Models in a picture: more colours are not told apart."""
+
+
+class Skipped(NamedTuple):
+    """A model that these data cannot judge, and why."""
+
+    model: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking(Comparison):
+    """All installed models, the simplest adequate one first, those that are not adequate by their evidence.
+
+    Attributes
+    ----------
+    ladder : Ladder
+        The discovery from any material: what was accepted beside every model.
+    adequate : tuple of Judgement
+        Models beside which no material does better than noise allows, those with the fewest parameters first.
+    skipped : tuple of Skipped
+        Models that were not fitted.
+    """
+
+    ladder: Ladder
+    adequate: tuple[Judgement, ...]
+    skipped: tuple[Skipped, ...]
+
+    @property
+    def best(self) -> Judgement:
+        """The simplest adequate model; of none the one with the least information criterion."""
+        return self.judgements[0]
+
+    @cached_property
+    def groups(self) -> tuple[tuple[Judgement, ...], ...]:
+        """The adequate models, those together whose curves lie closer than the noise can tell."""
+        return grouped(self.adequate)
+
+    @cached_property
+    def next(self) -> tuple[Judgement, ...]:
+        """The best of those that are not adequate, one of each kind of curve."""
+        nearest = self.judgements[len(self.adequate) :][:LOOKED_AT]
+        return tuple(group[0] for group in grouped(nearest)[:NEXT])
+
+    @property
+    def shown(self) -> tuple[Judgement, ...]:
+        """One of each group, and the best of those that are not adequate."""
+        return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
+
+    @property
+    def says(self) -> str:
+        """The answer in one sentence."""
+        name = self.best.model.name
+        if not self.adequate:
+            return f"no installed model follows these data as well as any material does; the nearest is {name}"
+        return f"the simplest model that follows these data as well as any material does is {name}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.comparison/1``, with the ranking."""
+        last = self.ladder.steps[-1]
+        return {
+            **super().to_dict(),
+            "ranking": {
+                "says": self.says,
+                "accepted": [effect.name for effect in last.model.effects],
+                "material": last.to_dict(),
+                "adequate": [one.model.name for one in self.adequate],
+                "classes": [[one.model.name for one in group] for group in self.groups],
+                "skipped": [one._asdict() for one in self.skipped],
+            },
+        }
+
+
+def rank(
+    measurement: Measurement,
+    installed: Sequence[Model | Family],
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    told: Callable[[str], None] = lambda stage: None,
+) -> Ranking:
+    """Rank models against the material floor.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    installed : sequence of Model or Family
+        What is ranked, alone and with the effects that any material needs; of a family, members until one is
+        adequate or one more term brings no evidence. Those that need a column which the data lack are left out.
+    library : sequence of Effect
+        Effects that may be missing from any material.
+    rng : numpy.random.Generator
+        For simulated noise.
+    told : callable
+        Told in a few words what is being done.
+
+    Raises
+    ------
+    DataError
+        If there are too few data to judge anything.
+    """
+    told("looking for what is missing from any material")
+    ladder = discover(measurement, any_material(), library, rng)
+    case = ladder.steps[-1].case
+    floor = case.found.base
+    fits: list[Refit] = []
+    skipped: list[Skipped] = []
+    for effects in [floor.model.effects, ()] if floor.model.effects else [()]:
+        for number, item in enumerate(installed, 1):
+            told(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
+            fits += _fitted(item, effects, floor, skipped)
+    if not fits:
+        raise DataError(
+            f"{measurement.name}: none of the installed models can be judged by {len(measurement)} points"
+        )
+    alone = [found for found in fits if not found.model.effects]
+    floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
+    ordered = sorted(judgements(fits, floors), key=lambda one: one.delta_bic)
+    adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
+    adequate.sort(key=lambda one: len(one.refit.theta))
+    others = [one for one in ordered if one not in adequate]
+    notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
+    return Ranking(
+        measurement.name,
+        (*adequate, *others),
+        harmonics_of(floor),
+        tuple(notes),
+        ladder,
+        tuple(adequate),
+        tuple(dict.fromkeys(skipped)),
+    )
+
+
+def chance_beside(found: Refit, floor: Refit) -> float:
+    """Chance that a free spectrum gains so much on a model from noise alone.
+
+    The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more than the model has
+    parameters. Where any material leaves more than noise, that remainder is no fault of the model, and sets the scale.
+
+    Parameters
+    ----------
+    found : Refit
+        The model.
+    floor : Refit
+        Any material, in units of the same noise.
+    """
+    spare = max(found.fit.dof - floor.fit.dof, 1)
+    scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
+    return tail(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
+
+
+def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
+    """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
+    limit, size = one.delta_bic - DECISIVE, len(one.refit.theta)
+    return any(other.delta_bic < limit and len(other.refit.theta) > size for other in others)
+
+
+def _fitted(
+    item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
+) -> Iterator[Refit]:
+    """Fits of a model with effects; of a family, those of members up to the first that lacks or gains nothing."""
+    if isinstance(item, Model):
+        if not is_material(item):
+            yield from _one(item, effects, floor, skipped)
+        return
+    evidence = -np.inf
+    for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
+        for found in _one(item.build(number), effects, floor, skipped):
+            yield found
+            if found.log_evidence <= evidence or chance_beside(found, floor) >= CHANCE:
+                return
+            evidence = found.log_evidence
+
+
+def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]) -> Iterator[Refit]:
+    """The fit of one model, unless these data cannot judge it."""
+    grown, data = model, floor.data
+    for effect in effects:
+        grown = grown + effect
+    missing = sorted(grown.needs - set(data.mean.conditions))
+    if missing:
+        skipped.append(Skipped(grown.name, f"needs the column {', '.join(missing)}"))
+    elif len(grown.parameters) >= 2 * len(data.mean):
+        skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
+    else:
+        yield refit(grown, data, floor.noise, starts=STARTS)
+
+
+def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
+    """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
+    groups: list[list[Judgement]] = []
+    for one in judgements:
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
+        if known is None:
+            groups.append([one])
+        else:
+            known.append(one)
+    return tuple(map(tuple, groups))
+
+
+def _with(effects: tuple[Effect, ...]) -> str:
+    return f" with {' and '.join(effect.name for effect in effects)}" if effects else ""
+
+
+def _distance(one: Refit, other: Refit) -> float:
+    """Standard deviations of the noise between two fitted curves, over all points together."""
+    return float(np.linalg.norm(weighted(one.stiffness - other.stiffness, one.noise.weights)))

@@ -1,0 +1,74 @@
+"""Installed models ranked against the material floor, as text for people."""
+
+from __future__ import annotations
+
+from springpot.diagnosis import Judgement, Ranking
+
+from .answers import doubt_text, floors, times_floor, value_text
+from .numbers import number, percent
+from .reference import reference_note
+from .text import Table
+
+HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
+NAMED = 12
+"""Models of a group that are named."""
+
+
+def ranked_text(ranking: Ranking) -> str:
+    """The answer, the models worth a look, those that are alike, and the parameters of the first."""
+    last = ranking.ladder.steps[-1]
+    data = last.case.found.base.data.raw
+    parts = [
+        f"{ranking.data}: {ranking.says}",
+        _floors(ranking),
+        _table(ranking),
+        "\n".join(_alike(group) for group in ranking.groups if len(group) > 1),
+        _first(ranking.best),
+        reference_note(data, [ranking.best.model.network]),
+        "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
+        "\n".join(f"note: {note}" for note in ranking.notes),
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _floors(ranking: Ranking) -> str:
+    """The lines against which the models stand, and what is beside every material."""
+    first, last = ranking.ladder.steps[0], ranking.ladder.steps[-1]
+    lines = [floors(ranking.best.error)]
+    if added := " and ".join(effect.name for effect in last.model.effects):
+        lines[0] += f" with {added}, {percent(first.material_floor)} without"
+    if ranking.ladder.verdict != "adequate":
+        lines.append(f"any material: {ranking.ladder.diagnosis.says}")
+    return "\n".join(lines)
+
+
+def _table(ranking: Ranking) -> str:
+    """One row for each group of adequate models, then the nearest of the others."""
+    rows = [_row(group[0], "adequate") for group in ranking.groups]
+    rows += [_row(one, "not enough") for one in ranking.next]
+    table = Table(HEADERS, rows, frozenset(HEADERS[2:])).plain()
+    left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.next)
+    return f"{table}\n{left} more are not enough; --json has all" if left else table
+
+
+def _row(one: Judgement, verdict: str) -> tuple[str, ...]:
+    error = one.error
+    ratio = times_floor(error.relative_rms, error.noise_floor) if error.noise_floor > 0 else "-"
+    values = (percent(error.relative_rms), ratio, number(one.delta_bic, 3), str(len(one.refit.theta)))
+    return (one.model.name, verdict, *values)
+
+
+def _alike(group: tuple[Judgement, ...]) -> str:
+    """``springpot + inertia cannot be told from kelvin, maxwell (with the same effects)``."""
+    first, *others = (one.model for one in group)
+    same = [other for other in others if other.effects == first.effects]
+    names = [one.base if one in same else one.name for one in (*same, *(one for one in others if one not in same))]
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    beside = " with the same effects" if first.effects and same else ""
+    return f"{first} cannot be told from {', '.join(names[:NAMED])}{more}{beside}"
+
+
+def _first(one: Judgement) -> str:
+    """Parameters of the model that comes first."""
+    values = "\n".join(f"  {name} = {value_text(value)}" for name, value in one.parameters.items())
+    return f"{one.model.name}:\n{values}"
