@@ -15,6 +15,11 @@ from springpot.rheology import Complex, Real
 from .bases import orthonormal
 from .sweeps import shared_shapes, slow_shapes
 
+OWN_SCATTER = 0.8
+"""Degrees of freedom of the noise, as a share of those of the rough part, from which the noise is the rough part's."""
+FEWEST_OWN = 16.0
+"""Degrees of freedom below which a scatter says too little of itself."""
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:
@@ -64,9 +69,52 @@ class Frame:
         """Residual (2n,) without what the fitted parameters can follow."""
         return self.project(self.residual[:, None])[:, 0]
 
-    def scale_draws(self, count: int, rng: np.random.Generator) -> Real | float:
-        """Draws (count,) of estimated over true variance, by which a simulated score is to be divided."""
-        return 1.0 if self.scale_dof == inf else rng.chisquare(self.scale_dof, count) / self.scale_dof
+    def draws(self, count: int, rng: np.random.Generator) -> Real:
+        """Residuals (count, 2n) that noise alone would leave, treated as the measured one was; see `standard`.
+
+        Where the noise was estimated from the data's own scatter, that scatter is dealt out anew: the relative
+        deviations of the points change places and signs, each with its gain and its phase. So the draws have the tails
+        of the data, and scatter in gain and in phase as they do (Freedman and Lane 1983,
+        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal.
+        """
+        if not self._deals_out:
+            noise = rng.standard_normal((count, self.size))
+        else:
+            order = rng.permuted(np.tile(np.arange(self.size // 2), (count, 1)), axis=1)
+            sign = 2.0 * rng.integers(0, 2, (count, self.size // 2)) - 1.0
+            noise = self.whiten(self._deviations[order] * sign * self._relative_sd * self.model_stiffness)
+        noise -= (noise @ self.absorbed) @ self.absorbed.T
+        if self.scale_dof == inf or self._deals_out:
+            return self.standard(noise)
+        variance = rng.chisquare(self.scale_dof, count) / self.scale_dof
+        return np.asarray(noise / np.sqrt(variance)[:, None], dtype=np.float64)
+
+    def standard(self, rest: Real) -> Real:
+        """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""
+        if not self._deals_out:
+            return rest
+        rough = rest - (rest @ self.structured) @ self.structured.T
+        variance = np.einsum("ij,ij->i", rough, rough) / self.rough_dof
+        return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-300))[:, None], dtype=np.float64)
+
+    @cached_property
+    def _deals_out(self) -> bool:
+        """Whether the data's own scatter is the noise, and there is enough of it."""
+        return FEWEST_OWN <= OWN_SCATTER * self.rough_dof <= self.scale_dof < inf
+
+    @cached_property
+    def _relative_sd(self) -> Real:
+        """Standard deviation (n,) of each point relative to |K|, the mean of both parts."""
+        variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
+        return np.asarray(np.sqrt(variance) / np.abs(self.model_stiffness), dtype=np.float64)
+
+    @cached_property
+    def _deviations(self) -> Complex:
+        """Rough part of each point relative to K in units of its noise (n,), as large as before the fit."""
+        n = self.size // 2
+        rough = self.rough[:n] / self.weights.real + 1j * self.rough[n:] / self.weights.imag
+        relative = rough / (self.model_stiffness * self._relative_sd)
+        return np.asarray(relative * np.sqrt(self.size / self.rough_dof), dtype=np.complex128)
 
     def project(self, columns: Real) -> Real:
         """Columns (2n, m) without what the fitted parameters can follow."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import f
 
 from springpot.measurement import Measurement
 
@@ -24,6 +24,11 @@ MOST = 0.05
 FEWEST_POINTS = 12
 LEAST_LEFT = 0.1
 """A point of which less than this share is free of the fitted curves says nothing by itself."""
+TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
+"""Degrees of freedom and scale of the scatter that may be: normal first. The variance is taken without the furthest
+frequencies, so that a scale below one goes with long tails."""
+HEAVIER = 3.0
+"""Log-likelihood by which the others must speak for long tails before a point that is far off is held to be one."""
 PRICE = 5.0
 """Log-odds against a point being an outlier, beside the one in n for which point it is."""
 
@@ -100,7 +105,22 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
     scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0).reshape(2, -1).sum(axis=0)
     worst = int(np.argmax(scaled))
-    return int(rows[worst]), float(chi2.sf(scaled[worst] / variance, 2))
+    return int(rows[worst]), _chance(scaled[worst] / variance, np.delete(scaled, worst) / variance)
+
+
+def _chance(size: float, others: NDArray[np.float64]) -> float:
+    """Chance of a point as far off as this (its squared deviations in both parts), by the tails of the others.
+
+    Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of freedom; which of a few
+    the others have is told by their likelihood. Noise with long tails makes no outliers.
+    """
+    half = 0.5 * np.maximum(others, 1e-12)
+    likelihood = [float(np.sum(f.logpdf(half / s, 2, nu) - np.log(s))) for nu, s in TAILS]
+    best = int(np.argmax(likelihood))
+    if likelihood[best] < likelihood[0] + HEAVIER:
+        best = 0
+    nu, scale = TAILS[best]
+    return float(f.sf(0.5 * size / scale, 2, nu))
 
 
 def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:

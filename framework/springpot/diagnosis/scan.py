@@ -20,6 +20,7 @@ from springpot.rheology import Real
 
 from .directions import Influence
 from .frame import Frame
+from .structure import EDGE, MORE
 
 SMALL = (1e-5, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
@@ -131,14 +132,17 @@ def scan(
     """
     tried = [Directions.of(frame, influence) for influence in influences]
     simulated = np.zeros(0) if rng is None else _simulated_maxima(frame, tried, rng)
+    rest = frame.standard(frame.rest[None, :])[0]
+    along = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0)
+    if rng is not None and EDGE[0] < float(np.mean(simulated >= along**2)) < EDGE[1]:
+        simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(MORE))])
     threshold = float(np.quantile(simulated, 0.99)) if len(simulated) else threshold
     scores = [
         _score(frame, influence, directions, threshold)
         for influence, directions in zip(influences, tried, strict=True)
     ]
     scores.sort(key=lambda score: score.predicted)
-    top = max((score.score for score in scores), default=0.0)
-    p_value = (1.0 + float(np.sum(simulated >= top))) / (1.0 + len(simulated)) if len(simulated) else 1.0
+    p_value = (1.0 + float(np.sum(simulated >= along**2))) / (1.0 + len(simulated)) if len(simulated) else 1.0
     return Scan(scores, p_value, threshold)
 
 
@@ -149,10 +153,9 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
         return np.zeros(0)
     maxima = np.empty(DRAWS)
     for part in np.array_split(np.arange(DRAWS), 4):
-        noise = rng.standard_normal((len(part), frame.size), dtype=np.float32)
+        noise = frame.draws(len(part), rng).astype(np.float32)
         maxima[part] = np.max(noise @ unit, axis=1)
-    found: Real = np.square(np.maximum(maxima, 0.0)) / frame.scale_draws(DRAWS, rng)
-    return found
+    return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
 
 
 def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:

@@ -21,6 +21,10 @@ from .noise import Averaged
 from .sweeps import slow_shapes, spectrum, sweeps_of
 
 DRAWS = 2000
+EDGE = (1e-3, 2e-2)
+"""Chances about the alarms, which lie between 0.002 and 0.006, that are resolved by more draws."""
+MORE = 9
+"""So many times as many draws more."""
 FEWEST_REPEATS = 8
 """Repeated points below which nothing can be said of how repeats differ."""
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
@@ -91,11 +95,14 @@ def structure(frame: Frame, rng: np.random.Generator) -> Structure:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    noise = rng.standard_normal((DRAWS, frame.size))
-    noise -= (noise @ frame.absorbed) @ frame.absorbed.T
-    noise /= np.sqrt(np.atleast_1d(frame.scale_draws(DRAWS, rng)))[:, None]
-    sample = np.concatenate([frame.rest[None, :], noise])
-    return _judged(_statistics(frame, sample))
+    sample = np.concatenate([frame.standard(frame.rest[None, :]), frame.draws(DRAWS, rng)])
+    statistics = _statistics(frame, sample)
+    found = _judged(statistics)
+    if not EDGE[0] < found.p_value < EDGE[1]:
+        return found
+    # Near the alarms two thousand draws leave the verdict to the seed: twenty thousand do not.
+    more = [statistics, *(_statistics(frame, frame.draws(DRAWS, rng)) for _ in range(MORE))]
+    return _judged({name: np.concatenate([each[name] for each in more]) for name in statistics})
 
 
 def _judged(statistics: dict[str, Real]) -> Structure:

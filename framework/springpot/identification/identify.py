@@ -141,7 +141,7 @@ class Identification:
         }
 
     def _spectrum(self, found: Spectrum) -> dict[str, Any]:
-        """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band of the weights."""
+        """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band."""
         units = self.measurement.units
         (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
         weight = size * found.step

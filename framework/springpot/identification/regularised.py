@@ -84,7 +84,7 @@ class Spectrum:
         if self.density[i] < max(self.density[i - 1], self.density[i + 1]):
             return False
         higher = np.flatnonzero(self.density > self.density[i])
-        valleys = [self.high[min(i, j) : max(i, j) + 1].min() for j in higher]
+        valleys = [self.high[min(i, j) : max(i, j) + 1].min() for j in higher.tolist()]
         return bool(self.density[i] > 0.0) and all(valley < self.low[i] for valley in valleys)
 
 
@@ -207,7 +207,7 @@ def _weights(fit: Fit) -> Complex:
 
 
 def _roughness(size: Real, step: float) -> Real:
-    """Second differences (m, 2 + m) of H over a size (m,), which K_e and c do not enter; H is zero beyond the ends."""
+    """Second differences (m, 2 + m) of H over a size (m,), without K_e and c; H is zero beyond the ends."""
     count = len(size)
     bent = -2.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
     return np.concatenate([np.zeros((count, 2)), bent / size / step**1.5], axis=1)

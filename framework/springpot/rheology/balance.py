@@ -50,7 +50,7 @@ class BalancedSeries(Composition):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K at the displacement X_e that the element takes."""
-        body_theta, own = theta[..., self._cuts[0]], theta[..., self._cuts[1]]
+        body_theta, own = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         body = self.children[0].respond(body_theta, at, depth)
         element, slope = self._balanced(body.value, own, at, depth)
         both = body.value + element.value
