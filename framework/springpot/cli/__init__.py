@@ -15,7 +15,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments : sequence of str, optional
         By default those of this process.
     """
-    from .faults import exit_code
-    from .group import run
-
+    try:
+        from .faults import exit_code
+        from .group import run
+    except KeyboardInterrupt:
+        sys.exit(130)
     sys.exit(exit_code(lambda: run(sys.argv[1:] if arguments is None else list(arguments))))
