@@ -26,6 +26,7 @@ FLOORS = {
     "registry": 6,
     "benchmark": 7,
     "diagnosis": 7,
+    "exporting": 7,
     "report": 8,
     "testing": 8,
     "cli": 9,

@@ -7,6 +7,7 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .handoff import Handoff, Writer
 from .history import InTime
 from .intime import Traced
 from .linear import (
@@ -66,6 +67,7 @@ from .parameters import (
     viscosity,
 )
 from .points import Complex, Points, Real
+from .prony import Prony, prony_of
 from .signal import (
     clock,
     delay,
@@ -138,6 +140,7 @@ __all__ = [
     "FULL",
     "FixedPower",
     "GRADIENT",
+    "Handoff",
     "INERTANCE",
     "InTime",
     "KELVIN_FORM",
@@ -150,6 +153,7 @@ __all__ = [
     "Parallel",
     "Parameter",
     "Points",
+    "Prony",
     "RADIAN_PER_SECOND",
     "Real",
     "Renamed",
@@ -165,6 +169,7 @@ __all__ = [
     "TIME_FORM",
     "Traced",
     "VALUE",
+    "Writer",
     "VISCOSITY",
     "chain",
     "columns",
@@ -176,6 +181,7 @@ __all__ = [
     "order",
     "parallel",
     "power_of_s",
+    "prony_of",
     "quasi_property",
     "relaxation_time",
     "rows",
