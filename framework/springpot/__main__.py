@@ -1,5 +1,10 @@
 """``python -m springpot`` is the command ``springpot``."""
 
-from springpot.cli import main
+import sys
 
-main()
+try:
+    from springpot.cli import main
+
+    main()
+except KeyboardInterrupt:
+    sys.exit(130)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from springpot.identification import Objective, Optimiser
     from springpot.measurement.catalogue import DataSet
     from springpot.measurement.reader import Reader
-    from springpot.rheology import Effect, Model
+    from springpot.rheology import Effect, Model, Writer
     from springpot.rheology.family import Family
 
 GROUP = "springpot"
@@ -95,6 +95,11 @@ def springpot_datasets() -> Iterable[DataSet]:  # type: ignore[empty-body]
 @hookspec
 def springpot_readers() -> Iterable[Reader]:  # type: ignore[empty-body]
     """Readers of measurement files, chosen by content."""
+
+
+@hookspec
+def springpot_writers() -> Iterable[Writer]:  # type: ignore[empty-body]
+    """Formats in which an identified model is handed to a solver."""
 
 
 @hookspec

@@ -17,6 +17,7 @@ KEYS = {
     },
     "readers": {"name", "summary", "signals", "writes"},
     "objectives": {"name", "summary", "citation"},
+    "writers": {"name", "summary", "suffix"},
 }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import os
 import struct
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +18,11 @@ NAMES = "frequency [Hz],storage [kN/m],loss [kN/m]\n"
 ROWS = "".join(f"{i},{2 * i},{3 * i}\n" for i in range(1, 11))
 
 
-def _text(folder: Path, name: str, *pieces: str) -> Path:
+def _text(folder: Path, name: str, *pieces: str, more: Iterable[str] = ()) -> Path:
     path = folder / name
     with path.open("w", encoding="utf-8") as stream:
         stream.writelines(pieces)
+        stream.writelines(more)
     return path
 
 
@@ -83,7 +84,15 @@ def many_rows(folder: Path, size: float) -> Path:
     """Two million rows."""
     thousand = [f".{i:03d},{200 + 1e-4 * i:.4f},{50 + 1e-5 * i:.5f}" for i in range(1000)]
     blocks = ("".join(f"{k}{row}\n" for row in thousand) for k in range(1, int(2000 * size) + 1))
-    return _text(folder, "rows.csv", NAMES, *blocks)
+    return _text(folder, "rows.csv", NAMES, more=blocks)
+
+
+def long_signals(folder: Path, size: float) -> Path:
+    """A gigabyte of time signals, 5 Hz, sampled a thousand times a second: nothing hostile."""
+    phase = 10.0 * np.pi * np.arange(1000) / 1000
+    second = [f".{i:03d},{np.sin(p):.6f},{3 * np.sin(p + 0.5):.6f}" for i, p in enumerate(phase)]
+    blocks = ("".join(f"{k}{row}\n" for row in second) for k in range(int(37_000 * size)))
+    return _text(folder, "signals.csv", "time [s],displacement [mm],force [kN]\n", more=blocks)
 
 
 SHEET = (

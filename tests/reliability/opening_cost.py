@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -11,11 +12,8 @@ from springpot.measurement import budget_of, open_measurement, parts_of, within_
 from springpot_plugins.readers import springpot_readers
 
 READERS = tuple(springpot_readers())
-STATUS = Path("/proc/self/status")
 ALLOWED_LATE = 0.5
 """Seconds of processor time by which a reader may be late in ending: one step within a library."""
-ALLOWED_MORE = 32 << 20
-"""Bytes of address space that the process had been given before and had not yet used."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class Cost:
     seconds, memory : float
         Processor time, and bytes at the peak beyond what there was before (nan where the system does not tell).
     time_share, memory_share : float
-        The same as shares of the budget.
+        The same as shares of what is allowed.
     """
 
     said: str
@@ -50,7 +48,8 @@ class Cost:
 def cost_of(path: Path, action=None) -> Cost:
     """Open a file, or do something else with it within its budget."""
     budget = budget_of(path)
-    before, start = _peak(fresh=True), process_time()
+    _forget_peak()
+    before, reserved, start = _status("VmHWM"), _status("VmData") - _status("RssAnon"), process_time()
     said = fault = ""
     try:
         _ = open_measurement(path, (), READERS) if action is None else within_budget(path, action)
@@ -61,12 +60,14 @@ def cost_of(path: Path, action=None) -> Cost:
         if isinstance(error, KeyboardInterrupt):
             raise
         fault = f"{type(error).__name__}: {error}"
-    seconds, memory = process_time() - start, _peak() - before
+    seconds, memory = process_time() - start, _status("VmHWM") - before
     if seconds > budget.seconds + ALLOWED_LATE:
         fault = fault or f"{seconds:.1f} s of {budget.seconds:.1f}"
-    if memory > budget.memory + ALLOWED_MORE:
+    # The kernel counts what a process asks for: what this one had asked for before, and not used, is not counted.
+    allowed = budget.memory + reserved
+    if memory > allowed:
         fault = fault or f"{memory / 2**20:.0f} MiB of {budget.memory >> 20}"
-    return Cost(said, fault, seconds, memory, seconds / budget.seconds, memory / budget.memory)
+    return Cost(said, fault, seconds, memory, seconds / budget.seconds, memory / allowed)
 
 
 def parts_cost(path: Path) -> Cost:
@@ -74,12 +75,16 @@ def parts_cost(path: Path) -> Cost:
     return cost_of(path, lambda: parts_of(path, READERS))
 
 
-def _peak(fresh: bool = False) -> float:
-    """Bytes of memory at the peak, from now on if `fresh`."""
+def _forget_peak() -> None:
+    """Let the peak of memory be that from now on."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _status(key: str) -> float:
+    """What the system tells of this process, in bytes."""
     try:
-        if fresh:
-            Path("/proc/self/clear_refs").write_text("5")
-        lines = STATUS.read_text().splitlines()
-        return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
+        lines = Path("/proc/self/status").read_text().splitlines()
+        return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith(f"{key}:"))
     except (OSError, StopIteration):
         return float("nan")

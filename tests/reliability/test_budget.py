@@ -140,3 +140,52 @@ def test_errors_and_answers_pass(path):
         within_budget(path, lambda: (_ for _ in ()).throw(DataError("of the reader")))
     with pytest.raises(KeyboardInterrupt):
         within_budget(path, lambda: (_ for _ in ()).throw(KeyboardInterrupt()))
+
+
+@pytest.mark.usefixtures("short")
+def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path):
+    def spend(seconds):
+        stop = time.thread_time() + seconds
+        while time.thread_time() < stop:
+            pass
+
+    def reads_and_lets_work():
+        with budget.uncounted():
+            spend(0.5)
+        return "done"
+
+    assert within_budget(path, reads_and_lets_work) == "done"
+    with pytest.raises(DataError, match="processor time"):
+        within_budget(path, lambda: (reads_and_lets_work(), spend(0.5)))
+    with budget.uncounted():
+        spend(0.0)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
+    """A word that is said while another is being heard escaped, once, into what came after the reading."""
+    monkeypatch.setattr(budget, "SECONDS", 0.003)
+    monkeypatch.setattr(budget, "_TICK", 0.0005)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-4)
+
+    def unwinds(count, last):
+        try:
+            while time.thread_time() < last:
+                pass
+        finally:
+            sorted(range(count))
+
+    ended = 0
+    try:
+        for i in range(400):
+            last = time.thread_time() + 0.003 + (i % 7 - 3) * 1e-4
+            try:
+                within_budget(path, lambda i=i, last=last: unwinds(37 * i % 20_000, last))
+            except DataError:
+                ended += 1
+            for _ in range(300):
+                pass
+    finally:
+        sys.setswitchinterval(interval)
+    assert 0 < ended < 400

@@ -164,6 +164,7 @@ class _Family:
         finally:
             for pid in self._children:
                 end_group(pid)
+                os.waitpid(pid, 0)
 
     def _obey(self, word: str, number: int) -> None:
         if word == FORK:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import shlex
 import sys
+from collections.abc import Iterator
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import ExitStack, closing, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -87,7 +89,8 @@ def run_study(
         After Ctrl-C; finished trials are kept.
     """
     script = None if isinstance(study, Study) else Path(study)
-    declared = study if isinstance(study, Study) else load_study(study)
+    with _aside(quiet):
+        declared = study if isinstance(study, Study) else load_study(study)
     check_engine(engine)
     plan = declared.with_options(budget, repeats).plan()
     path = store_path(declared, Path(out))
@@ -98,8 +101,19 @@ def run_study(
         ran, failed = _work(plan, store, numbers, script, workers, engine, quiet)
     written = write_tables(path) if tables else []
     if tables and declared.finish is not None:
-        declared.finish(path, path.parent)
+        with _aside(quiet):
+            declared.finish(path, path.parent)
     return Outcome(path, plan.size, ran, failed, tuple(written))
+
+
+@contextmanager
+def _aside(quiet: bool) -> Iterator[None]:
+    """Let what a script prints go to standard error, or nowhere."""
+    with ExitStack() as stack:
+        stream = stack.enter_context(open(os.devnull, "w")) if quiet else sys.stderr
+        stack.enter_context(redirect_stdout(stream))
+        stack.enter_context(redirect_stderr(stream))
+        yield
 
 
 def _work(

@@ -19,7 +19,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     # The matrices of a fit are small: threads only wait for one another, a factor of twenty on a busy machine.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    from .faults import exit_code
-    from .group import run
-
+    try:
+        from .faults import exit_code
+        from .group import run
+    except KeyboardInterrupt:
+        sys.exit(130)
     sys.exit(exit_code(lambda: run(sys.argv[1:] if arguments is None else list(arguments))))

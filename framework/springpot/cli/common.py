@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -69,6 +71,22 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
             if key.startswith("note "):
                 print(f"note: {measured.name}: {value}", file=sys.stderr)
     return measured if interface is None else through(measured, interface)
+
+
+@contextmanager
+def own_stdout(quiet: bool = False) -> Iterator[None]:
+    """Let whatever foreign code prints go to standard error, or nowhere: standard output is the command's own."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    other = os.open(os.devnull, os.O_WRONLY) if quiet else os.dup(2)
+    os.dup2(other, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(other)
 
 
 def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:

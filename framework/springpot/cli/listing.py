@@ -9,7 +9,7 @@ import click
 
 from .common import emit, json_option
 
-KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives")
+KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives", "writers")
 
 
 @click.command("list", epilog="Example: springpot list models fractional-zener")
@@ -20,8 +20,8 @@ KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives")
 def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> None:
     """List what is installed of one KIND; with a NAME, show all that is known about it.
 
-    KIND is models, optimisers, effects, datasets, readers or objectives. Plugins that could not be loaded are
-    listed with their distribution and the reason.
+    KIND is models, optimisers, effects, datasets, readers, objectives or writers. Plugins that could not be loaded
+    are listed with their distribution and the reason.
     """
     from springpot.registry import plugins
     from springpot.report import cards

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .common import FILE, POSITIVE, emit, json_option
+from .common import FILE, POSITIVE, emit, json_option, own_stdout
 
 
 @click.command("run", epilog="Example: springpot run studies/optimiser_comparison.py --workers 2")
@@ -41,7 +41,8 @@ def command(
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
-    outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
+    with own_stdout(quiet):
+        outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
     result = {"schema": "springpot.run/1", **asdict(outcome), "report": write_study_report(outcome.store)}
     emit(result, as_json, lambda: _show(result))
 

@@ -10,6 +10,7 @@ import numpy as np
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
+from .derivative import require_derivative
 from .objective import Objective
 from .space import SearchSpace, paper_box
 
@@ -46,9 +47,19 @@ class Problem:
         objective: Objective,
         stiffness_scale: float | None = None,
     ) -> Problem:
-        """The problem in the paper's box."""
+        """The problem in the paper's box.
+
+        Raises
+        ------
+        ModelError
+            If the model's derivative is wrong.
+        """
         model = model.bound_to(measurement.points)
-        return cls(model, measurement, objective, paper_box(model, measurement, stiffness_scale))
+        space = paper_box(model, measurement, stiffness_scale)
+        with np.errstate(all="ignore"):
+            inside = space.theta(space.repaired(space.lower + 0.4 * (space.upper - space.lower)))
+        require_derivative(model, inside, measurement.points)
+        return cls(model, measurement, objective, space)
 
     @cached_property
     def weights(self) -> Complex:

@@ -11,6 +11,7 @@ from springpot.rheology import GRADIENT, Complex, Model, Points, Real
 
 from .branches import Branches, branches_of, interleaved, plane_data, project
 from .coordinates import Coordinates
+from .derivative import require_derivative
 from .leastsquares import Evaluate, Rows, Solution, levenberg_marquardt
 from .starts import Grid, shapes_of, thinned
 
@@ -75,6 +76,13 @@ class Task:
         floor: Real = ROUNDING * np.sum(size * size, axis=1)
         return floor
 
+    def _require_derivative(self) -> None:
+        """Notice a wrong derivative before anything is fitted by it."""
+        log, size = self.coordinates.log, self.coordinates.size
+        inside = self.coordinates.theta(np.where(log, 0.2, 0.45), size[0])
+        lower, upper = (np.array([getattr(p, end) for p in self.model.parameters]) for end in ("lower", "upper"))
+        require_derivative(self.model, np.clip(inside, lower, upper), self.points)
+
     @cached_property
     def branches(self) -> Branches:
         """The branches whose gains are linear."""
@@ -126,6 +134,7 @@ class Task:
 
     def evaluator(self, owner: Rows) -> Evaluate:
         """Residuals (r, 2n) and derivative (r, p, 2n) of rows, of which row i belongs to data set `owner[i]`."""
+        self._require_derivative()
         coordinates, network = self.coordinates, self.model.network
         single = len(self.stiffness) == 1
 
@@ -147,6 +156,7 @@ class Task:
 
     def shape_evaluator(self, owner: Rows) -> Evaluate:
         """The same for shapes (r, d): residuals with the gains projected out, and Kaufman's derivative of them."""
+        self._require_derivative()
         coordinates, branches = self.coordinates, self.branches
         single = len(self.stiffness) == 1
         at, weight = self._plane

@@ -112,9 +112,47 @@ def _in_time(seconds: float, action: Callable[[], T]) -> T:
     watch = _Watch(seconds)
     watch.start()
     try:
-        return action()
+        try:
+            with _watched_by(watch):
+                return action()
+        finally:
+            # A mere assignment, within which nothing can be raised. One word may have been said before it and be
+            # heard while things are settled, and one more be on its way: both are over when it is settled twice.
+            watch.running = False
+            watch.settle()
+    except OverTime:
+        watch.settle()
+        raise
+
+
+_HERE = threading.local()
+"""The watch of each thread that reads."""
+
+
+@contextmanager
+def _watched_by(watch: _Watch) -> Iterator[None]:
+    before = getattr(_HERE, "watch", None)
+    _HERE.watch = watch
+    try:
+        yield
     finally:
-        watch.end()
+        _HERE.watch = before
+
+
+@contextmanager
+def uncounted() -> Iterator[None]:
+    """Let what springpot itself makes of the data not count as time of the reader that asks for it."""
+    watch = getattr(_HERE, "watch", None)
+    if watch is None:
+        yield
+        return
+    watch.paused = True
+    start = watch.clock()
+    try:
+        yield
+    finally:
+        watch.until += watch.clock() - start
+        watch.paused = False
 
 
 class _Watch(threading.Thread):
@@ -123,23 +161,27 @@ class _Watch(threading.Thread):
     def __init__(self, seconds: float) -> None:
         super().__init__(name="springpot-reading", daemon=True)
         self._target = threading.get_ident()
-        self._clock = _clock_of(self._target)
-        self._until = self._clock() + seconds
+        self.clock = _clock_of(self._target)
+        self.until = self.clock() + seconds
+        self.running, self.paused = True, False
+        self._speaking = False
         self._ended = threading.Event()
-        self._turn = threading.Lock()
 
     def run(self) -> None:
         """Wake when the time may be over; again and again, for what is raised within a finaliser is lost."""
-        while not self._ended.wait(max(self._until - self._clock(), _TICK)):
-            with self._turn:
-                if self._clock() >= self._until and not self._ended.is_set():
-                    _raise_in(self._target, OverTime)
+        while self.running and not self._ended.wait(max(self.until - self.clock(), _TICK)):
+            # Set before it is looked whether to speak; no lock, which the other might leave without releasing it.
+            self._speaking = True
+            if self.running and not self.paused and self.clock() >= self.until:
+                _raise_in(self._target, OverTime)
+            self._speaking = False
 
-    def end(self) -> None:
-        """Let it go, and take back what it has said too late."""
-        with self._turn:
-            self._ended.set()
+    def settle(self) -> None:
+        """Let the word that may be on its way be heard here, or take it back."""
+        while self._speaking:
+            time.sleep(0)
         _raise_in(self._target, None)
+        self._ended.set()
 
 
 def _clock_of(thread: int) -> Callable[[], float]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from springpot.errors import DataError
 from springpot.rheology import Complex, Real
 
+from .budget import uncounted
 from .fit import Basis, Fit, refined_frequency
 from .measurement import Measurement
 from .record import Record, Signals, in_order
@@ -349,15 +350,16 @@ def measurement_from_signals(
     """
     rows, names, units, origin = [], [], [], dict(provenance or {})
     for test in tests:
-        row = harmonics_of(
-            test.time,
-            test.displacement,
-            test.force,
-            omega=omega,
-            n_harmonics=n_harmonics,
-            window=window,
-            name=test.name,
-        )
+        with uncounted():
+            row = harmonics_of(
+                test.time,
+                test.displacement,
+                test.force,
+                omega=omega,
+                n_harmonics=n_harmonics,
+                window=window,
+                name=test.name,
+            )
         rows.append(row)
         names.append(PurePath(test.name).stem)
         units.append((test.displacement_unit, test.force_unit))

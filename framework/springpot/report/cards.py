@@ -11,7 +11,7 @@ from springpot.measurement import Units
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
 from springpot.registry import Registry
-from springpot.rheology import Effect, Model, Parameter
+from springpot.rheology import Effect, Model, Parameter, Writer
 from springpot.rheology.drawing import drawing_of
 from springpot.rheology.family import Family
 
@@ -134,6 +134,11 @@ def objective(item: Objective) -> dict[str, Any]:
     return {"name": item.name, "summary": item.summary, "citation": item.citation}
 
 
+def writer(item: Writer) -> dict[str, Any]:
+    """Describe a writer."""
+    return {"name": item.name, "summary": item.summary, "suffix": item.suffix}
+
+
 def parameters(of: Iterable[Parameter]) -> list[dict[str, Any]]:
     """Describe parameters, with the units of data in N/m and m."""
     return [
@@ -164,6 +169,7 @@ KINDS = {
     "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "where", "summary"), dataset),
     "readers": KindOfCard("reader", ("name", "signals", "writes", "summary"), reader),
     "objectives": KindOfCard("objective", ("name", "summary"), objective),
+    "writers": KindOfCard("writer", ("name", "suffix", "summary"), writer),
 }
 
 

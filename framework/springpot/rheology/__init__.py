@@ -9,6 +9,7 @@ from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, li
 from .formula import (
     Formula,
 )
+from .handoff import Handoff, Writer
 from .history import InTime
 from .hysteresis import smooth_hysteresis
 from .intime import Traced
@@ -70,6 +71,7 @@ from .parameters import (
     viscosity,
 )
 from .points import Complex, Points, Real
+from .prony import Prony, prony_of
 from .signal import (
     clock,
     delay,
@@ -150,6 +152,7 @@ __all__ = [
     "FULL",
     "FixedPower",
     "GRADIENT",
+    "Handoff",
     "INERTANCE",
     "InTime",
     "KELVIN_FORM",
@@ -163,6 +166,7 @@ __all__ = [
     "Parallel",
     "Parameter",
     "Points",
+    "Prony",
     "RADIAN_PER_SECOND",
     "Real",
     "Renamed",
@@ -178,6 +182,7 @@ __all__ = [
     "TIME_FORM",
     "Traced",
     "VALUE",
+    "Writer",
     "VISCOSITY",
     "balanced_series",
     "chain",
@@ -192,6 +197,7 @@ __all__ = [
     "order",
     "parallel",
     "power_of_s",
+    "prony_of",
     "quasi_property",
     "relaxation_time",
     "rows",

@@ -1,0 +1,56 @@
+"""``springpot export-model``: an identified model for a solver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .common import FILE, POSITIVE, emit, json_option
+
+EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
+
+
+@click.command("export-model", epilog=EXAMPLE)
+@click.argument("source", metavar="FIT.json|MODEL")
+@click.option("--to", "format_name", metavar="FORMAT", required=True, help="See 'springpot list writers'.")
+@click.option("--band", metavar="LOW:HIGH", required=True, help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s.")
+@click.option("--tolerance", metavar="X%", help="Largest error of K on the band; 0.5% by default.")
+@click.option("--terms", type=POSITIVE, metavar="N", help="That many terms instead of a tolerance.")
+@click.option("--dashpot", is_flag=True, help="Let a dashpot stand beside the terms.")
+@click.option("--set", "values", multiple=True, metavar="NAME=VALUE", help="A parameter of MODEL; repeat for each.")
+@click.option("--unit", metavar="UNIT", help="Of the stiffness of MODEL, such as kN/m or MPa.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Leave out an effect of the rig; may be repeated.")
+@click.option("--temperature", type=float, metavar="DEGC", help="For models with a temperature effect.")
+@click.option("--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Where to write; by default to the screen.")
+@json_option
+def command(
+    source: str, format_name: str, output: Path | None, as_json: bool, tolerance: str | None, **options: Any
+) -> None:
+    """Write a model, identified (the JSON of 'springpot identify --json') or given by its parameters, for a solver.
+
+    It becomes a Prony series of as few terms as the tolerance on the band needs. Effects of rig and signals are
+    refused, for they do not belong to the specimen: leave them out with --without.
+    """
+    from springpot.exporting import exported
+    from springpot.files import write_text
+
+    found = exported(source, format_name, tolerance=tolerance, **options)
+    if output is not None:
+        write_text(output, found.text)
+    result = {
+        "schema": "springpot.export-model/1",
+        **found.to_dict(),
+        "file": None if output is None else str(output),
+    }
+    emit(result, as_json, lambda: _show(found.text, result, output))
+
+
+def _show(text: str, result: dict[str, Any], output: Path | None) -> None:
+    if output is None:
+        print(text, end="")
+        return
+    error = f"{100 * result['error']:.2g} %"
+    print(f"{result['terms']} terms, largest error {error} of |K| on the band, written to {output}")

@@ -1,0 +1,118 @@
+"""What an identified model hands to a solver, and the formats that plugins write it in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .prony import Prony
+
+
+@dataclass(frozen=True, eq=False)
+class Handoff:
+    """A model as a Prony series, with all that its first lines must say.
+
+    Attributes
+    ----------
+    prony : Prony
+        The series, in the unit of `unit`.
+    model : str
+        Its expression.
+    parameters : dict of str to str
+        Each with its value and unit, as printed.
+    unit : str
+        Of the stiffness or modulus, such as ``kN/m`` or ``MPa``; empty if nobody said.
+    is_modulus : bool
+        Whether stress over strain is meant, rather than force over displacement.
+    poisson : float, optional
+        Poisson's ratio, for formats that describe a solid.
+    name : str
+        What the material or damper shall be called.
+    """
+
+    prony: Prony
+    model: str
+    parameters: dict[str, str]
+    unit: str
+    is_modulus: bool
+    poisson: float | None = None
+    name: str = "springpot"
+
+    def heading(self) -> list[str]:
+        """What it is, in lines of plain text: model, parameters, band, error, unit, long-term and instantaneous."""
+        prony = self.prony
+        low, high = (omega / (2.0 * np.pi) for omega in prony.band)
+        unit = self.unit or "unit of the parameters"
+        values = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
+        dashpot = f", beside a dashpot of {prony.viscosity:.9g} [{unit} s]" if prony.viscosity else ""
+        return [
+            f"springpot: {self.model}: {values}",
+            f"Prony series of {len(prony.times)} terms for {low:.6g} to {high:.6g} Hz, "
+            f"largest error {100 * prony.error:.3g} % of |K|",
+            f"in {unit} and s; long-term {prony.equilibrium:.9g}, instantaneous {prony.instantaneous:.9g}{dashpot}",
+        ]
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A format for solvers.
+
+    Parameters
+    ----------
+    name : str
+        What users type behind ``--to``.
+    text : callable
+        From a `Handoff` to the file's text.
+    summary : str
+        Who reads it, in one line.
+    suffix : str
+        Of the file, such as ``".inp"``.
+    solid : bool
+        Whether the format describes a solid material: it then needs a modulus, a long-term one above zero and
+        Poisson's ratio.
+    dashpot : bool
+        Whether it has room for a dashpot beside the terms.
+    aliases : tuple of str
+        Other names.
+    """
+
+    name: str
+    text: Callable[[Handoff], str]
+    summary: str
+    suffix: str
+    solid: bool = False
+    dashpot: bool = True
+    aliases: tuple[str, ...] = ()
+
+    def written(self, handoff: Handoff) -> str:
+        """The text, where the format can hold what is handed over.
+
+        Raises
+        ------
+        ModelError
+            If it cannot, with the reason and how to mend it.
+        """
+        prony = handoff.prony
+        if self.solid and not handoff.is_modulus:
+            given = f"a stiffness in {handoff.unit}" if handoff.unit else "a stiffness"
+            raise ModelError(
+                f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the --geometry"
+            )
+        if self.solid and not prony.equilibrium >= LEAST * prony.instantaneous:
+            raise ModelError(
+                f"{self.name} needs a solid, and {handoff.model} is a liquid on this band (long-term modulus "
+                f"{prony.equilibrium:.3g}): add parallel-spring or begin the band lower"
+            )
+        if self.solid and (handoff.poisson is None or not -1.0 < handoff.poisson < 0.5):
+            raise ModelError(f"{self.name} needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49")
+        if not self.dashpot and prony.viscosity > 0.0:
+            raise ModelError(f"{self.name} has no dashpot beside its terms: leave out --dashpot")
+        return self.text(handoff)
+
+
+LEAST = 1e-6
+"""Long-term over instantaneous modulus below which a material flows for every solver."""

@@ -1,0 +1,174 @@
+"""A Prony series of as few terms as a tolerance on a band needs: what solvers take instead of a fractional model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .points import Complex, Real
+
+if TYPE_CHECKING:
+    from .spectrum import Spectrum
+
+MOST = 60
+"""Terms beyond which a tolerance is given up: three a decade over twenty decades."""
+PER_DECADE = 16
+"""Frequencies a decade at which the error is fitted and measured: beyond 12 it changes in the third digit only."""
+BEYOND = 5.0
+"""How far (in ln) times may lie outside the band: two decades, where a term is a spring or a dashpot to 1 %."""
+ROUNDS = 6
+"""Reweightings towards the least largest error (Lawson); more gain less than 2 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prony:
+    """K = equilibrium + viscosity s + sum of weights s tau / (1 + s tau), with non-negative weights.
+
+    Attributes
+    ----------
+    equilibrium, viscosity : float
+        Long-term stiffness, and a dashpot beside it where one was asked for.
+    weights, times : ndarray, shape (m,)
+        Stiffness and relaxation time in s of each term, shortest time first.
+    band : tuple of float
+        Angular frequencies in rad/s between which it stands for the model.
+    error : float
+        Largest |dK| / |K| there.
+    """
+
+    equilibrium: float
+    viscosity: float
+    weights: Real
+    times: Real
+    band: tuple[float, float]
+    error: float
+
+    @property
+    def instantaneous(self) -> float:
+        """Stiffness at once, that of the dashpot apart."""
+        return self.equilibrium + float(self.weights.sum())
+
+    def stiffness(self, omega: Real | float) -> Complex:
+        """Complex stiffness at omega in rad/s, shape (n,)."""
+        s = 1j * np.atleast_1d(np.asarray(omega, dtype=float))
+        turned = np.outer(s, self.times)
+        terms: Complex = (turned / (1.0 + turned)) @ self.weights
+        return self.equilibrium + self.viscosity * s + terms
+
+
+def prony_of(
+    spectrum: Spectrum, *, tolerance: float | None = None, terms: int | None = None, dashpot: bool = False
+) -> Prony:
+    """The Prony series of fewest terms within a tolerance, or the best one with a number of terms.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of the model, for the band that is wanted.
+    tolerance : float, optional
+        Largest |dK| / |K| on the band; 0.5 % if neither is given.
+    terms : int, optional
+        Number of terms.
+    dashpot : bool
+        Whether a dashpot may stand beside the terms.
+
+    Returns
+    -------
+    Prony
+        Two terms a decade hold 0.5 % of a springpot, three 0.03 %.
+
+    Raises
+    ------
+    ModelError
+        If the tolerance needs more terms than `MOST`, or the number of terms is not 1 to `MOST`.
+    """
+    if terms is not None and not 1 <= terms <= MOST:
+        raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
+    wanted = 0.005 if tolerance is None else tolerance
+    if terms is None and not 0.0 < wanted < 1.0:
+        raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
+    low, high = np.log(spectrum.band)
+    grid = np.linspace(low, high, max(12, int(PER_DECADE * (high - low) / np.log(10.0))))
+    target = spectrum.stiffness(np.exp(grid)) + spectrum.mass * np.exp(2.0 * grid)
+    exact = _exact(spectrum, dashpot)
+    if terms is not None:
+        return exact if exact and len(exact.times) <= terms else _fitted(grid, target, terms, dashpot, spectrum.band)
+    for count in range(1, MOST + 1):
+        if exact and len(exact.times) <= count:
+            return exact
+        found = _fitted(grid, target, count, dashpot, spectrum.band)
+        if found.error <= wanted:
+            return found
+    raise ModelError(f"{MOST} terms do not hold {100 * wanted:g} %: widen the tolerance or narrow the band")
+
+
+def _exact(spectrum: Spectrum, dashpot: bool) -> Prony | None:
+    """The spectrum itself, where nothing in it but what a Prony series may have."""
+    if spectrum.viscosity > 0.0 and not dashpot:
+        return None
+    order = np.argsort(-spectrum.rates)
+    times, weights = 1.0 / spectrum.rates[order], spectrum.weights[order]
+    return Prony(spectrum.equilibrium, spectrum.viscosity, weights, times, spectrum.band, spectrum.error)
+
+
+def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[float, float]) -> Prony:
+    """Times by least squares from evenly spread ones, weights inside it by non-negative least squares."""
+    from scipy.optimize import least_squares
+
+    s = 1j * np.exp(grid)
+    lawson = np.ones(len(grid))
+    width = (grid[-1] - grid[0]) / count
+    u = grid[0] + width * (np.arange(count) + 0.5)
+    best: Prony | None = None
+    for _ in range(ROUNDS):
+        share = np.sqrt(lawson) / np.abs(target)
+
+        def off(u: Real, share: Real = share) -> Real:
+            amounts = _weights(s, u, target, share, dashpot)
+            missed = share * (_columns(s, u, dashpot) @ amounts - target)
+            return np.concatenate([missed.real, missed.imag])
+
+        reach = (grid[0] - BEYOND, grid[-1] + BEYOND)
+        u = least_squares(off, u, bounds=reach, x_scale=0.3, xtol=1e-6, ftol=1e-6, max_nfev=40).x
+        amounts = _weights(s, u, target, share, dashpot)
+        error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
+        largest = float(error.max())
+        if best is None or largest < best.error:
+            order = np.argsort(-u)
+            viscosity = float(amounts[1]) if dashpot else 0.0
+            weights = amounts[-count:][order]
+            best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
+        lawson = lawson * error / max(error.mean(), 1e-300)
+        lawson = np.maximum(lawson / lawson.mean(), 1e-3)
+    assert best is not None
+    kept = best.weights > 0.0
+    return Prony(best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error)
+
+
+def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
+    """K of each unit amount: spring, dashpot and terms."""
+    head = [np.ones_like(s), s] if dashpot else [np.ones_like(s)]
+    columns: Complex = np.column_stack([*head, s[:, None] / (s[:, None] + np.exp(u))])
+    return columns
+
+
+def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -> Real:
+    from scipy.optimize import lsq_linear, nnls
+
+    columns = share[:, None] * _columns(s, u, dashpot)
+    matrix, right = (
+        np.vstack([columns.real, columns.imag]),
+        np.concatenate([share * target.real, share * target.imag]),
+    )
+    size = np.linalg.norm(matrix, axis=0)
+    try:
+        found: Real = nnls(matrix / size, right)[0]
+    except RuntimeError:
+        # It gives up where times nearly coincide; bounded least squares then takes longer.
+        found = lsq_linear(matrix / size, right, (0.0, np.inf)).x
+    amounts: Real = found / size
+    return amounts

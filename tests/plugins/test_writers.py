@@ -1,0 +1,189 @@
+"""Every format for solvers: parsed back, it gives K within the printed digits; what it cannot hold it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+
+import numpy as np
+import pytest
+
+from springpot.errors import ModelError
+from springpot.exporting import exported
+from springpot.registry import plugins
+from springpot.rheology import Handoff, Prony, Real
+
+WRITERS = {writer.name: writer for writer in plugins().items("writer")}
+OMEGA = np.geomspace(1.0, 300.0, 40)
+SERIES = Prony(
+    12.5, 0.0, np.array([31.25, 4.125e-3, 127.0]), np.array([1.2345678e-3, 0.25, 7.0]), (1.0, 300.0), 0.0043
+)
+
+
+def handoff(prony: Prony = SERIES, **changes) -> Handoff:
+    whole = {"unit": "MPa", "is_modulus": True, "poisson": 0.49, **changes}
+    return Handoff(prony, "fractional-zener", {"k": "3 MPa"}, **whole)
+
+
+def k_of(equilibrium: float, viscosity: float, pairs: list[tuple[float, float]]) -> Real:
+    s = 1j * OMEGA
+    return equilibrium + viscosity * s + sum(weight * s * time / (1 + s * time) for weight, time in pairs)
+
+
+def numbers(text: str) -> list[float]:
+    return [float(part) for part in text.split(",")]
+
+
+def read_json(text: str):
+    whole = json.loads(text)
+    return k_of(whole["equilibrium"], whole["viscosity"], [(t["weight"], t["time_s"]) for t in whole["terms"]])
+
+
+def read_csv(text: str):
+    rows = list(csv.reader(io.StringIO("".join(line for line in text.splitlines(True) if line[0] != "#"))))[1:]
+    terms = [(float(weight), float(time)) for name, weight, time in rows if name.isdigit()]
+    others = {name.split()[0]: float(weight) for name, weight, _ in rows if not name.isdigit()}
+    return k_of(others["spring"], others.get("dashpot", 0.0), terms)
+
+
+def read_python(text: str):
+    room: dict = {}
+    exec(compile(text, "exported", "exec"), room)
+    return room["stiffness"](OMEGA)
+
+
+def read_abaqus(text: str):
+    """*ELASTIC is instantaneous; lines are g, k, tau relative to it."""
+    lines = [line for line in text.splitlines() if not line.startswith("**")]
+    assert "*ELASTIC, MODULI=INSTANTANEOUS" in lines
+    modulus, poisson = numbers(lines[lines.index("*ELASTIC, MODULI=INSTANTANEOUS") + 1])
+    assert poisson == 0.49
+    terms = [numbers(line) for line in lines[lines.index("*VISCOELASTIC, TIME=PRONY") + 1 :]]
+    assert all(g == k for g, k, _ in terms)
+    assert sum(g for g, _, _ in terms) < 1
+    return k_of(modulus * (1 - sum(g for g, _, _ in terms)), 0.0, [(modulus * g, tau) for g, _, tau in terms])
+
+
+def read_ansys(text: str):
+    modulus = float(re.search(r"^MP,EX,1,(.+)$", text, re.M)[1])
+    tables = re.split(r"^TB,PRONY,1,1,(\d+),(?:SHEAR|BULK)$", text, flags=re.M)[1:]
+    assert len(tables) == 4
+    assert tables[1] == tables[3]
+    constants: dict[int, float] = {}
+    for start, rest in re.findall(r"^TBDATA,(\d+),(.+)$", tables[1], re.M):
+        constants.update(enumerate(numbers(rest), int(start)))
+    flat = [constants[i] for i in range(1, 2 * int(tables[0]) + 1)]
+    terms = list(zip(flat[::2], flat[1::2], strict=True))
+    return k_of(modulus * (1 - sum(g for g, _ in terms)), 0.0, [(modulus * g, tau) for g, tau in terms])
+
+
+def read_opensees(text: str):
+    made = [line.split()[1:] for line in text.splitlines() if line.startswith("uniaxialMaterial")]
+    return opensees({int(tag): (kind, [float(x) for x in rest]) for kind, tag, *rest in made})
+
+
+def read_openseespy(text: str):
+    made: dict[int, tuple[str, list[float]]] = {}
+
+    class Ops:
+        @staticmethod
+        def uniaxialMaterial(kind: str, tag: int, *rest: float) -> None:
+            made[tag] = (kind, [float(x) for x in rest])
+
+    exec(compile(text, "exported", "exec"), {"ops": Ops})
+    return opensees(made)
+
+
+def opensees(made: dict[int, tuple[str, list[float]]]):
+    kind, parts = made[100]
+    assert kind == "Parallel"
+    spring, dashpot, terms = 0.0, 0.0, []
+    for tag in parts:
+        kind, rest = made[int(tag)]
+        if kind == "Elastic":
+            spring += rest[0]
+        elif kind == "Viscous":
+            assert rest[1] == 1
+            dashpot += rest[0]
+        else:
+            assert (kind, rest[2:]) == ("Maxwell", [1, 1])
+            terms.append((rest[0], rest[1] / rest[0]))
+    return k_of(spring, dashpot, terms)
+
+
+READ = {name.removeprefix("read_"): function for name, function in globals().items() if name.startswith("read_")}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_parsed_back_it_is_the_same_material(name: str):
+    text = WRITERS[name].written(handoff())
+    np.testing.assert_allclose(READ[name](text), SERIES.stiffness(OMEGA), rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", [name for name, writer in WRITERS.items() if writer.dashpot])
+def test_a_dashpot_comes_back_too(name: str):
+    series = Prony(0.0, 2.5, SERIES.weights, SERIES.times, SERIES.band, 0.01)
+    text = WRITERS[name].written(handoff(series, is_modulus=False, unit="kN/m"))
+    np.testing.assert_allclose(READ[name](text), series.stiffness(OMEGA), rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_the_first_lines_say_what_it_is(name: str):
+    head = " ".join(WRITERS[name].written(handoff()).splitlines()[:8])
+    for word in (
+        "fractional-zener",
+        "k = 3 MPa",
+        "0.159155 to 47.7465 Hz",
+        "0.43 %",
+        "MPa",
+        "long-term 12.5",
+        "instantaneous",
+    ):
+        assert word in head
+
+
+@pytest.mark.parametrize("name", [name for name, writer in WRITERS.items() if writer.solid])
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"is_modulus": False, "unit": "kN/m"}, "needs a modulus"),
+        ({"poisson": None}, "--poisson"),
+        ({"poisson": 0.5}, "--poisson"),
+        ({"prony": Prony(0.0, 0.0, SERIES.weights, SERIES.times, SERIES.band, 0.01)}, "liquid"),
+        ({"prony": Prony(1.0, 2.0, SERIES.weights, SERIES.times, SERIES.band, 0.01)}, "--dashpot"),
+    ],
+)
+def test_what_a_card_of_a_solid_cannot_hold_is_refused(name: str, changes: dict, says: str):
+    with pytest.raises(ModelError, match=says) as told:
+        WRITERS[name].written(handoff(**changes))
+    assert "\n" not in str(told.value)
+
+
+def test_the_python_file_follows_a_history():
+    room: dict = {}
+    exec(compile(WRITERS["python"].written(handoff()), "exported", "exec"), room)
+    t = np.linspace(0.0, 2.0, 4001)
+    found = room["respond"](t, 3.0 * t)
+    ramp = 3.0 * (
+        SERIES.equilibrium * t[-1] + np.sum(SERIES.weights * SERIES.times * -np.expm1(-t[-1] / SERIES.times))
+    )
+    assert found[-1] == pytest.approx(ramp, rel=1e-9)
+
+
+def test_a_heading_cannot_break_out_of_its_comment():
+    evil = Handoff(SERIES, 'x"""', {"k": "1"}, "MPa", True, 0.49)
+    exec(compile(WRITERS["python"].written(evil), "exported", "exec"), {})
+
+
+GIVEN = ["k=400", "c=60", "alpha=0.55"]
+
+
+def test_a_model_with_its_parameters():
+    found = exported("fractional-maxwell", "json", band="1Hz:48Hz", values=GIVEN, unit="kN/m")
+    assert found.handoff.prony.error < 0.005
+    assert len(found.handoff.prony.times) <= 5
+    omega = 2 * np.pi * np.geomspace(1, 48, 50)
+    s = (1j * omega) ** 0.55
+    np.testing.assert_allclose(found.handoff.prony.stiffness(omega), 1 / (1 / 400 + 1 / (60 * s)), rtol=0.008)

@@ -1,0 +1,79 @@
+"""The command as a whole: its own output stays its own, Ctrl-C is quiet at any moment, no path is too long."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import sleep
+
+import pytest
+
+HERE = Path(__file__).parent
+SCRIPT = """
+import sys
+sys.path.insert(0, {here!r})
+from dataclasses import replace
+from faulty_optimisers import Faulty, Innocent, race
+
+print("a script that prints")
+study = replace(
+    race([], {repetitions}),
+    optimisers=[("shouting", Faulty(deed="shout")), ("innocent", Innocent()), "cma-es"],
+    finish=lambda path, folder: print("a finish that prints"),
+    deadline=120.0,
+)
+"""
+
+
+def script(folder, repetitions=2):
+    path = folder / "race.py"
+    path.write_text(SCRIPT.format(here=str(HERE), repetitions=repetitions))
+    return path
+
+
+def springpot(*arguments, **environment):
+    command = [sys.executable, "-m", "springpot", *map(str, arguments)]
+    return subprocess.run(command, text=True, capture_output=True, env=os.environ | environment)
+
+
+@pytest.mark.parametrize("engine", ["local", "serial"])
+def test_what_others_print_is_not_in_the_json_and_quiet_is_quiet(tmp_path, engine):
+    asked = ["run", script(tmp_path), "--engine", engine, "--json"]
+    loud = springpot(*asked, "--out", tmp_path / "loud")
+    quiet = springpot(*asked, "--out", tmp_path / "quiet", "--quiet")
+    for done in (loud, quiet):
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout[done.stdout.index("{") :])["ran"] == 6
+    assert "a script that prints" in loud.stderr
+    assert "look at me" in loud.stderr
+    assert loud.stdout.startswith("{")
+    assert quiet.stdout.startswith("{")
+    assert quiet.stderr == ""
+
+
+def test_a_long_folder_of_temporary_files_is_no_hindrance(tmp_path):
+    """A socket with a path could have 108 characters."""
+    long = tmp_path / ("x" * 100) / ("y" * 100)
+    long.mkdir(parents=True)
+    done = springpot("run", script(tmp_path), "--out", tmp_path, "--quiet", TMPDIR=str(long))
+    assert done.returncode == 0, done.stderr
+    assert "6 trials, 6 run now;" in done.stdout
+
+
+@pytest.mark.parametrize("after", [0.3, 0.4, 0.5, 0.6, 0.8, 1.1, 1.5])
+def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
+    command = [sys.executable, "-m", "springpot", "run", str(script(tmp_path, 2000)), "--out", str(tmp_path)]
+    # A terminal sends Ctrl-C to all processes of its group.
+    process = subprocess.Popen(
+        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    sleep(after)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=30)
+    if told.startswith("Fatal Python error") or "in _run_module_as_main" in told.partition("springpot/cli")[0]:
+        pytest.skip("on this busy machine Python had not come to the first line of ours")
+    assert "Traceback" not in told
+    assert process.returncode == 130

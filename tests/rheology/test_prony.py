@@ -1,0 +1,73 @@
+"""Prony series of few terms: within the tolerance, never negative, as few as published, exact where they can be."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from springpot.errors import ModelError
+from springpot.registry import parse_model
+from springpot.rheology import prony_of
+
+
+def spectrum_of(name: str, theta: list[float], decades: float = 2.0):
+    return parse_model(name).spectrum(theta, (1.0, 10.0**decades))
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.005, 0.0005])
+@pytest.mark.parametrize(
+    ("name", "theta"),
+    [
+        ("springpot", [2.0, 0.4]),
+        ("fractional-zener", [1.0, 20.0, 3.0, 0.6]),
+        ("huet-sayegh", [1.0, 50.0, 2.0, 0.1, 0.3, 0.7]),
+    ],
+)
+def test_the_tolerance_holds_against_the_model_itself(name: str, theta: list[float], tolerance: float):
+    found = prony_of(spectrum_of(name, theta), tolerance=tolerance)
+    omega = np.geomspace(1.0, 100.0, 301)
+    exact = parse_model(name).stiffness(theta, omega)
+    off = np.max(np.abs(found.stiffness(omega) / exact - 1))
+    assert off < 1.02 * tolerance + 1e-6
+    assert found.error == pytest.approx(off, rel=0.05)
+    assert np.all(found.weights > 0)
+    assert found.equilibrium >= 0
+    assert np.all(np.diff(found.times) > 0)
+
+
+@pytest.mark.parametrize("alpha", [0.2, 0.4, 0.6, 0.8])
+def test_two_terms_a_decade_hold_half_a_percent(alpha: float):
+    assert prony_of(spectrum_of("springpot", [1.0, alpha], 4.0), terms=8).error < 0.005
+    assert len(prony_of(spectrum_of("springpot", [1.0, alpha], 2.0)).times) <= 5
+
+
+@given(st.floats(0.05, 0.95))
+@settings(max_examples=10, deadline=None)
+def test_a_dashpot_beside_never_harms(alpha: float):
+    spectrum = spectrum_of("springpot", [1.0, alpha])
+    with_one = prony_of(spectrum, terms=3, dashpot=True).error
+    assert with_one < 1.1 * prony_of(spectrum, terms=3).error
+
+
+def test_more_terms_are_better():
+    spectrum = spectrum_of("fractional-maxwell", [400.0, 60.0, 0.55])
+    errors = [prony_of(spectrum, terms=n).error for n in (1, 2, 3, 4, 5, 6)]
+    assert all(later < 0.5 * sooner for sooner, later in pairwise(errors))
+
+
+def test_classical_models_are_their_own_series():
+    found = prony_of(spectrum_of("zener", [1.0, 2.0, 3.0]))
+    assert (found.equilibrium, found.weights.tolist(), found.times.tolist()) == (1.0, [2.0], [1.5])
+    assert found.error < 1e-12
+    kelvin = prony_of(spectrum_of("kelvin", [1.0, 2.0]), dashpot=True)
+    assert (kelvin.equilibrium, kelvin.viscosity, len(kelvin.times)) == (1.0, 2.0, 0)
+
+
+@pytest.mark.parametrize("options", [{"terms": 0}, {"terms": 61}, {"tolerance": 0.0}, {"tolerance": 2.0}])
+def test_nonsense_is_refused(options: dict[str, float]):
+    with pytest.raises(ModelError):
+        prony_of(spectrum_of("springpot", [1.0, 0.5]), **options)
