@@ -24,6 +24,8 @@ HARDLY = 1.0
 """Half-width of an interval of ln a from which a factor says nothing about a law."""
 TRIES = 12
 """Starts of a law's fit along its second parameter, which alone can have two minima."""
+BISECTIONS = 8
+"""Of the size of a law's own error between 1e-6 and all that the factors range over: known to a few per cent."""
 EXACT = 1e-6
 """Standard deviation in ln a to which no factor is known better: exact data would make every law depart."""
 
@@ -136,37 +138,87 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: 
     return sorted(found, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
 
 
-def _fitted(law: Law, factors: Factors, used: Any) -> LawFit:
-    m, kelvin = len(factors), factors.levels + KELVIN
-    at = Points(np.zeros(m), temperature=kelvin, reference_temperature=float(kelvin[factors.reference]))
-    offset = m if law.vertical else 0
-    target = (factors.log_b if law.vertical else factors.log_a)[used]
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """One law beside the factors of some levels.
+
+    Attributes
+    ----------
+    law : Law
+        The law.
+    at : Points
+        All levels, as the law's element takes them.
+    used : ndarray of int
+        Numbers of the levels that are judged.
+    target : ndarray
+        Their ln a or ln b.
+    covariance : ndarray
+        Of `target`.
+    low, high : ndarray, shape (k,)
+        Bounds of the parameters.
+    """
+
+    law: Law
+    at: Points
+    used: NDArray[np.int64]
+    target: Real
+    covariance: Real
+    low: Real
+    high: Real
+
+    def log_factor(self, theta: Real) -> Real:
+        """What the law gives at all levels."""
+        value = self.law.element.respond(theta, self.at).value.real
+        return np.log(np.maximum(value, 1e-300)) if self.law.vertical else value
+
+    def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
+        """Best parameters, chi-square and slopes, the law being off by `own` at each level by itself."""
+        covariance = self.covariance + own**2 * np.eye(len(self.used))
+        whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+
+        def misfit(theta: Real) -> Real:
+            return np.asarray(whiten @ (self.log_factor(theta)[self.used] - self.target), dtype=np.float64)
+
+        ends = [least_squares(misfit, start, bounds=(self.low, self.high), x_scale="jac") for start in starts]
+        best = min(ends, key=lambda end: float(end.cost))
+        return best.x, 2.0 * float(best.cost), np.asarray(best.jac, dtype=np.float64)
+
+    def own_error(self, start: Real, spare: int) -> float:
+        """How far the law is off at each level by itself, so that its misfit is what is to be expected.
+
+        Without it, factors that share an error would draw a law that is not theirs to one side of all of them.
+        """
+        low, high = EXACT, float(np.ptp(self.target)) + EXACT
+        for _ in range(BISECTIONS):
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if self.solve([start], middle)[1] > spare else (low, middle)
+        return high
+
+
+def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
+    kelvin, offset = factors.levels + KELVIN, len(factors) if law.vertical else 0
+    reference = float(kelvin[factors.reference])
     covariance = factors.covariance[np.ix_(used + offset, used + offset)] + EXACT**2 * np.eye(len(used))
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-
-    def log_factor(theta: Real) -> Real:
-        value = law.element.respond(theta, at).value.real
-        return np.log(np.maximum(value, 1e-300)) if law.vertical else value
-
-    def misfit(theta: Real) -> Real:
-        return np.asarray(whiten @ (log_factor(theta)[used] - target), dtype=np.float64)
-
-    low, high = _box(law, kelvin, float(kelvin[factors.reference]))
-    ends = [least_squares(misfit, start, bounds=(low, high), x_scale="jac") for start in _starts(low, high)]
-    best = min(ends, key=lambda end: float(end.cost))
-    square, spare = 2.0 * float(best.cost), len(used) - len(low)
+    target = (factors.log_b if law.vertical else factors.log_a)[used]
+    at = Points(np.zeros(len(factors)), temperature=kelvin, reference_temperature=reference)
+    task = _Task(law, at, used, target, covariance, *_box(law, kelvin, reference))
+    theta, square, slopes = task.solve(_starts(task.low, task.high))
+    evidence = square + len(theta) * float(np.log(max(len(used), 2)))
+    spare = len(used) - len(theta)
     chance = float(chi2.sf(square, spare)) if spare > 0 else float("nan")
     verdict: Verdict = "cannot-tell" if spare == 0 else "departs" if chance < ALARM else "holds"
-    widened = max(1.0, square / spare) if spare > 0 else 1.0
-    spread = np.sqrt(np.diag(np.linalg.pinv(best.jac.T @ best.jac)) * widened)
-    reach = student(LEVEL, spare if widened > 1.0 else inf) * spread
-    given = log_factor(best.x)
-    off = float(np.sqrt(np.mean((given[used] - target) ** 2)))
-    evidence = square + len(low) * float(np.log(max(len(used), 2)))
-    bounds = (np.maximum(best.x - reach, low), np.minimum(best.x + reach, high))
-    away = np.abs(given[used] - target) / np.sqrt(np.diag(covariance))
-    worst = float(factors.levels[used[int(np.argmax(away))]])
-    return LawFit(law, best.x, *bounds, given, off, chance, evidence, verdict, worst)
+    if verdict == "departs":
+        theta, _, slopes = task.solve([theta], task.own_error(theta, spare))
+    # A misfit that is too small to be told still widens the intervals.
+    misfit = square / spare if verdict == "holds" else 1.0
+    spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes)) * max(1.0, misfit))
+    reach = student(LEVEL, spare if misfit > 1.0 or verdict == "departs" else inf) * spread
+    bounds = (np.maximum(theta - reach, task.low), np.minimum(theta + reach, task.high))
+    given = task.log_factor(theta)
+    away = given[used] - target
+    worst = float(factors.levels[used[int(np.argmax(np.abs(away) / np.sqrt(np.diag(covariance))))]])
+    off = float(np.sqrt(np.mean(away**2)))
+    return LawFit(law, theta, *bounds, given, off, chance, evidence, verdict, worst)
 
 
 def _box(law: Law, kelvin: Real, reference: float) -> tuple[Real, Real]:
