@@ -63,7 +63,8 @@ SHARP, DAHL = (100.0, 200.0, 2.0, 0.5), (100.0, 50.0, 1.0, 0.9)
 def test_a_damper_that_yields_gradually_is_no_filled_rubber(theta):
     found = springpot.diagnose(measured(damper(*theta)[0]), "fractional-kelvin")
     assert found.verdict == "effect-missing"
-    assert found.best.alike == ("smooth-hysteresis",)
+    assert found.best.effect == "smooth-hysteresis"
+    assert all(candidate.probability < 0.2 for candidate in found.candidates if candidate.effect == "payne")
     for name, value in zip(("k", "F"), theta[:2], strict=True):
         interval = found.best.parameters[name]
         assert interval.low < value < interval.high

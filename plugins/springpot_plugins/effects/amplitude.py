@@ -52,6 +52,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with Hysteresis",
         ("bouc-wen",),
+        prior=0.3,
         equation="K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 - beta))",
     ),
     Effect(
