@@ -39,6 +39,10 @@ def test_the_committed_tables_follow_from_the_committed_answers():
     for stem, made in (("real_data", table(answers)), ("published", published(answers))):
         assert (RESULTS / f"{stem}.md").read_text(encoding="utf-8") == to_markdown(made)
         assert (RESULTS / f"{stem}.csv").read_text(encoding="utf-8") == to_csv(made)
+    without = list(without_model.saved(RESULTS))
+    if without:
+        made = without_model.table(without)
+        assert (RESULTS / "without_model.md").read_text(encoding="utf-8") == to_markdown(made)
 
 
 def test_the_table_changes_with_an_answer():
@@ -75,7 +79,9 @@ def test_without_a_model_a_set_is_settled_near_the_floor_or_with_a_named_cause()
     near, far = told("unexplained", 0.014, [], []), told("unexplained", 0.016, [], ["diagnosed on 9 points"])
     effect = told("effect-missing", 0.05, ["inertia", "basset"], [])
     chain = told("unexplained", 0.05, [], ["what is missing looks like a gain that drifts"])
-    assert [without_model.is_settled(one) for one in (near, far, effect, chain)] == [True, False, True, True]
+    points = told("unexplained", 0.05, [], ["a single point stands out and was set aside"])
+    found = [without_model.is_settled(one) for one in (near, far, effect, chain, points)]
+    assert found == [True, False, True, True, False]
     assert without_model.cause(effect) == "inertia or basset"
     goal = without_model.table([near, far, effect, chain]).rows[-1]
     assert goal[-1] == "3 of 4: not met"

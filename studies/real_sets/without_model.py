@@ -21,14 +21,10 @@ NEAR = 1.5
 """An error within this factor of the noise floor leaves nothing to explain."""
 GOAL = 12
 """Sets of the sixteen that must be near the floor or have a named cause."""
-CAUSES = (
-    "what is missing looks like",
-    "a single point stands out",
-    "single points stand out",
-    "repeats differ",
-    "replicates differ",
-)
+CAUSES = ("what is missing looks like", "repeats differ")
 """How a note begins that names a cause which is no effect of the library."""
+ONLY_POINTS = "nothing else is missing"
+"""What the headline says where single points are all that is wrong; beside other structure they explain nothing."""
 COLUMNS = (
     "set", "points", "noise floor", "material floor", "error before/floor", "effects accepted [cannot be told from]",
     "error after/floor", "verdict", "named cause of what is left", "within 1.5 x or named",
@@ -111,6 +107,8 @@ def cause(one: dict[str, Any]) -> str:
         return " or ".join(last["missing"])
     if last["verdict"] == "adequate":
         return ""
+    if ONLY_POINTS in last["says"]:
+        return str(last["says"])
     return "; ".join(note for note in last["notes"] if note.startswith(CAUSES))
 
 

@@ -62,13 +62,17 @@ def _faulty(
 
 
 def replicates(seed: int, rng: np.random.Generator) -> Drawn:
-    """Two to four specimens, each with a gain of its own of 2 to 20 times the noise."""
+    """Two to four specimens, each with a gain of its own of 2 to 20 times the noise.
+
+    No model of the material follows the difference of specimens, so that the floor holds their realised spread.
+    """
     repeats = int(rng.integers(2, 5))
     specimen = draw_specimen(rng, pick_design(rng), seed % 2 == 1, relative_level(0.001, 0.01), repeats)
     level, k = specimen.noise["relative"], specimen.truth.stiffness
     spread = level * float(rng.uniform(2.0, 20.0))
     assert specimen.sweep.repeat is not None
-    gain = np.exp(spread * rng.standard_normal(repeats))[specimen.sweep.repeat - 1]
+    gains = spread * rng.standard_normal(repeats)
+    gain = np.exp(gains)[specimen.sweep.repeat - 1]
     return Drawn(
         seed=seed,
         stratum="replicates",
@@ -78,7 +82,7 @@ def replicates(seed: int, rng: np.random.Generator) -> Drawn:
         sweep=specimen.sweep,
         K=gain * (k + level * np.abs(k) * white(rng, k.size)),
         K_true=k,
-        floor=level / PART,
+        floor=float(np.hypot(level / PART, np.std(gains))),
         right=specimen.right,
         chi2=specimen.truth.chi2,
         parameters=specimen.parameters | {"gain": spread},

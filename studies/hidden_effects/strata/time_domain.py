@@ -23,7 +23,7 @@ from hidden_effects.strata.in_time import (
     solid_force,
 )
 
-HYSTERESIS = ("bouc-wen", "iwan", "elasto-sliding")
+HYSTERESIS = ("smooth-hysteresis", "elasto-sliding")
 """Names that are right for any spring that gives way and comes back along another path."""
 MEMORY = ("mullins", "ageing", "drift")
 Parts = tuple[Real, dict[str, float]]
@@ -128,8 +128,8 @@ TIME: tuple[tuple[str, Element, tuple[str, ...]], ...] = (
     ("linear", _linear, ()),
     ("sliding", _sliding, ("elasto-sliding",)),
     ("load-cell", _load_cell, ("fixture-resonance",)),
-    ("hardening-mount", _mount, ()),
-    ("wall-slip", _slip, ()),
+    ("hardening-mount", _mount, ("hardening-mount",)),
+    ("wall-slip", _slip, ("power-law-slip",)),
 )
 """Turns of the stratum: its elements, and the names that are right; without one the truth has no name."""
 HISTORY: tuple[tuple[str, Element | None, tuple[str, ...]], ...] = (

@@ -21,7 +21,7 @@ from hidden_effects.strata.drawn import CLEAR, Drawn, log_uniform, pick_design, 
 BESIDE = ("alone", "rig", "temperature", "amplitude")
 RIG = ("inertia", "time-delay", "phase-error", "fixture-resonance", "specimen-inertia", "hysteretic-loss")
 AMPLITUDE = ("friction", "power-law-damper", "elasto-sliding", "cubic-stiffness", "dead-zone", "payne")
-SHIFTS = ("arrhenius-shift", "wlf-shift")
+SHIFTS = ("arrhenius-shift", "wlf-shift", "free-shift")
 MATERIAL = (
     "parallel-spring", "parallel-dashpot", "parallel-springpot", "relaxation-mode", "series-spring", "series-dashpot",
     "series-springpot", "retardation-mode", "diffusion",
