@@ -54,7 +54,7 @@ class Skipped(NamedTuple):
     reason: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ranking(Comparison):
     """All installed models, the simplest adequate one first, those that are not adequate by their evidence.
 
@@ -204,7 +204,7 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
 def _fitted(
     item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
 ) -> Iterator[Refit]:
-    """Fits of a model with effects; of a family, those of members up to the first that lacks or gains nothing."""
+    """Fits of a model with effects; of a family, members up to the first that lacks nothing or gains nothing."""
     if isinstance(item, Model):
         if not is_material(item):
             yield from _one(item, effects, floor, skipped)
