@@ -155,7 +155,7 @@ def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
         draw_spectrum(axes, found.spectrum, "kN/m")
     [line] = [line for line in axes.lines if line.get_label().startswith("smoothest")]
     np.testing.assert_array_equal(line.get_ydata(), found.spectrum.density)
-    assert [text.get_text() for text in axes.get_legend().get_texts()][0] == "95 % of noise"
+    assert "95 % of noise" in [text.get_text() for text in axes.get_legend().get_texts()]
     assert axes.get_ylabel() == "H(r) [kN/m]"
     assert figure_material(found, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert "rad/s" in in_words(found.spectrum, "kN/m")

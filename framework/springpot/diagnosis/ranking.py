@@ -181,7 +181,7 @@ def chance_beside(found: Refit, floor: Refit) -> float:
     """Chance that a free spectrum gains so much on a model from noise alone.
 
     The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more than the model has
-    parameters. Where any material leaves more than noise, that remainder is no fault of the model, and sets the scale.
+    parameters. Where any material leaves more than noise, that remainder is not the model's fault and sets the scale.
 
     Parameters
     ----------
