@@ -54,3 +54,16 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
     assert repr(found).startswith("<Identification maxwell-2 of nist-srm2491@temperature=20: k1 ")
     assert "\n" not in repr(found)
     assert found._repr_html_().count("<tr>") == 5
+
+
+def test_no_model_need_be_named():
+    diagnosis = springpot.diagnose(DATA)
+    assert diagnosis.model.name == "material"
+    assert diagnosis.best.effect == "inertia"
+    assert springpot.discover(DATA, accept="inertia").model.name == "material + inertia"
+    ranking = springpot.compare(DATA)
+    assert ranking.best.model.name == "fractional-maxwell + inertia + time-delay"
+    assert len(repr(ranking)) < 600
+    page = ranking._repr_html_()
+    assert ranking.says in page
+    assert page.count("<tr>") == 1 + len(ranking.shown)

@@ -57,6 +57,45 @@ def test_the_figure_is_written_whole(springpot, damper, tmp_path):
     assert path.read_bytes().endswith(b"</svg>\n")
 
 
+def test_of_a_material_the_spectrum_is_told_in_words_json_and_picture(springpot, damper, tmp_path):
+    pytest.importorskip("matplotlib")
+    path = tmp_path / "spectrum.png"
+    answer = springpot("identify", damper, "--model", "material", "--figure", path)
+    assert (answer.code, answer.err) == (0, "")
+    rows = {line.split()[0]: line for line in answer.out.splitlines() if line.split()}
+    assert {"K_e", "c", "error"} <= set(rows)
+    assert rows["spectrum"].startswith("spectrum    half of the relaxing ")
+    assert "[spectrum]" in answer.out
+    assert path.read_bytes().startswith(b"\x89PNG")
+    spectrum = springpot("identify", damper, "--model", "material", "--json").json["spectrum"]
+    assert len(spectrum["rates"]) == len(spectrum["weights"]) == len(spectrum["low"]) == len(spectrum["high"])
+    assert spectrum["unit"] == "kN/m"
+    # The relaxing stiffness of a fractional Maxwell element is its spring's, and is not all seen.
+    assert 200.0 < spectrum["equilibrium"]["value"] + sum(spectrum["weights"]) < 500.0
+
+
+def test_the_error_stands_beside_both_floors(springpot, write):
+    rng = np.random.default_rng(5)
+    frequency = np.geomspace(0.5, 50.0, 15)
+    s = 2j * np.pi * frequency
+    stiffness = (100.0 + 30.0 * s**0.4 + 5e-3 * s**2) * (
+        1.0 + 0.01 * (rng.normal(size=15) + 1j * rng.normal(size=15))
+    )
+    rows = "\n".join(
+        f"{f!r},{k.real!r},{k.imag!r}" for f, k in zip(frequency.tolist(), stiffness.tolist(), strict=True)
+    )
+    answer = springpot(
+        "identify", write(f"frequency [Hz],storage [Pa],loss [Pa]\n{rows}\n"), "-m", "fractional-kelvin"
+    )
+    [error] = [line for line in answer.out.splitlines() if line.startswith("error ")]
+    assert " x the noise floor of " in error
+    assert error.partition("; material floor ")[2].endswith(" %")
+
+
+def test_no_optimiser_searches_a_spectrum(springpot, damper):
+    springpot("identify", damper, "-m", "material", "--optimiser", "pso-paper").is_one_line("spectrum", "optimiser")
+
+
 @pytest.mark.parametrize("optimiser", ["pso-paper", "least-squares", "native"])
 def test_an_optimiser_can_be_chosen_and_keeps_its_budget(springpot, damper, optimiser):
     options = ("--optimiser", optimiser, "--objective", "paper", "--budget", "300", "--seed", "4")

@@ -45,6 +45,8 @@ def test_json_is_as_agreed(springpot, heavy):
     assert (answer["data"], answer["model"]) == ("heavy", "fractional-maxwell")
     assert set(answer["error"]) >= {"relative_rms", "noise_floor", "noise_source"}
     assert answer["error"]["noise_source"] == "estimated"
+    assert answer["error"]["noise_floor"] < answer["error"]["material_floor"] < answer["error"]["relative_rms"]
+    assert answer["error"]["material_chance"] < 0.005
     assert answer["verdict"] == "effect-missing"
     assert set(answer["where"][0]) >= {"plane", "condition", "from", "to", "size", "says"}
     best = answer["candidates"][0]
@@ -65,7 +67,12 @@ def test_text_begins_with_the_verdict_and_ends_with_advice(springpot, heavy):
     lines = answer.out.splitlines()
     assert lines[0] == "fractional-maxwell of heavy: effect-missing"
     assert "missing is inertia" in lines[1]
-    assert any(" -> " in line and "with inertia" in line and "x floor" in line for line in lines)
+    [error] = [line for line in lines if line.startswith("error ")]
+    assert " -> " in error
+    assert "with inertia" in error
+    assert "x floor; noise floor " in error
+    assert "% (estimated); material floor " in error
+    assert lines[lines.index(error) + 1].startswith(("a material could be at ", "any linear material would be "))
     assert "where it fails:" in lines
     [row] = [line for line in lines if line.startswith("inertia ")]
     assert " kg" in row
@@ -98,6 +105,8 @@ def test_the_error_falls_to_the_floor(springpot, heavy, way):
     assert answer["schema"] == "springpot.discovery/1"
     first, last = answer["steps"]
     assert set(first) >= {"model", "accepted", "relative_rms", "noise_floor", "predicted_error"}
+    assert first["material_floor"] > 3.0 * last["material_floor"]
+    assert first["material_chance"] < 0.005 < last["material_chance"]
     assert (first["accepted"], first["predicted_error"]) == (None, None)
     assert (last["accepted"], last["model"]) == ("inertia", "fractional-maxwell + inertia")
     assert last["relative_rms"] / last["noise_floor"] == pytest.approx(1.0, abs=0.1)
@@ -163,6 +172,65 @@ def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path)
     assert figure.read_bytes().endswith(b"</svg>\n")
 
 
+def test_without_a_model_any_material_is_judged(springpot, heavy):
+    answer = springpot("diagnose", heavy, "--json").json
+    assert answer["model"] == "material"
+    assert answer["error"]["material_floor"] == answer["error"]["relative_rms"]
+    assert answer["candidates"][0]["effect"] == "inertia"
+    named = springpot("diagnose", heavy, "-m", "material", "--json").json
+    assert named["candidates"] == answer["candidates"]
+    ladder = springpot("discover", heavy, "--auto", "--json").json
+    assert [step["model"] for step in ladder["steps"]] == ["material", "material + inertia"]
+    text = springpot("discover", heavy, "--auto").out
+    assert text.splitlines()[2].split("  ")[-1] == "material floor"
+
+
+def test_a_report_without_a_model_tells_how_to_get_it_again(springpot, heavy, tmp_path):
+    pytest.importorskip("matplotlib")
+    report = tmp_path / "a.html"
+    springpot("discover", heavy, "--auto", "--report", report)
+    page = report.read_text(encoding="utf-8")
+    assert "--model" not in page
+    assert "What is missing from material?" in page
+    assert "<b>" in page
+    assert "material floor" in page
+
+
+def test_without_models_the_installed_ones_are_ranked(springpot, heavy, tmp_path):
+    pytest.importorskip("matplotlib")
+    answer = springpot("compare", heavy, "--json")
+    row = answer.json
+    assert row["best"] == row["ranking"]["adequate"][0] == "fractional-maxwell + inertia"
+    assert row["ranking"]["accepted"] == ["inertia"]
+    names = [model["model"] for model in row["models"]]
+    assert {"springpot", "springpot + inertia", "prony-2", "prony-2 + inertia"} <= set(names)
+    assert not {"material", "material + inertia"} & set(names)
+    assert {"material_floor", "material_chance"} <= set(row["models"][0]["error"])
+    figure = tmp_path / "a.png"
+    text = springpot("compare", heavy, "--figure", figure).out
+    assert text.splitlines()[0].endswith("any material does is fractional-maxwell + inertia")
+    assert "springpot + inertia  " not in text  # hopeless ones are in JSON only
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_who_waits_is_told_why(capsys, monkeypatch):
+    from springpot.cli import waiting
+
+    monkeypatch.setattr(waiting, "PATIENCE", 0.0)
+    with waiting.Waiting() as told:
+        told.told("looking here")
+        told._timer.join()
+        told.told("fitting model 1 of 2")
+        told.told("fitting model 2 of 2")
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines()[-1] == "fitting model 1 of 2"
+    monkeypatch.setattr(waiting, "PATIENCE", 60.0)
+    with waiting.Waiting() as told:
+        told.told("looking here")
+    assert capsys.readouterr().err == ""
+
+
 def test_the_demonstration_tells_its_whole_story(springpot, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     from springpot.cli import demo
@@ -219,6 +287,10 @@ def test_a_ladder_is_a_picture(heavy, tmp_path, monkeypatch):
     assert axes.get_yscale() == "log"
     [line] = [line for line in axes.lines if line.get_label() == "error"]
     np.testing.assert_allclose(line.get_ydata(), [100 * step.relative_rms for step in ladder.steps])
+    [third] = [lines for lines in axes.collections if lines.get_label() == "material floor"]
+    levels = [segment[0, 1] for segment in third.get_segments()]
+    np.testing.assert_allclose(levels, [100 * step.material_floor for step in ladder.steps])
+    assert "material floor" in [text.get_text() for text in axes.get_legend().get_texts()]
     monkeypatch.setattr(display, "_drawings", {})
     with pytest.raises(springpot.errors.OutputError, match=r"import springpot\.api"):
         ladder.plot()

@@ -138,7 +138,8 @@ def test_the_dictionary_is_plain_data():
     result = jsonable(springpot.compare(noisy(known=True), ["fractional-kelvin"]))
     assert result["schema"] == "springpot.comparison/1"
     [model] = result["models"]
-    assert set(model["error"]) == {"relative_rms", "noise_floor", "noise_source", "doubt"}
+    floors = {"noise_floor", "noise_source", "doubt", "material_floor", "material_chance"}
+    assert set(model["error"]) == {"relative_rms", *floors}
     assert model["parameters"]["k"]["unit"] == "kN/m"
     assert all(set(test) == {"test", "statistic", "p_value", "found", "says"} for test in model["tests"])
 
@@ -163,4 +164,5 @@ def test_a_notebook_shows_the_comparison():
     assert "holds" in page
     assert "<b>damper" not in page
     assert "&lt;b&gt;damper" in page
+    assert "<th>material floor</th>" in page
     assert repr(comparison).startswith("<Comparison of <b>damper</b>: fractional-kelvin ")

@@ -143,3 +143,40 @@ def test_many_points_stay_small(tmp_path):
     assert path.stat().st_size < 1_000_000
     assert len(data) > views.MANY_POINTS
     assert curves.SMOOTH < views.MANY_POINTS
+
+
+def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):
+    from springpot import identify
+    from springpot.report.spectrum import draw_spectrum, figure_material, in_words
+
+    found = identify(_sweep(), "material")
+    with canvas.blank() as figure:
+        axes = figure.subplots()
+        draw_spectrum(axes, found.spectrum, "kN/m")
+    [line] = [line for line in axes.lines if line.get_label().startswith("smoothest")]
+    np.testing.assert_array_equal(line.get_ydata(), found.spectrum.density)
+    assert "95 % of noise" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert axes.get_ylabel() == "H(r) [kN/m]"
+    assert figure_material(found, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert "rad/s" in in_words(found.spectrum, "kN/m")
+
+
+def test_residuals_stand_beside_the_material_floor(tmp_path):
+    from springpot import compare
+    from springpot.report import residuals
+
+    rng = np.random.default_rng(2)
+    data = _sweep(Fit(parse_model("fractional-maxwell + inertia"), np.array([900.0, 60.0, 0.5, 2e-3])))
+    data = Measurement(data.omega, data.stiffness * (1 + 0.01 * rng.normal(size=12)), units=data.units)
+    comparison = compare(data, ["fractional-maxwell"])
+    [judged] = comparison.judgements
+    with canvas.blank(19.0, 4.0) as figure:
+        row = figure.subplots(1, 5)
+        residuals._row_of_residuals(
+            row, Scene(comparison.measurement, residuals.fits_of(comparison)), judged.error, True
+        )
+        levels = sorted(line.get_ydata()[0] for line in row[0].lines if line.get_linestyle() == "--")
+    level = 100.0 * judged.error.material_floor
+    assert level > 1.0
+    np.testing.assert_allclose(levels, [-level, level])
+    assert "material floor" in row[0].get_title(loc="left")

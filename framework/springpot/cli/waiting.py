@@ -43,8 +43,8 @@ class Waiting:
 
     def _begin(self) -> None:
         with self._lock:
-            self._begun = bool(self._stage)
-            if self._begun:
+            self._begun = True
+            if self._stage:
                 self._show()
 
     def _show(self) -> None:

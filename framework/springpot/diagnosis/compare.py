@@ -134,6 +134,11 @@ class Comparison:
         """Those that a picture shows."""
         return self.judgements
 
+    @property
+    def says(self) -> str:
+        """What there is to say of all of them; nothing where they were chosen by hand."""
+        return ""
+
     @cached_property
     def measurement(self) -> Measurement:
         """The data, repeats averaged, with the standard deviations of the noise floor."""
@@ -142,8 +147,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         errors = ", ".join(
-            f"{one.model.name} {one.error.relative_rms / one.error.noise_floor:.3g} x floor"
-            for one in self.judgements
+            f"{one.model.name} {one.error.relative_rms / one.error.noise_floor:.3g} x floor" for one in self.shown
         )
         return f"<Comparison of {self.data}: {errors}>"
 

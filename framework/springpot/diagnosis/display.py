@@ -93,7 +93,7 @@ def html_of_comparison(comparison: Comparison) -> Html:
     best = comparison.best
     rows = [
         (
-            judged.model.name + (" (best)" if judged is best and len(comparison.judgements) > 1 else ""),
+            judged.model.name + (" (best)" if judged is best and len(comparison.shown) > 1 else ""),
             _percent(judged.error.relative_rms),
             _percent(judged.error.noise_floor),
             _percent(judged.error.material_floor),
@@ -101,14 +101,15 @@ def html_of_comparison(comparison: Comparison) -> Html:
             f"{judged.delta_bic:.3g}",
             "fails" if judged.fails else "holds",
         )
-        for judged in comparison.judgements
+        for judged in comparison.shown
     ]
-    told = [f"{judged.model.name}: {judged.says}" for judged in comparison.judgements]
+    told = [f"{judged.model.name}: {judged.says}" for judged in comparison.shown]
     told += [finding.says for finding in comparison.harmonics if finding.found]
     headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
     return tag(
         "div",
         tag("p", tag("b", f"models of {comparison.data}")),
+        tag("p", comparison.says) if comparison.says else joined(()),
         table(headers, rows),
         tag("ul", *(tag("li", sentence) for sentence in (*told, *comparison.notes))),
     )

@@ -54,7 +54,7 @@ class Skipped(NamedTuple):
     reason: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ranking(Comparison):
     """All installed models, the simplest adequate one first, those that are not adequate by their evidence.
 
@@ -181,7 +181,7 @@ def chance_beside(found: Refit, floor: Refit) -> float:
     """Chance that a free spectrum gains so much on a model from noise alone.
 
     The gain is that in chi-square, with as many degrees of freedom as the spectrum has lines more than the model has
-    parameters. Where any material leaves more than noise, that remainder is no fault of the model, and sets the scale.
+    parameters. Where any material leaves more than noise, that remainder is not the model's fault and sets the scale.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
 def _fitted(
     item: Model | Family, effects: tuple[Effect, ...], floor: Refit, skipped: list[Skipped]
 ) -> Iterator[Refit]:
-    """Fits of a model with effects; of a family, those of members up to the first that lacks or gains nothing."""
+    """Fits of a model with effects; of a family, members up to the first that lacks nothing or gains nothing."""
     if isinstance(item, Model):
         if not is_material(item):
             yield from _one(item, effects, floor, skipped)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.errors import DataError, OptionError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.markup import table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Levels, Model, Parameter, Real
@@ -274,7 +274,8 @@ def identify(
     Raises
     ------
     ModelError
-        If the data lack a column that the model needs.
+        If the data lack a column that the model needs, or an optimiser is to search a material, whose spectrum is no
+        search.
     DataError
         If there is one point only, or if there are more unknowns than data.
     OptionError
@@ -290,6 +291,8 @@ def identify(
     if optimiser is None or optimiser.name == NATIVE:
         found, status, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler)
         name = NATIVE
+    elif is_material(model):
+        raise ModelError(f"{model.name}: the spectrum of a material is no search; leave out the optimiser")
     else:
         problem = Problem.of(model, measurement, objective)
         found, status, notes = _by_optimiser(problem, optimiser, budget or BUDGET, restarts or 1, seed or 0)

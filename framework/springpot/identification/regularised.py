@@ -1,9 +1,10 @@
 """The smoothest spectrum of a material that the data allow, with a band.
 
-The lines of a least-squares spectrum are as sharp as noise makes them; what is smooth among the spectra that follow the
-data as well tells more. Tikhonov regularisation with H >= 0 (Honerkamp and Weese 1989, Macromolecules 22, 4372; Takeh
-and Shanbhag 2013, Appl. Rheol. 23, 24628): the squared second differences of H / |K| along ln r join the misfit. The
-rule for their weight is the discrepancy principle (Morozov 1966): the largest one whose misfit noise alone explains.
+The lines of a least-squares spectrum are as sharp as noise makes them; the smooth one among the spectra that follow
+the data as well tells more. Tikhonov regularisation with H >= 0 (Honerkamp and Weese 1989, Macromolecules 22, 4372;
+Takeh and Shanbhag 2013, Appl. Rheol. 23, 24628): the squared second differences of H / |K| along ln r join the
+misfit. The rule for their weight is the discrepancy principle (Morozov 1966): the largest one whose misfit noise
+alone explains.
 """
 
 from __future__ import annotations
@@ -188,7 +189,7 @@ class _System:
         return non_negative(rows, np.concatenate([target, np.zeros(len(self.roughness))]))[0]
 
     def smoothing(self) -> float:
-        """The largest weight of smoothness whose misfit is no more than noise: the number of data times its variance.
+        """The largest weight of smoothness whose misfit is no more than noise: as many variances as there are data.
 
         A least-squares spectrum leaves less, as much less as its lines follow of the noise.
         """

@@ -1,0 +1,166 @@
+"""Models ranked without being named: the simplest that does what any material can comes first."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.diagnosis import Ranking, rank
+from springpot.diagnosis.ranking import ALIKE, CHANCE, DECISIVE, chance_beside, grouped
+from springpot.errors import DataError
+from springpot.measurement import Measurement, Units
+from springpot.report.jsontext import jsonable
+from springpot.report.ranking import ranked_text
+
+OMEGA = 2.0 * np.pi * np.geomspace(0.3, 30.0, 25)
+SMALL = [
+    springpot.parse_model(name)
+    for name in (
+        "kelvin",
+        "springpot",
+        "fractional-maxwell",
+        "fractional-zener",
+        "prony-3",
+        "fractional-maxwell + friction",
+    )
+]
+
+
+def measured(expression, theta, seed=3, level=0.005, omega=OMEGA):
+    model = springpot.parse_model(expression)
+    exact = model.stiffness(np.array(theta), omega)
+    rng = np.random.default_rng(seed)
+    scatter = rng.normal(size=len(omega)) + 1j * rng.normal(size=len(omega))
+    return Measurement(omega, exact * (1 + level * scatter), units=Units("kN/m", "mm"), name="made")
+
+
+def ranked(data, installed=SMALL, effects=("inertia", "time-delay"), seed=0):
+    library = [springpot.registry.plugins().effect(name) for name in effects]
+    return rank(data, installed, library, np.random.default_rng(seed))
+
+
+@pytest.fixture(scope="module")
+def heavy():
+    return ranked(measured("fractional-maxwell + inertia", [400.0, 60.0, 0.55, 6e-3]))
+
+
+def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
+    assert heavy.best.model.name == "fractional-maxwell + inertia"
+    assert heavy.best.parameters["inertia.m"].value == pytest.approx(6.0, rel=0.1)
+    sizes = [len(one.refit.theta) for one in heavy.adequate]
+    assert sizes == sorted(sizes)
+    names = {one.model.name for one in heavy.judgements}
+    assert {"kelvin", "kelvin + inertia"} <= names
+    assert not {"kelvin", "kelvin + inertia", "springpot + inertia"} & {one.model.name for one in heavy.adequate}
+    assert min(one.delta_bic for one in heavy.judgements) == 0.0
+
+
+def test_a_richer_model_of_the_same_curve_stands_with_the_simple_one(heavy):
+    first = [one.model.name for one in heavy.groups[0]]
+    assert first[0] == "fractional-maxwell + inertia"
+    assert "fractional-zener + inertia" in first
+    assert grouped(heavy.adequate) == heavy.groups
+    leaders = [group[0].refit for group in heavy.groups]
+    gaps = [
+        np.abs((one.stiffness - two.stiffness) / one.noise.sd.real).max() * np.sqrt(2 * len(OMEGA))
+        for i, one in enumerate(leaders)
+        for two in leaders[:i]
+    ]
+    assert all(gap >= ALIKE for gap in gaps)
+
+
+def test_every_adequate_model_is_as_good_as_any_material(heavy):
+    floor = heavy.ladder.steps[-1].case.found.base
+    for one in heavy.judgements:
+        as_good = chance_beside(one.refit, floor) >= CHANCE
+        outdone = any(
+            other.delta_bic < one.delta_bic - DECISIVE and len(other.refit.theta) > len(one.refit.theta)
+            for other in heavy.judgements
+        )
+        assert (one in heavy.adequate) == (as_good and not outdone)
+
+
+def test_models_that_need_what_was_not_measured_are_named_and_left_out(heavy):
+    [one] = [one for one in heavy.skipped if one.model == "fractional-maxwell + friction"]
+    assert one.reason == "needs the column amplitude"
+    few = measured("kelvin", [1.0, 0.1], omega=OMEGA[:6])
+    reasons = {one.model: one.reason for one in ranked(few, [springpot.parse_model("prony-6"), *SMALL[:2]]).skipped}
+    assert reasons["prony-6"] == "13 parameters for 6 points"
+
+
+def test_a_passive_material_needs_no_effect():
+    ranking = ranked(measured("fractional-zener", [300.0, 200.0, 30.0, 0.4]))
+    assert [step.accepted for step in ranking.ladder.steps] == [None]
+    assert ranking.best.model.name == "fractional-zener"
+    assert all(
+        not one.model.effects or one.model.name == "fractional-maxwell + friction" for one in ranking.judgements
+    )
+
+
+def test_where_nothing_holds_the_nearest_comes_first_and_is_called_so():
+    ranking = ranked(measured("fractional-zener", [300.0, 200.0, 30.0, 0.4]), SMALL[:2])
+    assert ranking.adequate == ()
+    assert ranking.best.delta_bic == 0.0
+    assert ranking.says.startswith("no installed model follows these data")
+    assert "not enough" in ranked_text(ranking)
+    assert ranking.shown
+
+
+def test_the_members_of_a_family_end_where_one_more_says_nothing():
+    family = next(item for item in springpot.registry.plugins().items("model") if item.name == "prony-N")
+    ranking = ranked(measured("zener-2", [100.0, 80.0, 8.0, 120.0, 1.0]), [family])
+    assert ranking.best.model.name == "prony-2"
+    assert "prony-4" not in {one.model.name for one in ranking.judgements}
+
+
+def test_the_answer_is_plain_data_and_the_same_for_the_same_seed(heavy):
+    row = jsonable(heavy)
+    assert row["schema"] == "springpot.comparison/1"
+    assert row["best"] == "fractional-maxwell + inertia"
+    ranking = row["ranking"]
+    assert ranking["accepted"] == ["inertia"]
+    assert ranking["adequate"][0] == ranking["classes"][0][0] == row["best"]
+    assert ranking["material"]["material_floor"] == pytest.approx(row["models"][0]["error"]["material_floor"])
+    assert len(row["models"]) == len(heavy.judgements) == 2 * 5
+    assert all(0.0 <= model["error"]["material_chance"] <= 1.0 for model in row["models"])
+    again = ranked(measured("fractional-maxwell + inertia", [400.0, 60.0, 0.55, 6e-3]))
+    assert jsonable(again) == row
+
+
+def test_the_material_floor_of_a_model_is_that_with_its_own_effects(heavy):
+    floors = {one.model.effects: set() for one in heavy.judgements}
+    for one in heavy.judgements:
+        floors[one.model.effects].add(one.error.material_floor)
+    assert all(len(each) == 1 for each in floors.values())
+    [bare] = floors[()]
+    assert bare > 5.0 * heavy.best.error.material_floor
+    assert all(one.error.relative_rms > 0.9 * one.error.material_floor for one in heavy.judgements)
+
+
+def test_the_text_tells_both_floors_and_the_first_model(heavy):
+    text = ranked_text(heavy)
+    first, _, floors = text.splitlines()[:3]
+    assert first == f"made: {heavy.says}"
+    assert floors.startswith("noise floor 0.")
+    assert "(estimated); material floor 0." in floors
+    assert floors.endswith("% without")
+    assert "fractional-maxwell + inertia cannot be told from fractional-zener" in text
+    assert "  inertia.m = " in text
+
+
+def test_stages_are_told():
+    told = []
+    library = [springpot.registry.plugins().effect("inertia")]
+    data = measured("kelvin", [1.0, 0.1])
+    found = rank(data, SMALL[:2], library, np.random.default_rng(0), told.append)
+    assert isinstance(found, Ranking)
+    assert told == [
+        "looking for what is missing from any material",
+        "fitting model 1 of 2: kelvin",
+        "fitting model 2 of 2: springpot",
+    ]
+
+
+def test_data_that_judge_no_model_are_refused():
+    few = measured("kelvin", [1.0, 0.1], omega=OMEGA[:3])
+    with pytest.raises(DataError, match="points"):
+        ranked(few, [springpot.parse_model("prony-6")])
