@@ -17,16 +17,16 @@ from springpot.identification.alignment import aligned
 from springpot.identification.native import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
-from springpot.rheology import Continuum, Effect, Layer, Levels, Model, Real, chain, shift
+from springpot.rheology import Complex, Continuum, Effect, Layer, Levels, Model, Real, chain, levels_of, shift
 
 from .factors import Factors, Rows, factors_of
 from .laws import LawFit, judged_laws
-from .simplicity import Simplicity, repeat_scatter, simplicity
+from .simplicity import Alone, Simplicity, each_alone, simplicity
 from .words import level_text, unit_of
 
 SCHEMA = "springpot.mastercurve/1"
 SHARED = 0.5
-"""Scatter about the curve in units of the given standard deviations, below which these are not those of scatter."""
+"""Scatter within a sweep in units of the given standard deviations, below which these are not those of scatter."""
 LARGE = 2.0
 """Range of vertical factors beyond physics: rho T changes by less than this between any two common temperatures."""
 DIFFER = 0.005
@@ -250,28 +250,24 @@ def mastercurve(
     """
     began = perf_counter()
     _check(measurement, column)
-    weighing = default_objective(measurement) if objective is None else objective
+    weighing, notes = _weighing(measurement, column, objective)
+    number = levels_of(column, measurement.points.need(column))
+    own = each_alone(measurement, number, weighing)
+    weighing = _by_level(weighing, column, own.share)
     sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
     upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
     plain = Model("material", Continuum(), effects=(sideways,))
-    alone, found = _fits(plain, plain + upwards if vertical else plain, measurement, weighing)
-    notes = []
-    if objective is None and measurement.sd is not None and found.cost < SHARED**2 * found.dof:
-        size = np.sqrt(found.dof / max(found.cost, 1e-300))
-        notes.append(
-            f"the given standard deviations are {size:.2g} times the scatter about the curve: they hold what all "
-            "sweeps share, so that relative differences are compared instead"
-        )
-        alone, found = _fits(plain, found.model, measurement, relative_objective())
+    alone = fit(plain, measurement, weighing)
+    found = _lifted(alone, plain + upwards) if vertical else alone
     rows = Rows.of(found)
     fitted = factors_of(rows)
     at, said = _reference(fitted, reference)
     factors = fitted.referred_to(at)
     connected = _connected(rows, at)
     determined = connected & (factors.reach_a < WIDE)
-    notes += [*said, *_undetermined(factors, connected, determined), *_vertical_range(factors), *_repeats(rows)]
+    notes += [*said, *_undetermined(factors, connected, determined), *_vertical_range(factors), *_repeats(rows, own)]
     laws = judged_laws(factors, determined, vertical)
-    verdict = simplicity(rows)
+    verdict = simplicity(rows, own.weighted_by(own.share))
     return MasterCurve(
         found,
         factors,
@@ -296,12 +292,33 @@ def _check(measurement: Measurement, column: str) -> None:
         raise DataError(f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps")
 
 
-def _fits(plain: Model, whole: Model, measurement: Measurement, objective: Objective) -> tuple[Fit, Fit]:
-    """With a shift alone, and with all factors."""
-    alone = fit(replace(plain, material=Continuum()), measurement, objective)
-    if len(whole.effects) == 1:
-        return alone, alone
-    return alone, _lifted(alone, replace(whole, material=Continuum()))
+def _weighing(measurement: Measurement, column: str, objective: Objective | None) -> tuple[Objective, list[str]]:
+    """How the misfit is measured, and a note where given standard deviations are not those of scatter."""
+    if objective is not None or measurement.sd is None:
+        return objective or default_objective(measurement), []
+    given = default_objective(measurement)
+    own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
+    dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
+    if not dof or cost >= SHARED**2 * dof:
+        return given, []
+    size = np.sqrt(dof / max(cost, 1e-300))
+    note = (
+        f"the given standard deviations are {size:.2g} times the scatter within a sweep: they hold what all points "
+        "share, so that relative differences are compared instead"
+    )
+    return relative_objective(), [note]
+
+
+def _by_level(objective: Objective, column: str, share: Real) -> Objective:
+    """The objective with levels that no material follows weighted by what they are worth."""
+    if np.all(share == 1.0):
+        return objective
+
+    def weights(measurement: Measurement) -> Complex:
+        here = levels_of(column, measurement.points.need(column))
+        return np.asarray(objective.weights(measurement) * share[here], dtype=np.complex128)
+
+    return replace(objective, weights=weights)
 
 
 def _lifted(alone: Fit, model: Model) -> Fit:
@@ -377,9 +394,9 @@ def _vertical_range(factors: Factors) -> list[str]:
     ]
 
 
-def _repeats(rows: Rows) -> list[str]:
+def _repeats(rows: Rows, own: Alone) -> list[str]:
     """A sentence where repeated sweeps differ, which no curve can follow."""
-    scatter = repeat_scatter(rows)
+    scatter = own.repeats
     far = np.flatnonzero(scatter > DIFFER)
     if not len(far):
         return []

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.stats import f as fisher
 from scipy.stats import norm
 
-from springpot.identification import fit, weighted
+from springpot.identification import Objective, fit, weighted
+from springpot.measurement import Measurement
 from springpot.rheology import Continuum, Model, Real
 
 from .factors import Rows, without
@@ -118,12 +119,50 @@ class Simplicity:
 
 
 @dataclass(frozen=True, eq=False)
-class _Alone:
-    """Each level with a material of its own."""
+class Alone:
+    """Each level with a material of its own.
+
+    Attributes
+    ----------
+    cost, dof : ndarray, shape (m,)
+        Sum of squared weighted residuals and its degrees of freedom; nan and 0 where there are too few points.
+    error : ndarray, shape (m,)
+        Relative error.
+    repeats : ndarray, shape (m,)
+        Relative scatter of repeated points; zero where none is.
+    """
 
     cost: Real
     dof: Real
     error: Real
+    repeats: Real
+
+    @property
+    def share(self) -> Real:
+        """Factors (m,) on the weights: below one at levels that no material follows as nearly as elsewhere.
+
+        Their error would bend the curve at the neighbours, where there is none. It is the root of the ratio of
+        errors: by the ratio itself such a level is all but left out and ends anywhere (the tape at -40 degC 5.1 %
+        off, not 3.9 %).
+        """
+        strange = self.strange
+        if not np.any(strange):
+            return np.ones(len(self.error))
+        ratio = np.median(self.error[self.judged]) / np.maximum(self.error, TINY)
+        return np.where(strange, np.sqrt(np.where(strange, ratio, 1.0)), 1.0)
+
+    @property
+    def strange(self) -> NDArray[np.bool_]:
+        """Levels that no material follows as nearly as elsewhere, though repeats do not differ as much."""
+        judged = self.judged
+        if not np.any(judged):
+            return judged
+        error = np.where(judged, self.error, 0.0)
+        return np.asarray((error > STANDS_OUT * np.median(error[judged])) & (error > NEARLY * self.repeats))
+
+    def weighted_by(self, share: Real) -> Alone:
+        """The same at other weights of the levels."""
+        return replace(self, cost=self.cost * share**2)
 
     @property
     def judged(self) -> NDArray[np.bool_]:
@@ -142,16 +181,17 @@ class _Alone:
         return np.where(self.judged, left - self.dof, 0.0)
 
 
-def simplicity(rows: Rows) -> Simplicity:
+def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     """Test superposition.
 
     Parameters
     ----------
     rows : Rows
         The fitted material with its factors.
+    alone : Alone
+        Each level by itself, at the same weights.
     """
     error = _level_errors(rows)
-    alone = _alone(rows)
     judged = alone.judged
     overall = float(np.sqrt(np.mean(_relative(rows) ** 2)))
     if not np.any(judged):
@@ -192,23 +232,45 @@ def _level_errors(rows: Rows) -> Real:
     return np.sqrt(np.bincount(rows.number, _relative(rows) ** 2) / np.bincount(rows.number))
 
 
-def _alone(rows: Rows) -> _Alone:
-    """A fit of any material to each level by itself, at the same weights."""
-    material: Model = replace(rows.fit.model, material=Continuum(), effects=())
-    m = int(rows.number.max()) + 1
+def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: Objective) -> Alone:
+    """A fit of any material to each level by itself.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        All sweeps.
+    number : ndarray of int, shape (n,)
+        Level of each point.
+    objective : Objective
+        How the misfit is measured.
+    """
+    material = Model("material", Continuum())
+    m = int(number.max()) + 1
     cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
     for level in range(m):
-        part = rows.fit.measurement.subset(rows.number == level, f"level {level}")
+        part = measurement.subset(number == level, f"level {level}")
         if len(np.unique(part.omega)) < FEW:
             continue
-        found = fit(material, part, rows.fit.objective)
+        found = fit(material, part, objective)
         off = np.abs(found.model.stiffness(found.theta, part.points) / part.stiffness - 1.0)
         cost[level], dof[level] = found.cost, found.dof
         error[level] = float(np.sqrt(np.mean(off**2)))
-    return _Alone(cost, dof, error)
+    return Alone(cost, dof, error, repeat_scatter(measurement, number))
 
 
-def _chance(rows: Rows, alone: _Alone) -> float:
+def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
+    """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
+    _, group = np.unique(np.column_stack([number, np.round(np.log(data.omega), 6)]), axis=0, return_inverse=True)
+    group = group.ravel()
+    count = np.bincount(group)
+    mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
+    square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
+    spare = np.bincount(number, 1.0 - 1.0 / count[group])
+    summed = np.bincount(number, square)
+    return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))
+
+
+def _chance(rows: Rows, alone: Alone) -> float:
     """That one material for all levels leaves so much more than one for each, by Fisher's test.
 
     Each level is measured in units of its own scatter, so that one noisy level does not hide the others.
@@ -222,27 +284,13 @@ def _chance(rows: Rows, alone: _Alone) -> float:
     return float(fisher.sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
 
 
-def repeat_scatter(rows: Rows) -> Real:
-    """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
-    data = rows.fit.measurement
-    _, group = np.unique(np.column_stack([rows.number, np.round(np.log(data.omega), 6)]), axis=0, return_inverse=True)
-    group = group.ravel()
-    count = np.bincount(group)
-    mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
-    square = np.abs(data.stiffness / mean[group] - 1.0) ** 2
-    spare = np.bincount(rows.number, 1.0 - 1.0 / count[group])
-    summed = np.bincount(rows.number, square)
-    return np.sqrt(np.where(spare > 0.5, summed / np.maximum(spare, 0.5), 0.0))
-
-
-def _no_material(rows: Rows, alone: _Alone) -> list[Failure]:
-    """Levels at which no material at all comes as near as elsewhere, and repeats do not differ as much."""
+def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
+    """Levels at which no material at all comes as near as elsewhere."""
     judged = alone.judged
     usual = float(np.median(alone.error[judged]))
-    values, found, repeats = rows.elements[0].shown, [], repeat_scatter(rows)
-    strange = judged & (alone.error > STANDS_OUT * usual) & (alone.error > NEARLY * repeats)
-    for level in np.flatnonzero(strange).tolist():
-        ratio = alone.cost[level] / alone.dof[level] / np.median(alone.cost[judged] / alone.dof[judged])
+    values, found = rows.elements[0].shown, []
+    for level in np.flatnonzero(alone.strange).tolist():
+        ratio = (alone.error[level] / usual) ** 2
         chance = float(fisher.sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
         if chance < ALARM:
             off, at = alone.error[level], rows.named(level)
@@ -254,7 +302,7 @@ def _no_material(rows: Rows, alone: _Alone) -> list[Failure]:
     return sorted(found, key=lambda one: -one.size)
 
 
-def _levels(rows: Rows, alone: _Alone, error: Real) -> list[Failure]:
+def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     """Levels that a material of their own follows and the common one does not."""
     excess, judged = alone.excess(rows), alone.judged
     whole = _total(excess)
@@ -280,7 +328,7 @@ def _of_all(share: float) -> str:
     return f" ({100.0 * min(share, 1.0):.0f} % of what is left)"
 
 
-def _storage_and_loss(rows: Rows, alone: _Alone) -> list[Failure]:
+def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
     slope = rows.fit.model.slope(rows.fit.theta, data.points)
@@ -297,7 +345,7 @@ def _storage_and_loss(rows: Rows, alone: _Alone) -> list[Failure]:
     return found
 
 
-def _branches(rows: Rows, alone: _Alone) -> list[Failure]:
+def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     """Decades of relaxation times whose factors depend on the level more, or less, than those of the others."""
     material = rows.fit.model.material
     assert isinstance(material, Continuum)
@@ -332,7 +380,7 @@ def _inside(band: int, x: Real) -> bool:
     return bool((band + 1) * BAND > x.min() and band * BAND < x.max())
 
 
-def _one_step(rows: Rows, alone: _Alone, columns: NDArray[np.complex128]) -> tuple[Real, Real, Real]:
+def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tuple[Real, Real, Real]:
     """Size (c,) that one step of least squares gives each direction alone, its chance, its share of the excess.
 
     All that spectrum and factors can do is taken out; each row is weighted by the scatter of its level about a
