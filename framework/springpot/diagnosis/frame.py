@@ -16,7 +16,7 @@ from .bases import orthonormal
 from .sweeps import shared_shapes, slow_shapes
 
 OWN_SCATTER = 0.8
-"""Degrees of freedom of the noise, as a share of those of the rough part, from which the noise is the rough part's."""
+"""Share of the rough part's degrees of freedom from which those of the noise are its own."""
 FEWEST_OWN = 16.0
 """Degrees of freedom below which a scatter says too little of itself."""
 
@@ -73,7 +73,7 @@ class Frame:
         """Residuals (count, 2n) that noise alone would leave, treated as the measured one was; see `standard`.
 
         Where the noise was estimated from the data's own scatter, that scatter is dealt out anew: the relative
-        deviations of the points change places and signs, each with its gain and its phase. So the draws have the tails
+        deviations of the points change places and signs, each with its gain and its phase. The draws have the tails
         of the data, and scatter in gain and in phase as they do (Freedman and Lane 1983,
         doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal.
         """

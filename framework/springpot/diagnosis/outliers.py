@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f
+from scipy.stats import chi2, f
 
 from springpot.measurement import Measurement
 
@@ -105,22 +106,31 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
     scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0).reshape(2, -1).sum(axis=0)
     worst = int(np.argmax(scaled))
-    return int(rows[worst]), _chance(scaled[worst] / variance, np.delete(scaled, worst) / variance)
+    if frame.scale_dof == inf:
+        return int(rows[worst]), float(chi2.sf(scaled[worst], 2))
+    return int(rows[worst]), _chance(scaled / variance)
 
 
-def _chance(size: float, others: NDArray[np.float64]) -> float:
-    """Chance of a point as far off as this (its squared deviations in both parts), by the tails of the others.
+def _chance(squares: NDArray[np.float64]) -> float:
+    """Chance of the largest of many squared deviations (both parts of a point), by the tails of the others.
 
-    Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of freedom; which of a few
-    the others have is told by their likelihood. Noise with long tails makes no outliers.
+    Half the sum of two squares follows F(2, nu) if the scatter is Student's with nu degrees of freedom; which of few
+    the others have is told by their likelihood. Those that may be outliers themselves count as no more than beyond
+    the rest (censored). Noise with long tails makes no outliers.
     """
-    half = 0.5 * np.maximum(others, 1e-12)
-    likelihood = [float(np.sum(f.logpdf(half / s, 2, nu) - np.log(s))) for nu, s in TAILS]
+    half = 0.5 * np.sort(squares)
+    doubtful = max(2, int(MOST * len(half)))
+    inner = np.maximum(half[:-doubtful], 1e-12)
+    likelihood = [
+        float(np.sum(f.logpdf(inner / scale, 2, nu) - np.log(scale)))
+        + doubtful * float(f.logsf(inner[-1] / scale, 2, nu))
+        for nu, scale in TAILS
+    ]
     best = int(np.argmax(likelihood))
     if likelihood[best] < likelihood[0] + HEAVIER:
         best = 0
     nu, scale = TAILS[best]
-    return float(f.sf(0.5 * size / scale, 2, nu))
+    return float(f.sf(half[-1] / scale, 2, nu))
 
 
 def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:
