@@ -49,10 +49,12 @@ def seconds(checkout: Path, repeats: int) -> float:
 def main(other: Path, turns: int, repeats: int) -> None:
     """Print the times of both and their ratio."""
     ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0)
-    times = np.array([[seconds(checkout, repeats) for checkout in (other, HERE)] for _ in range(turns)])
-    for before, now in times:
-        print(f"there {before:.1f} s, here {now:.1f} s, ratio {now / before:.3f}")
-    least = times.min(axis=0)
+    times = []
+    for _ in range(turns):
+        before, now = (seconds(checkout, repeats) for checkout in (other, HERE))
+        print(f"there {before:.1f} s, here {now:.1f} s, ratio {now / before:.3f}", flush=True)
+        times.append((before, now))
+    least = np.min(times, axis=0)
     print(f"least of {turns}: there {least[0]:.1f} s, here {least[1]:.1f} s, ratio {least[1] / least[0]:.3f}")
 
 
