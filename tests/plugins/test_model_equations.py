@@ -12,7 +12,7 @@ from scipy.special import exp1, wofz
 
 from derivatives import sample
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Model, Real
+from springpot.rheology import Continuum, Model, Points, Real
 
 OMEGA = np.logspace(-2, 3, 11)
 S = 1j * OMEGA
@@ -152,7 +152,14 @@ EQUATIONS: dict[str, Callable[..., np.ndarray | float]] = {
 def test_every_model_has_its_equation_here():
     builtin = plugins().shelves["model"].owners
     names = {name for name, owner in builtin.items() if owner == "builtin-models"}
-    assert names == set(EQUATIONS) | {"power-law-plateau"}
+    assert names == set(EQUATIONS) | {"power-law-plateau", "material"}
+
+
+def test_a_material_is_a_spring_a_dashpot_and_lines():
+    network = Continuum((0.5, 40.0))
+    theta = np.array([3.0, 0.2, 5.0, 7.0])
+    expected = 3.0 + 0.2 * S + 5.0 * S / (S + 0.5) + 7.0 * S / (S + 40.0)
+    np.testing.assert_allclose(network.respond(theta, Points.at(S.imag)).value, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("name", EQUATIONS)

@@ -9,7 +9,7 @@ MODELS = (
         "material",
         Continuum(),
         "any linear passive material: a spectrum of relaxation times, the least error that any model reaches",
-        "Ferry, Viscoelastic Properties of Polymers, 1980, ch. 3",
+        "Ferry, Viscoelastic Properties of Polymers (1980), ch. 3",
         aliases=("any-material", "free-spectrum"),
     ),
 )
