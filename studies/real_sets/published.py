@@ -26,7 +26,8 @@ NOTE = (
 )
 WLF = {
     "pdms": (6.64 / np.log(10.0), 299.4, 25.0, (0.0, 50.0), "NIST SP 260-147"),
-    "polyisoprene": (8.772, 114.03, -35.0, (-40.0, 0.0), "RepTate, for long chains"),
+    # RepTate counts C2 = 114.03 K from 0 degC: from -35 degC that is 79.03 K.
+    "polyisoprene": (8.772, 79.03, -35.0, (-40.0, 0.0), "RepTate, for long chains"),
 }
 """C1 (log10), C2 [K], T0 [degC], temperatures compared [degC], source."""
 

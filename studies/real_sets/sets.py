@@ -109,7 +109,7 @@ SETS = (
         "polyisoprene",
         "reptate-polyisoprene-osc@molar_mass=33.6",
         ("fractional-maxwell-ab",),
-        "melt with WLF constants C1 = 8.772 (log10), C2 = 114.03 K at -35 degC and a small vertical shift",
+        "melt with WLF constants C1 = 8.772 (log10), C2 = 79.03 K at -35 degC and a small vertical shift",
         "is the temperature found, and is it the published WLF?",
     ),
     RealSet(
