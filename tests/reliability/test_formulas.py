@@ -5,7 +5,7 @@ import io
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from springpot.benchmark.export import _csv
@@ -78,7 +78,9 @@ def test_the_export_of_a_study():
 
 
 @given(WORDS, WORDS, WORDS.filter(str.strip))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=100, deadline=None)
+@example("@\t\"@-..@'.e+", "", 'e,"@')
+@example("a", 'x,""=1+1', "b")
 def test_a_measurement_is_written_without_formulas_and_read_back(tmp_path_factory, label, note, name):
     path = tmp_path_factory.mktemp("written") / "data.csv"
     labels = np.array([" ".join(label.split()), "b"])

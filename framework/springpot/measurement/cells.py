@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import re
 
-_FORMULA = re.compile(r"'*[=+\-@\t\r＝＋－＠].", re.DOTALL)
-_GUARDED = re.compile(r"'+[=+\-@\t\r＝＋－＠].", re.DOTALL)
-_PARTED = re.compile(r"([,;\t])")
+_SIGNS = r"[=+\-@\t\r＝＋－＠]"
+_FORMULA = re.compile(rf"['\"]*{_SIGNS}")
+"""Quotes may stand before it: in a line that is parted by others they are taken away."""
+_GUARDED = re.compile(rf"'['\"]*{_SIGNS}")
+_ALONE = frozenset("=+-@")
+"""What is no formula as long as it is the whole cell, such as a dash for nothing."""
+_PARTED = re.compile(r"[^,;\t]+")
 
 
 def guarded(cell: str) -> str:
@@ -21,7 +25,7 @@ def guarded(cell: str) -> str:
     >>> guarded("=1+1"), guarded("-1.5e3"), guarded("a")
     ("'=1+1", '-1.5e3', 'a')
     """
-    return f"'{cell}" if _FORMULA.match(cell) and not _is_number(cell) else cell
+    return cell if cell in _ALONE else _guarded(cell)
 
 
 def unguarded(cell: str) -> str:
@@ -31,12 +35,17 @@ def unguarded(cell: str) -> str:
 
 def guarded_line(line: str) -> str:
     """A line of words, which a spreadsheet will part at commas, semicolons and tabs."""
-    return "".join(map(guarded, _PARTED.split(line)))
+    # A quote that opens here may close anywhere, so that a sign is not alone for sure.
+    return _PARTED.sub(lambda piece: _guarded(piece[0]), line)
 
 
 def unguarded_line(line: str) -> str:
     """What `guarded_line` was given."""
-    return "".join(map(unguarded, _PARTED.split(line)))
+    return _PARTED.sub(lambda piece: unguarded(piece[0]), line)
+
+
+def _guarded(cell: str) -> str:
+    return f"'{cell}" if _FORMULA.match(cell) and not _is_number(cell) else cell
 
 
 def _is_number(cell: str) -> bool:

@@ -237,10 +237,10 @@ def _check_names(columns: list[Column], path: Path) -> None:
 
 
 def _comments(lines: Iterable[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
+    found: dict[str, list[str]] = {}
     for line in lines:
         match = _COMMENT.match(line.strip())
         key, value = (match[1], match[2].strip()) if match else ("comment", line.strip().lstrip("#").strip())
         if value:
-            found[key] = f"{found[key]} {value}" if key in found else value
-    return found
+            found.setdefault(key, []).append(value)
+    return {key: " ".join(values) for key, values in found.items()}
