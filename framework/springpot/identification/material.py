@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import nnls
 
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Continuum, Model, Node, Points, Real, Response
@@ -268,6 +267,8 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     RuntimeError
         If the active set does not settle.
     """
+    from scipy.optimize import nnls  # loading the plugins must not take its time
+
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     scaled = columns / size
