@@ -8,16 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from springpot.measurement import Measurement
+from springpot.measurement import HELD, Measurement
 from springpot.rheology import Real
 
 from .regions import Axis, Rows
 from .sweeps import temperatures_differ
 
-HELD = {"amplitude": 0.02, "temperature": 0.5}
-"""Amplitudes (as a share) and temperatures (in kelvin) that lie closer than this are one value that was set."""
 SWEPT = 10.0
-"""Span, in units of the above, from which values that follow one another so closely are a sweep, not a drift."""
+"""Span, in units of how nearly a rig holds a value, from which values that follow one another so closely are a sweep, not a drift."""
 CHANCE = 0.01
 """Chance below which levels are held to differ."""
 ALIKE = 0.3
@@ -53,19 +51,17 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
         column = measurement.conditions.get(name)
         if column is None or (name == "temperature" and not temperatures_differ(measurement)):
             continue
-        number = _set_values(name, column, most)
+        number = _set_values(measurement, name, most)
         count = int(number.max()) + 1
         if count > 1:
             found.append(Axis(name, number if count <= most else number * most // count))
     return found
 
 
-def _set_values(name: str, column: Real, most: int) -> Rows:
+def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
+    column, number = measurement.conditions[name], measurement.levels(name)
     x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
-    order = np.argsort(x, kind="stable")
-    number = np.empty(len(x), dtype=np.int64)
-    number[order] = np.cumsum(np.concatenate([[0], np.diff(x[order]) > HELD[name]]))
     part = np.zeros_like(number)
     for value in range(int(number.max()) + 1):
         rows = np.flatnonzero(number == value)

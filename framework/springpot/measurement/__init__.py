@@ -8,7 +8,7 @@ from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
-from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
+from .measurement import CONDITIONS, HELD, KELVIN, Measurement, misspelt
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader, select
 from .reader import Choice, Part, Reader
@@ -37,6 +37,7 @@ __all__ = [
     "ANGLE_UNITS",
     "Budget",
     "CONDITIONS",
+    "HELD",
     "Choice",
     "DataSet",
     "FORCE_UNITS",
