@@ -15,7 +15,7 @@ from .regions import Axis, Rows
 from .sweeps import temperatures_differ
 
 SWEPT = 10.0
-"""Span, in units of how nearly a rig holds a value, from which values that follow one another so closely are a sweep, not a drift."""
+"""Span, in units of how nearly a rig holds a value, from which close values are a sweep, not a drift."""
 CHANCE = 0.01
 """Chance below which levels are held to differ."""
 ALIKE = 0.3
