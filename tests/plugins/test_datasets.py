@@ -189,7 +189,7 @@ def test_a_folder_with_a_manifest_is_a_data_set(folder):
     ("text", "message"),
     [
         ("file = ", "dataset.toml"),
-        ('file = "raw.csv"', "no .columns. table"),
+        ('file = "raw.csv"', "no frequency, storage and loss among the columns"),
         ('file = "raw.csv"\n[columns]\nomega = 3', "column 'omega' needs"),
         (MANIFEST.replace("Ks", "Kx"), "no column 'Kx'"),
         (MANIFEST.replace("raw.csv", "gone.csv"), "missing"),

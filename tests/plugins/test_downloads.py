@@ -264,19 +264,76 @@ SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data are not here")
-def test_every_shared_set_is_described(monkeypatch):
+def test_every_described_set_whose_folder_is_here_opens(monkeypatch):
+    """Folders that nobody has described may lie beside them: they are a user's own."""
     monkeypatch.setenv(folders.VARIABLE, str(SHARED))
     sets = list(springpot_datasets())
     names = [name for dataset in sets for name in (dataset.name, *dataset.aliases)]
     assert len(names) == len(set(names))
-    for folder in os.listdir(SHARED):
-        if folder == "instrument-files":
-            continue
-        assert names.count(folder) == 1, folder
-        dataset = next(d for d in sets if folder in (d.name, *d.aliases))
+    described = [dataset for dataset in sets if {dataset.name, *dataset.aliases} & set(os.listdir(SHARED))]
+    assert described, "none of the folders there is known"
+    for dataset in described:
         for fact in ("summary", "citation", "licence", "origin", "test", "columns", "physics", "size"):
-            assert getattr(dataset, fact), (folder, fact)
+            assert getattr(dataset, fact), (dataset.name, fact)
         assert dataset.where == "here"
+        assert len(dataset.open()) == dataset.size, dataset.name
+
+
+def test_a_folder_that_nobody_describes_is_left_alone(tmp_path, monkeypatch):
+    (tmp_path / "my-notes").mkdir()
+    (tmp_path / "my-notes" / "rows.csv").write_text("1;2;3\n")
+    before = {dataset.name for dataset in folders.datasets()}
+    monkeypatch.setenv(folders.VARIABLE, str(tmp_path))
+    assert {dataset.name for dataset in folders.datasets()} == before
+
+
+def folder_of(tmp_path, monkeypatch, text, files):
+    """A described folder of two files, in SPRINGPOT_DATA."""
+    place = tmp_path / "data" / "mine"
+    place.mkdir(parents=True)
+    (place / "dataset.toml").write_text(text)
+    for name, content in files.items():
+        (place / name).write_text(content)
+    monkeypatch.setenv(folders.VARIABLE, str(tmp_path / "data"))
+    return next(found for found in folders.datasets() if found.name == "mine")
+
+
+def test_a_set_of_several_files_that_differ_in_temperature(tmp_path, monkeypatch):
+    columns = '[columns]\nomega = { from = "w", unit = "rad/s" }\nstorage = { from = "a", unit = "kPa" }\n'
+    columns += 'loss = { from = "b", unit = "kPa" }\n'
+    files = '[files]\n"cold.csv" = { "temperature [K]" = 273.15 }\n"warm.csv" = { "temperature [K]" = 293.15 }\n'
+    content = {"cold.csv": "w,a,b\n1,2,3\n2,3,4\n", "warm.csv": "w,a,b\n1,1,2\n"}
+    dataset = folder_of(tmp_path, monkeypatch, 'summary = "two"\n' + columns + files, content)
+    found = dataset.open()
+    np.testing.assert_allclose(found.conditions["temperature"], [0.0, 0.0, 20.0], atol=1e-9)
+    np.testing.assert_array_equal(found.stiffness, [2 + 3j, 3 + 4j, 1 + 2j])
+    assert "temperature [K]" in dataset.columns
+    (tmp_path / "data" / "mine" / "warm.csv").unlink()
+    assert "warm.csv is missing" in next(d for d in folders.datasets() if d.name == "mine").unavailable
+
+
+def test_a_set_that_the_reader_of_its_format_opens(tmp_path, monkeypatch):
+    text = 'summary = "an amplitude sweep"\nfile = "sweep.csv"\nopen = "?frequency=1[Hz]"\n'
+    text += '[conditions]\n"temperature [K]" = 300\n'
+    table = "strain [%],storage [Pa],loss [Pa]\n1,200,30\n2,190,31\n"
+    found = folder_of(tmp_path, monkeypatch, text, {"sweep.csv": table}).open()
+    np.testing.assert_allclose(found.omega, 2 * np.pi)
+    np.testing.assert_array_equal(found.conditions["amplitude"], [1.0, 2.0])
+    np.testing.assert_allclose(found.conditions["temperature"], 26.85)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('file = "a.csv"\n[files]\n"b.csv" = {}\n', "one of the two"),
+        ('summary = "x"\n', "one of the two"),
+        ('[files]\n"b.csv" = { temperature = "warm" }\n', "numbers only"),
+        ('file = "a.csv"\ncolumns = 3\n', "is a table"),
+    ],
+)
+def test_a_manifest_that_says_its_files_wrongly(tmp_path, text, message):
+    with pytest.raises(DataError, match=message):
+        read_manifest(text, tmp_path, "manifest")
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data are not here")

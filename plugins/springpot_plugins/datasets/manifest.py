@@ -3,10 +3,11 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
 ::
 
     summary = "what was measured"              # one sentence
-    file = "normalized.csv"
+    file = "normalized.csv"                    # or [files], below
+    open = "#1?frequency=1[Hz]"                # optional, without [columns]: what a user would type behind the file's name
     size = 340                                 # rows, shown before loading
     citation = "who"                           # who measured, where it was published
-    doi = "10.1000/xyz"                        # optional, as all that follow but [columns]
+    doi = "10.1000/xyz"                        # optional, as all that follow
     origin = "github.com/who/what"             # where it can be got
     licence = "MIT"
     test = "8 mm plates, shear"                # instrument, geometry, kind of test
@@ -21,6 +22,9 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
     lane = { from = "binder", extract = 'Lane (\d+)' }   # further conditions; a pattern picks a part of the cell
     [conditions]                               # constants, with their units as in headers
     "temperature [degC]" = 25
+    [files]                                    # instead of file: several, each with constants of its own
+    "at20.csv" = { "temperature [degC]" = 20 }
+    "at40.csv" = { "temperature [degC]" = 40 }
     [download]                                 # the file's public address, where the licence allows
     url = "https://example.org/normalized.csv"
     sha256 = "..."                             # of the file there
@@ -28,7 +32,7 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
 A manifest is limited: `LARGEST` bytes, names of files as in `names`, patterns as in `patterns`, texts of
 `LONGEST_TEXT` signs, addresses with https.
 It stands in the folder that it describes. For the folders that this package knows by name, it is shipped.
-A downloaded file of another name than `file` is opened by the reader of its format instead of by [columns].
+Without [columns], and where a downloaded file has another name than `file`, the reader of its format opens it.
 """
 
 from __future__ import annotations
@@ -46,6 +50,7 @@ from springpot.measurement import Choice, DataSet, Measurement, Reader, open_mea
 
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
+from ..readers.joining import joined
 from ..readers.table import Column, Table, name_and_unit, table_of
 from ..readers.text import text_of
 from .download import fetched, file_name, kept, missing
@@ -57,9 +62,11 @@ LARGEST = 1 << 14
 """Bytes of a manifest; the shipped ones have two thousand."""
 LONGEST_TEXT = 2000
 MOST_COLUMNS = 400
+MOST_FILES = 100
+"""Files of one set: a rig that sweeps a hundred temperatures is rare, and each has to be opened."""
 LARGEST_SIZE = 10**12
 """Rows that are believed."""
-_TEXTS = ("name", "summary", "file", "citation", "doi", "origin", "licence", "test", "model", "fit", "kind")
+_TEXTS = ("name", "summary", "file", "open", "citation", "doi", "origin", "licence", "test", "model", "fit", "kind")
 
 
 @dataclass(frozen=True)
@@ -73,11 +80,13 @@ class Manifest:
     values : mapping
         Names, texts, size and physics as in the file.
     columns : mapping of str to mapping
-        Role or condition to ``from``, ``unit`` and ``extract``.
+        Role or condition to ``from``, ``unit`` and ``extract``; empty where the reader of the format names them.
     conditions : mapping of str to number
         Constants.
     download : mapping of str to str
         ``url`` and ``sha256``; empty where the file cannot be downloaded.
+    files : mapping of str to mapping
+        Names of the files to the constants of each; the one file where there is but one.
     """
 
     folder: Path
@@ -85,6 +94,7 @@ class Manifest:
     columns: dict[str, dict[str, str]]
     conditions: dict[str, float] = field(default_factory=dict)
     download: dict[str, str] = field(default_factory=dict)
+    files: dict[str, dict[str, float]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -92,15 +102,19 @@ class Manifest:
         return str(self.values.get("name", self.folder.name))
 
     @property
-    def file(self) -> Path:
-        """Where the file is, if it is here.
+    def paths(self) -> dict[Path, dict[str, float]]:
+        """Where the files are, if they are here, and the constants of each.
 
         Raises
         ------
         DataError
-            If it would be outside the folder.
+            If one would be outside the folder.
         """
-        return inside(self.folder, self.values["file"])
+        return {inside(self.folder, name): {**self.conditions, **own} for name, own in self.files.items()}
+
+    @property
+    def _missing(self) -> list[Path]:
+        return [path for path in self.paths if not path.is_file()]
 
     def dataset(self) -> DataSet:
         """The set; its file is opened only when it is loaded."""
@@ -108,6 +122,8 @@ class Manifest:
         columns = [
             f"{name} [{unit}]" if (unit := source.get("unit")) else name for name, source in self.columns.items()
         ]
+        constants = [f"{title} = {number:g}" for title, number in self.conditions.items()]
+        constants += list(dict.fromkeys(title for own in self.files.values() for title in own))
         return DataSet(
             self.name,
             value("summary", ""),
@@ -121,7 +137,7 @@ class Manifest:
             model=value("model", ""),
             fit=value("fit", ""),
             test=value("test", ""),
-            columns=(*columns, *(f"{title} = {number:g}" for title, number in self.conditions.items())),
+            columns=(*(columns or ["as the file names them"]), *constants),
             physics=tuple(value("physics", ())),
             remote=self._remote(),
             unavailable=self._unavailable(),
@@ -129,17 +145,17 @@ class Manifest:
 
     def _remote(self) -> str:
         """The address, unless the file is here or has been downloaded."""
-        if not self.download or self.file.is_file() or kept(self.download["url"], self.download["sha256"]):
+        if not self.download or not self._missing or kept(self.download["url"], self.download["sha256"]):
             return ""
         return self.download["url"]
 
     def _unavailable(self) -> str:
-        if self.file.is_file():
+        if not self._missing:
             return ""
         if self.download:
             return missing() if self._remote() else ""
         if self.folder.is_dir():
-            return f"{self.file} is missing"
+            return f"{self._missing[0]} is missing"
         origin = f"published at {self.values['origin']}; " if self.values.get("origin") else ""
         return f"not here: {origin}name a directory that holds the folder {self.name} by SPRINGPOT_DATA"
 
@@ -149,20 +165,36 @@ class Manifest:
         Raises
         ------
         DataError
-            If the file cannot be had or read, or lacks a column that the manifest names.
+            If a file cannot be had or read, or lacks a column that the manifest names.
         """
-        path = self.file
-        if self.download and not path.is_file():
+        if self.download and self._missing:
             path = fetched(self.name, self.download["url"], self.download["sha256"])
+            parts = [self._opened(path, self.conditions, path.name in self.files)]
+        else:
+            parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]
         origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
-        own = Reader(self.name, "the columns of a manifest", lambda head: 1.0, self._read)
-        found = open_measurement(path, (), [own] if path.name == self.file.name else springpot_readers())
+        found = parts[0]
+        if len(parts) > 1:
+            found = joined(parts, list(self.files), self.name, self.folder, f"{len(parts)} files together")
         return replace(found, name=self.name, provenance={**origin, **found.provenance})
 
-    def _read(self, path: Path, choice: Choice) -> Measurement:
+    def _opened(self, path: Path, constants: dict[str, float], described: bool) -> Measurement:
+        """One file: by the columns that the manifest names, or by the reader of its format."""
+        if not described:
+            return open_measurement(path, (), springpot_readers())
+        if not self.columns:
+            spec = _with_constants(f"{path}{self.values.get('open', '')}", constants)
+            return open_measurement(spec, (), springpot_readers())
+
+        def read(path: Path, choice: Choice) -> Measurement:
+            return self._read(path, constants)
+
+        return open_measurement(path, (), [Reader(self.name, "the columns of a manifest", lambda head: 1.0, read)])
+
+    def _read(self, path: Path, constants: dict[str, float]) -> Measurement:
         """The table, by the columns that the manifest names."""
         table = table_of(text_of(path), path)
-        made = [*self._mapped(table), *self._constants(table)]
+        made = [*self._mapped(table), *_constants(constants, table)]
         roles = {column.name: column for column in made if column.name in ROLES}
         others = [column for column in made if column.name not in ROLES]
         return measurement_of(roles, others, self.name, table.comments, path)
@@ -180,11 +212,21 @@ class Manifest:
             unit = source.get("unit", column.unit)
             yield Column(title, name, unit, cells, column.path, column.lines, column.decimal_comma)
 
-    def _constants(self, table: Table) -> Iterable[Column]:
-        first = table.columns[0]
-        for title, value in self.conditions.items():
-            name, unit = name_and_unit(title)
-            yield Column(title, name, unit, [repr(float(value))] * len(first.cells), table.path, first.lines)
+
+def _constants(values: dict[str, float], table: Table) -> Iterable[Column]:
+    first = table.columns[0]
+    for title, value in values.items():
+        name, unit = name_and_unit(title)
+        yield Column(title, name, unit, [repr(float(value))] * len(first.cells), table.path, first.lines)
+
+
+def _with_constants(spec: str, values: dict[str, float]) -> str:
+    """What a user would type to say the constants as well: ``FILE?temperature=20[degC]``."""
+    titles = {title: name_and_unit(title) for title in values}
+    said = ",".join(f"{name}={values[title]!r}[{unit or '-'}]" for title, (name, unit) in titles.items())
+    if not said:
+        return spec
+    return f"{spec},{said}" if "?" in spec else f"{spec}?{said}"
 
 
 def read_manifest(text: str, folder: Path, path: str) -> Manifest:
@@ -201,11 +243,12 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         values = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise DataError(f"{path}: {'nested too deeply' if isinstance(error, RecursionError) else error}") from None
-    columns = values.pop("columns", None)
+    columns = values.pop("columns", {})
     constants = values.pop("conditions", {})
+    files = values.pop("files", {})
     download = values.pop("download", {})
-    if not isinstance(columns, dict) or not columns:
-        raise DataError(f"{path}: there is no [columns] table; write omega, storage, loss = {{ from, unit }}")
+    if not isinstance(columns, dict):
+        raise DataError(f"{path}: [columns] is a table; write omega, storage, loss = {{ from, unit }}")
     if len(columns) > MOST_COLUMNS:
         raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
     mapped = {}
@@ -221,9 +264,20 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         mapped[name] = entry
     if not (isinstance(constants, dict) and all(map(_is_number, constants.values()))):
         raise DataError(f"{path}: [conditions] holds finite numbers only")
+    _check_files(files, values, path)
     _check_values(values, path)
     _check_download(download, values, path)
-    return Manifest(folder, values, mapped, constants, download)
+    return Manifest(folder, values, mapped, constants, download, files or {values["file"]: {}})
+
+
+def _check_files(files: Any, values: dict[str, Any], path: str) -> None:
+    """Either one file or several, whose constants are numbers."""
+    if bool(files) == ("file" in values):
+        raise DataError(f'{path}: there is no file = "name.csv", or [files] beside it; give one of the two')
+    if not isinstance(files, dict) or len(files) > MOST_FILES:
+        raise DataError(f"{path}: [files] is a table of at most {MOST_FILES} names")
+    if not all(isinstance(own, dict) and all(map(_is_number, own.values())) for own in files.values()):
+        raise DataError(f'{path}: [files] holds "name.csv" = {{ "temperature [degC]" = 20 }}, with numbers only')
 
 
 def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
@@ -253,8 +307,6 @@ def _is_number(value: object) -> bool:
 def _check_values(values: dict[str, Any], path: str) -> None:
     wrong = [key for key in _TEXTS if not _is_text(values.get(key, ""))]
     unknown = [key for key in values if key not in (*_TEXTS, "size", "physics")]
-    if "file" not in values:
-        raise DataError(f'{path}: there is no file = "name.csv"')
     if wrong or unknown:
         raise DataError(f"{path}: check {', '.join(wrong or unknown)}; known are {', '.join(_TEXTS)}, size, physics")
     if not is_name(values.get("name", "name")):
