@@ -4,7 +4,7 @@ r"""Manifests: what the columns of a folder's file mean, and who measured them, 
 
     summary = "what was measured"              # one sentence
     file = "normalized.csv"                    # or [files], below
-    open = "#1?frequency=1[Hz]"                # optional, without [columns]: what a user would type behind the file's name
+    open = "#1?frequency=1[Hz]"                # what a user would type behind its name; not with [columns]
     size = 340                                 # rows, shown before loading
     citation = "who"                           # who measured, where it was published
     doi = "10.1000/xyz"                        # optional, as all that follow
