@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.stats import chi2, f, norm
 
-from springpot.rheology import Complex, Real, shift
+from springpot.rheology import Complex, Real, Shift
 
 from .bases import orthonormal
 from .causality import causal_evidence, step_of
@@ -89,7 +89,7 @@ def log_shift_of(found: Refit) -> Real | None:
     model, points = found.model, found.fit.measurement.points
     total: Real | None = None
     for effect, prefix in model.named_effects():  # the second of one name has a prefix of its own
-        if effect.composition is shift and "temperature" in effect.needs:
+        if effect.composition.kind is Shift and "temperature" in effect.needs:
             names = [name for name in model.names if name.rpartition(".")[0] == prefix]
             theta = found.theta[[model.names.index(name) for name in names]]
             value = np.asarray(effect.element.respond(theta, points).value.real, dtype=np.float64)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement import Measurement
-from springpot.rheology import Levels, Model, Real, levels_of, shift
+from springpot.rheology import Levels, Model, Real, Shift, levels_of
 
 NEAR = 0.02
 """Error of a prediction between measured points, in ln|K| and in radian: a line between points a fifth of a decade
@@ -144,7 +144,7 @@ def _level_effects(model: Model) -> Iterator[tuple[str, Levels]]:
 
 
 def _moves(model: Model, column: str) -> bool:
-    return any(effect.composition is shift and column in effect.needs for effect in model.effects)
+    return any(effect.composition.kind is Shift and column in effect.needs for effect in model.effects)
 
 
 def _lifts(own: list[tuple[str, Levels]], column: str) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .formula import Formula
-from .nodes import GRADIENT, VALUE, Composition, Node, Response
+from .nodes import GRADIENT, VALUE, Composing, Composition, Response, Series
 from .nonlinear import NEEDS_AMPLITUDE, power_law
 from .parameters import AMPLITUDE, FORCE, PURE, Parameter, stiffness
 from .points import Complex, Points, Real
@@ -47,6 +47,9 @@ class Compliant(Formula):
 
 class BalancedSeries(Composition):
     """A model in series with an element that is not linear: 1 / K = 1 / K_a + 1 / K_e(X_e)."""
+
+    plane, order = Series.plane, Series.order + 1
+    residual, slope = staticmethod(Series.residual), staticmethod(Series.slope)
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K at the displacement X_e that the element takes."""
@@ -95,9 +98,8 @@ class BalancedSeries(Composition):
         return response, element.log_slope(own, response.value)
 
 
-def balanced_series(body: Node, element: Node) -> Node:
-    """`body` in series with a nonlinear `element` (a `Compliant`)."""
-    return BalancedSeries((body, element))
+balanced_series = Composing(BalancedSeries)
+"""The first node in series with a nonlinear one, a `Compliant`, the second."""
 
 
 def _hardening(at: Points, k: Any, doubled: Any) -> Any:

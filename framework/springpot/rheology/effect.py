@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
@@ -12,17 +11,8 @@ import numpy as np
 from springpot.errors import ModelError
 
 from .levels import Levels
-from .nodes import Node
+from .nodes import Composing, Node, Parallel
 from .points import Complex, Points, Real
-
-_PLANES = {
-    "parallel": "stiffness",
-    "series": "compliance",
-    "balanced_series": "compliance",
-    "shift": "shift",
-    "heated": "shift",
-    "chain": "log-complex",
-}
 
 
 class Layer(IntEnum):
@@ -50,7 +40,7 @@ class Effect:
     ----------
     name : str
         What users type, such as ``"inertia"``.
-    composition : callable
+    composition : Composing
         `parallel`, `series`, `chain` or `shift`.
     element : Node
         What is put there; its parameters become ``name.parameter`` in the grown model.
@@ -79,7 +69,7 @@ class Effect:
     """
 
     name: str
-    composition: Callable[[Node, Node], Node]
+    composition: Composing
     element: Node
     summary: str
     layer: Layer = Layer.MATERIAL
@@ -131,7 +121,7 @@ class Effect:
     @property
     def plane(self) -> str:
         """The residual plane in which the effect adds: stiffness, compliance, log-complex or shift."""
-        return _PLANES.get(self.composition.__name__, "stiffness")
+        return self.composition.kind.plane
 
     @property
     def position(self) -> tuple[int, int, str]:
@@ -139,9 +129,7 @@ class Effect:
 
         The name settles the rest, so that a model never depends on the order in which it is typed.
         """
-        known = list(_PLANES)
-        name = self.composition.__name__
-        return int(self.layer), known.index(name) if name in known else len(known), self.name
+        return int(self.layer), self.composition.kind.order, self.name
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """Third harmonic of the force that the effect adds, over the displacement amplitude.
@@ -187,7 +175,7 @@ class Effect:
         """
         shape = at.log_omega.shape[-1:]
         centre = self.third_harmonic(theta, at)
-        beside = self.composition.__name__ == "parallel" or "amplitude" not in self.needs
+        beside = self.composition.kind is Parallel or "amplitude" not in self.needs
         if centre is not None and (beside or not np.any(centre)):
             return centre, np.zeros(shape)
         bound = getattr(self.element, "third_harmonic_at_most", lambda *_: None)(theta, at)

@@ -12,7 +12,7 @@ from springpot.errors import ModelError
 
 from .effect import Effect, Layer
 from .intime import Passive, Traced
-from .nodes import GRADIENT, Node, chain, parallel, series, shift
+from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
 from .points import Points, Real
 from .spectrum import blaming, conditions_at
 
@@ -121,13 +121,13 @@ class InTime:
 
     def _reduced(self, inside: list[Placed], t: Real, x: Real) -> Traced:
         """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
-        shifts = [place for place, each in enumerate(inside) if each.effect.composition is shift]
+        shifts = [place for place, each in enumerate(inside) if each.effect.composition.kind is Shift]
         last = shifts[-1] + 1 if shifts else 0
         for effect, _, _ in inside:
-            if "temperature" in effect.needs and effect.composition is not shift:
+            if "temperature" in effect.needs and effect.composition.kind is not Shift:
                 raise ModelError(f"a history of temperatures is not followed by '{effect.name}': only shifts are")
         for effect, _, _ in inside[last:]:
-            if effect.composition is not parallel:
+            if effect.composition.kind is not Parallel:
                 raise ModelError(f"a history of temperatures is not followed inside '{effect.name}': leave it out")
         temperature = np.asarray(self.temperature, dtype=float)
         if temperature.shape != t.shape or not np.all(temperature > 0.0):
@@ -165,8 +165,8 @@ def sorted_out(model: Model) -> tuple[list[Placed], list[Placed], list[Placed]]:
         own = [i for i, name in enumerate(model.names) if name.rpartition(".")[0] == prefix]
         law = getattr(effect.element, "in_time", None)
         linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
-        if linear and effect.composition in (parallel, series, shift, chain):
-            if beside and effect.composition is not parallel:
+        if linear and effect.composition.kind in (Parallel, Series, Shift, Chain):
+            if beside and effect.composition.kind is not Parallel:
                 inner = beside[0].effect.name
                 raise ModelError(f"the force of '{inner}' cannot be told alone inside '{effect.name}': leave one out")
             inside.append(Placed(effect, prefix, own))

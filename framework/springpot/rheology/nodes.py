@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -99,9 +99,41 @@ class Renamed(Node):
 
 @dataclass(frozen=True)
 class Composition(Node):
-    """Nodes put together; theta is the concatenation of theirs."""
+    """Nodes put together; theta is the concatenation of theirs.
+
+    Attributes
+    ----------
+    plane : str
+        What adds up: ``stiffness``, ``compliance``, ``log-complex`` or ``shift``. In this plane a missing node shows.
+    order : int
+        Which of two effects of one layer joins first: the lower one.
+    flat : bool
+        Whether nodes nested in one of its own kind are the same as those side by side.
+    """
 
     children: tuple[Node, ...]
+    plane: ClassVar[str] = "stiffness"
+    order: ClassVar[int] = 0
+    flat: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, nodes: Sequence[Node]) -> Node:
+        """The nodes put together; one alone is itself."""
+        children: list[Node] = []
+        for node in nodes:
+            same = cls.flat and isinstance(node, cls)
+            children.extend(node.children if same else (node,))  # type: ignore[attr-defined]  # it is of this class
+        return children[0] if len(children) == 1 else cls(tuple(children))
+
+    @staticmethod
+    def residual(measured: Complex, modelled: Response) -> Complex:
+        """What is missing in this plane, measured minus modelled; both of shape (n,)."""
+        return measured - modelled.value
+
+    @staticmethod
+    def slope(modelled: Response) -> Complex:
+        """Change of K (n,) for a unit of what adds up in this plane."""
+        return np.ones_like(modelled.value)
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
@@ -158,6 +190,8 @@ def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Comple
 class Parallel(Composition):
     """Stiffnesses add: all children feel the same displacement."""
 
+    flat = True
+
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = sum K_i."""
         parts = self._respond_each(theta, at, depth)
@@ -167,6 +201,18 @@ class Parallel(Composition):
 
 class Series(Composition):
     """Compliances add: all children carry the same force."""
+
+    plane, order, flat = "compliance", 1, True
+
+    @staticmethod
+    def residual(measured: Complex, modelled: Response) -> Complex:
+        """1/K measured minus modelled."""
+        return 1.0 / measured - 1.0 / modelled.value
+
+    @staticmethod
+    def slope(modelled: Response) -> Complex:
+        """Slope dK / d(1/K) = -K^2."""
+        return -(modelled.value**2)
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """1/K = sum 1/K_i, so that dK/dK_i = (K/K_i)^2."""
@@ -179,6 +225,18 @@ class Series(Composition):
 class Chain(Composition):
     """Logarithms add: what the measurement chain does to the force signal."""
 
+    plane, order = "log-complex", 5
+
+    @staticmethod
+    def residual(measured: Complex, modelled: Response) -> Complex:
+        """Measured minus modelled ln K: a relative error, and a phase."""
+        return np.asarray(np.log(measured / modelled.value), dtype=np.complex128)
+
+    @staticmethod
+    def slope(modelled: Response) -> Complex:
+        """Slope dK / d ln K = K."""
+        return modelled.value
+
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = K_a K_b."""
         parts = self._respond_each(theta, at, depth)
@@ -188,6 +246,18 @@ class Chain(Composition):
 
 class Shift(Composition):
     """Frequencies are rescaled: the first child is read at omega times a_T, whose logarithm the second gives."""
+
+    plane, order = "shift", 3
+
+    @staticmethod
+    def residual(measured: Complex, modelled: Response) -> Complex:
+        """By how much ln omega would have to move, to first order; a shift is real."""
+        return (measured - modelled.value) / modelled.by_log_omega
+
+    @staticmethod
+    def slope(modelled: Response) -> Complex:
+        """Slope dK / d ln omega."""
+        return modelled.by_log_omega
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K(omega) = K_a(omega a_T); the second child responds with the real ln a_T."""
@@ -206,31 +276,39 @@ class Shift(Composition):
         return Response(base.value, by_theta, slope * (1.0 + log_shift.by_log_omega))
 
 
-def _flat(kind: type[Composition], nodes: Sequence[Node]) -> Node:
-    children: list[Node] = []
-    for node in nodes:
-        children.extend(node.children if isinstance(node, kind) else (node,))
-    return children[0] if len(children) == 1 else kind(tuple(children))
+@dataclass(frozen=True)
+class Composing:
+    """How two nodes become one: what an effect names, and what networks are written with.
+
+    Parameters
+    ----------
+    kind : type of Composition
+        The node that holds them.
+
+    Examples
+    --------
+    >>> from springpot.rheology import dashpot, parallel, spring
+    >>> type(parallel(spring(), dashpot())).__name__
+    'Parallel'
+    >>> parallel.kind.plane
+    'stiffness'
+    """
+
+    kind: type[Composition]
+
+    def __call__(self, *nodes: Node) -> Node:
+        """The nodes put together, the first seen through or moved by the others where their order counts."""
+        return self.kind.of(nodes)
 
 
-def parallel(*nodes: Node) -> Node:
-    """Nodes side by side; nested ones are flattened."""
-    return _flat(Parallel, nodes)
-
-
-def series(*nodes: Node) -> Node:
-    """Nodes one after the other; nested ones are flattened."""
-    return _flat(Series, nodes)
-
-
-def chain(first: Node, second: Node) -> Node:
-    """`first` seen through a measurement chain `second`."""
-    return Chain((first, second))
-
-
-def shift(first: Node, second: Node) -> Node:
-    """`first` with its frequency axis moved by `second`."""
-    return Shift((first, second))
+parallel = Composing(Parallel)
+"""Nodes side by side; nested ones are flattened."""
+series = Composing(Series)
+"""Nodes one after the other; nested ones are flattened."""
+chain = Composing(Chain)
+"""The first node seen through a measurement chain, the second."""
+shift = Composing(Shift)
+"""The first node with its frequency axis moved by the second."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from springpot.errors import ModelError
 from .branches import Anywhere, Branch, branches
 from .effect import Effect, Layer
 from .elements import HALF_PI
-from .nodes import FULL, GRADIENT, VALUE, Node, chain, parallel, series, shift
+from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import Complex, Points, Real
 from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
 from .rational import Rational, rational_of
@@ -176,7 +176,7 @@ def _reason(effect: Effect) -> str:
         return "belongs to the signals, not to the material"
     if "amplitude" in effect.needs:
         return "depends on the amplitude"
-    if effect.composition not in (parallel, series, chain, shift):
+    if effect.composition.kind not in (Parallel, Series, Chain, Shift):
         return "is a wave in the specimen"
     return ""
 

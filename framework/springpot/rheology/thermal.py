@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .formula import Formula
-from .nodes import FULL, GRADIENT, VALUE, Composition, Node, Response
+from .nodes import FULL, GRADIENT, VALUE, Composing, Composition, Response, Shift
 from .parameters import PURE, Dimension, Parameter, stiffness, viscosity
 from .points import Points, Real
 
@@ -154,6 +154,9 @@ class Heated(Composition):
     First order in the heating: the power is that of the unheated specimen.
     """
 
+    plane, order = Shift.plane, Shift.order + 1
+    residual, slope = staticmethod(Shift.residual), staticmethod(Shift.slope)
+
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K_a at the frequency that the warmer specimen feels."""
         body, heater = self.children
@@ -176,6 +179,5 @@ class Heated(Composition):
         return Response(warm.value, by_theta, warm.by_log_omega - fall * growth)
 
 
-def heated(body: Node, heater: Node) -> Node:
-    """`body` warmed by its own loss; `heater` gives the shift per loss stiffness."""
-    return Heated((body, heater))
+heated = Composing(Heated)
+"""The first node warmed by its own loss; the second gives the shift per loss stiffness."""

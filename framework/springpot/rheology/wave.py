@@ -6,11 +6,11 @@ fixed side K z / sin z. Both are functions of u = -E / K alone, where E = -m ome
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from .nodes import VALUE, Composition, Node, Response, _combine
+from .nodes import VALUE, Composing, Composition, Response, _combine
 from .points import Complex, Points, Real
 
 SMALL = 0.02
@@ -19,19 +19,19 @@ MOVING_SERIES = (1.0, -1 / 3, -1 / 45, -2 / 945, -1 / 4725, -2 / 93555, -1382 / 
 FIXED_SERIES = (1.0, 1 / 6, 7 / 360, 31 / 15120, 127 / 604800, 73 / 3421440, 1414477 / 653837184000)
 
 
-@dataclass(frozen=True)
 class SpecimenWave(Composition):
     """The first child carried by a wave in a specimen whose mass element is the second child.
 
-    Parameters
+    The children are the specimen without inertia and its mass, -m omega^2.
+
+    Attributes
     ----------
-    children : (Node, Node)
-        The specimen without inertia and its mass, -m omega^2.
     moving_side : bool
         Whether the force is measured where the specimen is moved, or at its other, fixed end.
     """
 
-    moving_side: bool = True
+    order = 6
+    moving_side: ClassVar[bool] = True
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K f(u), u = -E / K; dK_m/dK = f - u f', dK_m/dE = -f'."""
@@ -39,6 +39,12 @@ class SpecimenWave(Composition):
         u = -parts[1].value / parts[0].value
         f, slope = wave_factor(u, self.moving_side)
         return _combine(parts[0].value * f, parts, [f - u * slope, -slope], depth)
+
+
+class FixedSideWave(SpecimenWave):
+    """The same where the force is measured at the fixed end."""
+
+    moving_side = False
 
 
 def wave_factor(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
@@ -63,11 +69,7 @@ def _closed(u: Complex, moving_side: bool) -> tuple[Complex, Complex]:
     return z * cosecant, cosecant * (1.0 - z * cotangent) / (2.0 * z)
 
 
-def moving_side_wave(specimen: Node, mass: Node) -> Node:
-    """Specimen inertia as felt by a force transducer at the moving side."""
-    return SpecimenWave((specimen, mass), moving_side=True)
-
-
-def fixed_side_wave(specimen: Node, mass: Node) -> Node:
-    """Specimen inertia as felt by a force transducer at the fixed side."""
-    return SpecimenWave((specimen, mass), moving_side=False)
+moving_side_wave = Composing(SpecimenWave)
+"""Specimen inertia as felt by a force transducer at the moving side."""
+fixed_side_wave = Composing(FixedSideWave)
+"""Specimen inertia as felt by a force transducer at the fixed side."""
