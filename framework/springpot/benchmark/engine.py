@@ -207,7 +207,7 @@ def _dask(address: str, parcel: Parcel) -> Engine:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise StudyError(f"engine dask:{address} needs dask: pip install distributed") from None
+        raise StudyError(f"engine dask:{address} needs dask: pip install 'springpot[cluster]'") from None
     # What it logs of a scheduler that is gone fills a screen; we tell it in one line.
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
