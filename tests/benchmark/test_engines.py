@@ -135,5 +135,5 @@ def test_unknown_engines_and_missing_dask_are_one_line(tmp_path, monkeypatch):
         with pytest.raises(StudyError, match=f"unknown engine '{nonsense}'"):
             run_study(small_study(), engine=nonsense, out=tmp_path, quiet=True)
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(StudyError, match="needs dask: pip install 'springpot\[cluster\]'"):
+    with pytest.raises(StudyError, match=r"needs dask: pip install 'springpot\[cluster\]'"):
         run_study(small_study(), engine="dask:tcp://127.0.0.1:1", out=tmp_path / "new", quiet=True)
