@@ -1,4 +1,4 @@
-"""Excel workbooks (.xlsx), through openpyxl: tables as in CSV, one or more on each sheet."""
+"""Excel workbooks, .xlsx through openpyxl and .xls through xlrd: tables as in CSV, one or more on each sheet."""
 
 from __future__ import annotations
 
@@ -16,33 +16,45 @@ from .dynamic import measurement_from, parts_from
 from .facts import facts_of, pairs_in
 from .grid import Grid
 from .marks import stated_mark
+from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .stated import with_stated
 from .wide import apart, said_already
 
 _MOST_ENTRIES = 10_000
-_OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 
 
 def recognises(head: bytes) -> float:
-    """High for a zip archive of spreadsheets; old workbooks are taken too, to say how to save them."""
-    if head.startswith(_OLE):
+    """High for a zip archive of spreadsheets, or the compound file that old workbooks are."""
+    if head.startswith(SIGNATURE):
         return 0.5
     if not head.startswith(b"PK\x03\x04"):
         return 0.0
     return 0.95 if b"xl/" in head or b"[Content_Types].xml" in head else 0.3
 
 
-def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
-    """The tables of all sheets.
+def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list[tuple[str, str]]]:
+    """The tables of all sheets, and the pairs of key and value above them or on sheets of their own.
 
     Raises
     ------
     DataError
-        If openpyxl is not installed, or the file is no workbook, broken, or unpacks to far too much.
+        If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too much.
     """
     with path.open("rb") as stream:
-        if stream.read(8) == _OLE:
-            raise DataError(f"{path}: an old Excel or project file; save it as .xlsx, or export it as CSV")
+        is_old = stream.read(len(SIGNATURE)) == SIGNATURE
+    sheets = sheets_of(path) if is_old else _sheets(path)
+    made: list[Block] = []
+    pairs: list[tuple[str, str]] = []
+    for title, grid in sheets:
+        blocks, below = blocks_of(grid, path, stacked=True)
+        pairs += pairs_in(row for block in blocks for row in block.above)
+        pairs += [] if blocks else pairs_in(below)
+        made += _named(title, with_stated(apart(blocks, choice)))
+    return made, pairs
+
+
+def _sheets(path: Path) -> list[tuple[str, Grid]]:
+    """Title and cells of each sheet of a new workbook."""
     _check_archive(path)
     try:
         from openpyxl import load_workbook
@@ -51,7 +63,7 @@ def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
     try:
         with path.open("rb") as stream:
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
-            sheets = [(str(sheet.title), _grid(sheet)) for sheet in book.worksheets[:200]]
+            sheets = [(str(sheet.title), _grid(sheet)) for sheet in book.worksheets[:MOST_SHEETS]]
             book.close()
     except MemoryError:
         raise
@@ -59,8 +71,7 @@ def _blocks(path: Path, choice: Choice | None = None) -> list[Block]:
         # Broken workbooks fail within openpyxl in many ways.
         reason = (str(error).splitlines() or [""])[0]
         raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
-    found = [(title, apart(blocks_of(grid, path, stacked=True)[0], choice)) for title, grid in sheets]
-    return [block for title, blocks in found for block in _named(title, with_stated(blocks))]
+    return sheets
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
@@ -123,14 +134,13 @@ def read(path: Path, choice: Choice) -> Measurement:
     DataError
         One line that says what was recognised and what is missing.
     """
-    blocks = _blocks(path, choice)
-    facts = facts_of(pairs_in(row for block in blocks for row in block.above))
-    return measurement_from(blocks, choice, path, {"format": "Excel", **facts}, further=True)
+    blocks, pairs = _parsed(path, choice)
+    return measurement_from(blocks, choice, path, {"format": "Excel", **facts_of(pairs)}, further=True)
 
 
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables of a workbook."""
-    return parts_from(_blocks(path))
+    return parts_from(_parsed(path)[0])
 
 
-READER = Reader("excel", "Excel .xlsx with named columns on one or more sheets", recognises, read, parts=parts)
+READER = Reader("excel", "Excel .xlsx and .xls with named columns on one or more sheets", recognises, read, parts=parts)

@@ -164,7 +164,7 @@ def test_sheets_are_parts(folder):
 def test_what_is_no_workbook(folder):
     for content, message in (
         (b"PK\x03\x04" + bytes(60), "no readable Excel file"),
-        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), "save it as .xlsx, or export it as CSV"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), "export the results as .xlsx or CSV"),
         (samples.xlsx()[:3000], "no readable Excel file"),
     ):
         with pytest.raises(DataError, match=message):

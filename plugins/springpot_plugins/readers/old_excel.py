@@ -1,0 +1,69 @@
+"""Sheets of the Excel workbooks of before 2007 (.xls), through xlrd; many instruments still write them."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+from springpot.errors import DataError
+
+from .grid import Grid
+
+SIGNATURE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+"""First bytes of a compound file (Microsoft, MS-CFB, section 2.2)."""
+MOST_SHEETS = 200
+
+
+def sheets_of(path: Path) -> list[tuple[str, Grid]]:
+    """Title and cells of each sheet.
+
+    Raises
+    ------
+    DataError
+        If xlrd is not installed, or the file is no workbook or broken.
+    """
+    try:
+        import xlrd
+    except ImportError:
+        raise DataError(f"{path}: old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'") from None
+    try:
+        # What xlrd would print of a file that is not quite right is of no use to anybody here.
+        with xlrd.open_workbook(path, logfile=io.StringIO(), on_demand=True) as book:
+            return [(str(book.sheet_names()[i]), _grid(book, i)) for i in range(min(book.nsheets, MOST_SHEETS))]
+    except MemoryError:
+        raise
+    except xlrd.XLRDError as error:
+        reason = str(error).splitlines()[0]
+        raise DataError(f"{path}: no readable Excel file: {reason:.80}; export the results as .xlsx or CSV") from None
+    except Exception as error:
+        # Broken workbooks fail within xlrd in many ways.
+        reason = (str(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
+
+
+def _grid(book: Any, number: int) -> Grid:
+    sheet = book.sheet_by_index(number)
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    for i in range(sheet.nrows):
+        texts = [_text(cell, book.datemode) for cell in sheet.row(i)]
+        while texts and not texts[-1]:
+            texts.pop()
+        if texts:
+            rows.append(texts)
+            lines.append(i + 1)
+    book.unload_sheet(number)
+    return Grid(rows, lines, "\t")
+
+
+def _text(cell: Any, datemode: int) -> str:
+    from xlrd import XL_CELL_BOOLEAN, XL_CELL_DATE, XL_CELL_ERROR, XL_CELL_NUMBER, xldate_as_datetime
+
+    if cell.ctype == XL_CELL_NUMBER:
+        return repr(cell.value)
+    if cell.ctype == XL_CELL_DATE:
+        return str(xldate_as_datetime(cell.value, datemode).isoformat())
+    if cell.ctype in (XL_CELL_BOOLEAN, XL_CELL_ERROR):
+        return ""
+    return str(cell.value).strip()[:500]
