@@ -144,16 +144,16 @@ def springpot_datasets() -> Iterable[DataSet]:
 
 
 def read(path: Path, choice: Choice) -> Measurement:
-    """The measurement in a file; whatever is wrong with it is told in one line that names the file."""
+    """The measurement in a file; whatever is wrong with it is told in one line."""
     if choice:
-        raise DataError(f"{path}: an example-json file holds one sweep with its unit, there is nothing to choose")
+        raise DataError("an example-json file holds one sweep with its unit, there is nothing to choose")
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
         omega, storage, loss = (np.array([float(v) for v in table[key]]) for key in ("omega", "storage", "loss"))
         units = Units(known_unit(table["unit"], MODULUS_UNITS, "storage and loss"))
         return Measurement(omega, storage + 1j * loss, units=units, name=path.stem)
     except Exception as error:
-        raise DataError(f"{path}: {type(error).__name__}: {error}") from None
+        raise DataError(f"{type(error).__name__}: {error}") from None
 
 
 def text(data: Measurement) -> str:

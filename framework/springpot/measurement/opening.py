@@ -199,13 +199,28 @@ def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
 
 
 def _guarded(reader: Reader, path: Path, action: Callable[[], T]) -> T:
+    """What a reader gives; its errors name the file, which readers need not do."""
     try:
         return action()
+    except DataError as error:
+        raise DataError(_about(path, str(error))) from None
     except (SpringpotError, MemoryError):
         raise
     except Exception as error:
         first = (str(error).splitlines() or [""])[0]
         raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
+
+
+def _about(path: Path, message: str) -> str:
+    """An error as a user sees it: which file, and what to type instead of ``FILE``."""
+    if str(path) in message:
+        return message
+    for own in (path.name, path.stem):
+        # Signals and measurements name themselves; once is enough.
+        message = message.removeprefix(f"{own}: ")
+    sign = ", " if message.startswith(("line ", "column ")) else ": "
+    hinted = message.replace("'FILE", f"'{path}")
+    return f"{path}{sign}{hinted}"
 
 
 def signals_to_measurement(

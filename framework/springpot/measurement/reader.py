@@ -67,7 +67,8 @@ class Reader:
     recognises : callable
         From the first bytes of a file to a confidence between 0 (not mine) and 1 (surely mine).
     read : callable
-        From a path and a `Choice` to the measurement.
+        From a path and a `Choice` to the measurement. Its `DataError` need not name the file: the name is put before
+        the message (``line 3: ...``), and in the place of ``'FILE`` in a hint (``open 'FILE?storage=Pa'``).
     signals : callable, optional
         From a path and a `Choice` to the displacement and force against time, for formats that hold such signals.
     text : callable, optional

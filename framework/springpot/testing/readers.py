@@ -38,7 +38,7 @@ def check_reader(reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: 
     """What is wrong with a reader, as plain sentences.
 
     Aspects: ``words``, ``samples`` (they are recognised and read), ``garbage`` (random bytes and damaged samples are
-    read or refused in one line that names the file, never a crash), ``choice`` (a part or column that the file does
+    read or refused in one line, never a crash), ``choice`` (a part or column that the file does
     not have is refused, not passed over) and ``round-trip`` (what ``text`` writes is recognised and read back as the
     same bits; columns that the format cannot hold are refused, never dropped).
 
@@ -130,8 +130,8 @@ def _complaints_about(reader: Reader, content: bytes, path: Path) -> Iterator[st
             if not isinstance(action(path, Choice()), expected):
                 yield f"{name} gives no {expected.__name__}"
         except SpringpotError as error:
-            if "\n" in str(error) or path.name not in str(error):
-                yield f"{name} must refuse in one line that names the file"
+            if "\n" in str(error) or not str(error):
+                yield f"{name} must refuse in one line that says why"
         except Exception as error:
             yield f"{name} raises {type(error).__name__}, not DataError"
 

@@ -175,7 +175,7 @@ class Manifest:
         origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
         found = parts[0]
         if len(parts) > 1:
-            found = joined(parts, list(self.files), self.name, self.folder, f"{len(parts)} files together")
+            found = joined(parts, list(self.files), self.name, f"{len(parts)} files together")
         return replace(found, name=self.name, provenance={**origin, **found.provenance})
 
     def _opened(self, path: Path, constants: dict[str, float], described: bool) -> Measurement:
@@ -193,31 +193,31 @@ class Manifest:
 
     def _read(self, path: Path, constants: dict[str, float]) -> Measurement:
         """The table, by the columns that the manifest names."""
-        table = table_of(text_of(path), path)
+        table = table_of(text_of(path))
         made = [*self._mapped(table), *_constants(constants, table)]
         roles = {column.name: column for column in made if column.name in ROLES}
         others = [column for column in made if column.name not in ROLES]
-        return measurement_of(roles, others, self.name, table.comments, path)
+        return measurement_of(roles, others, self.name, table.comments)
 
     def _mapped(self, table: Table) -> Iterable[Column]:
         by_title = {column.title: column for column in table.columns}
         for name, source in self.columns.items():
             title = source["from"]
             if title not in by_title:
-                raise DataError(f"{table.path}: no column '{title}', which the manifest of {self.name} names")
+                raise DataError(f"no column '{title}', which the manifest of {self.name} names")
             column = by_title[title]
             cells = column.cells
             if pattern := source.get("extract"):
                 cells = [picked(pattern, cell) for cell in cells]
             unit = source.get("unit", column.unit)
-            yield Column(title, name, unit, cells, column.path, column.lines, column.decimal_comma)
+            yield Column(title, name, unit, cells, column.lines, column.decimal_comma)
 
 
 def _constants(values: dict[str, float], table: Table) -> Iterable[Column]:
     first = table.columns[0]
     for title, value in values.items():
         name, unit = name_and_unit(title)
-        yield Column(title, name, unit, [repr(float(value))] * len(first.cells), table.path, first.lines)
+        yield Column(title, name, unit, [repr(float(value))] * len(first.cells), first.lines)
 
 
 def _with_constants(spec: str, values: dict[str, float]) -> str:

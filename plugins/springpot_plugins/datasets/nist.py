@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib.resources import files
-from pathlib import Path
 
 from springpot.measurement import DataSet, Measurement
 
@@ -19,7 +18,7 @@ DOI = "10.6028/NIST.SP.260-147"
 def _load() -> Measurement:
     file = f"{NAME}.csv"
     text = files(__package__).joinpath(file).read_text(encoding="utf-8")
-    return replace(parse(text, Path(file)), name=NAME)
+    return replace(parse(text, NAME), name=NAME)
 
 
 def datasets() -> list[DataSet]:

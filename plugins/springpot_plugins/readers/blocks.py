@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 from springpot.errors import DataError
 
@@ -100,17 +99,13 @@ def is_dynamic(roles: set[str]) -> bool:
     return modulus and bool(roles & FREQUENCIES)
 
 
-def blocks_of(
-    grid: Grid, path: Path, strict: bool = False, stacked: bool = False
-) -> tuple[list[Block], list[list[str]]]:
+def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[list[Block], list[list[str]]]:
     """The tables in a grid, and the lines below the last one.
 
     Parameters
     ----------
     grid : Grid
         The file.
-    path : Path
-        File, for errors.
     strict : bool
         Whether rows must be as long as the names above them, and nothing may follow a table but another.
     stacked : bool
@@ -131,7 +126,7 @@ def blocks_of(
         if start is None and stacked and _goes_on(blocks, rows, i, above):
             stop = _last_row(rows, i, rows[i])
             width = len(blocks[-1].headings)
-            cells = _rectangle(rows[i:stop], grid.lines[i:stop], width, path, strict)
+            cells = _rectangle(rows[i:stop], grid.lines[i:stop], width, strict)
             name = _name(above)
             blocks.append(replace(blocks[-1], name=name, rows=cells, lines=grid.lines[i:stop], above=above))
             above, i, tried = [], stop, 0
@@ -145,7 +140,7 @@ def blocks_of(
         names, between = beside(rows[i], rows[i + 1 : start], rows[start:stop])
         headings = headings_of(names, between, len(rows[start]))
         above += [[cell.strip() for cell in row] for row in between if is_remark(row)]
-        cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), path, strict)
+        cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), strict)
         blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
         above, i, tried = [], stop, 0
     return blocks, above
@@ -216,18 +211,16 @@ def _ends(row: Sequence[str]) -> bool:
     return row[0].strip().endswith(":") or row[0].strip().startswith((*COMMENT, "["))
 
 
-def _rectangle(
-    rows: Sequence[list[str]], lines: Sequence[int], width: int, path: Path, strict: bool
-) -> Sequence[list[str]]:
+def _rectangle(rows: Sequence[list[str]], lines: Sequence[int], width: int, strict: bool) -> Sequence[list[str]]:
     """The rows, all of one width."""
     if set(map(len, rows)) == {width}:
         return rows
     made = []
     for row, number in zip(rows, lines, strict=True):
         if len(row) > width and any(cell.strip() for cell in row[width:]):
-            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}")
+            raise DataError(f"line {number}: {len(row)} cells where the header has {width}")
         if strict and len(row) < width - 1:
-            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}")
+            raise DataError(f"line {number}: {len(row)} cells where the header has {width}")
         made.append([*row[:width], *[""] * (width - len(row))])
     return made
 

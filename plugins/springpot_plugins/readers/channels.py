@@ -133,7 +133,7 @@ class Places:
     units: tuple[str, str, str]
 
 
-def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice, path: Path) -> Places:
+def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Places:
     """Where time, displacement and force are.
 
     Parameters
@@ -144,8 +144,6 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice, path:
         Units from a row of their own or from a file's properties; empty where there are none.
     choice : Choice
         What the user says: ``force=kN`` or ``3=force[kN]``.
-    path : Path
-        File, for errors.
 
     Raises
     ------
@@ -163,30 +161,28 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice, path:
         if channel is not None and score < ranks.get(channel, 100):
             layout[channel], ranks[channel] = (i, unit or given or None), score
     for name, meaning in choice.columns.items():
-        _tell(layout, titles, name, meaning, path)
+        _tell(layout, titles, name, meaning)
     shown = ", ".join(titles[:12]) or "none"
     missing = [channel for channel in UNITS if channel not in layout]
     if missing:
         spec = ",".join(f"{i}={ADVICE[channel].replace(' ', '')}" for i, channel in enumerate(UNITS, 1))
         raise DataError(
-            f"{path}: no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
-            f"or say which by '{path}?{spec}' (columns: {shown:.100})"
+            f"no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
+            f"or say which by 'FILE?{spec}' (columns: {shown:.100})"
         )
     bare_units = [channel for channel in UNITS if layout[channel][1] is None]
     if bare_units:
         spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare_units)
         names = ", ".join(f"'{titles[layout[channel][0]]}'" for channel in bare_units)
         raise DataError(
-            f"{path}, column {names}: there is no unit; write {ADVICE[bare_units[0]]}, or say it by '{path}?{spec}'"
+            f"column {names}: there is no unit; write {ADVICE[bare_units[0]]}, or say it by 'FILE?{spec}'"
         )
     units = [known_unit(tidy(str(layout[channel][1])), UNITS[channel], channel) for channel in UNITS]
     columns = [layout[channel][0] for channel in UNITS]
     return Places((columns[0], columns[1], columns[2]), (units[0], units[1], units[2]))
 
 
-def _tell(
-    layout: dict[str, tuple[int, str | None]], titles: Sequence[str], name: str, meaning: str, path: Path
-) -> None:
+def _tell(layout: dict[str, tuple[int, str | None]], titles: Sequence[str], name: str, meaning: str) -> None:
     """What a user says of one column."""
     tests: tuple[Callable[[int, str], bool], ...] = (
         lambda i, title: name == str(i + 1) or name == title,
@@ -196,14 +192,14 @@ def _tell(
     )
     place = next((i for test in tests for i, title in enumerate(titles) if test(i, title)), None)
     if place is None:
-        raise DataError(f"{path}: no column '{name:.40}' (there are: {', '.join(titles[:12])})")
+        raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
     channel, unit, _ = channel_of(meaning)
     if channel is not None:
         layout[channel] = (place, unit or channel_of(titles[place])[1])
         return
     known = next((key for key, (i, _) in layout.items() if i == place), None)
     if known is None:
-        raise DataError(f"{path}: say what column '{name:.40}' is, such as '{path}?{name}=force[{meaning:.20}]'")
+        raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
     layout[known] = (place, meaning)
 
 
@@ -217,9 +213,7 @@ def signals_from(time: Real, moved: Real, pulled: Real, units: Sequence[str], pa
     """
     for name, values in (("time", time), ("displacement", moved), ("force", pulled)):
         if not isinstance(values, np.memmap) and (np.abs(values[np.isfinite(values)]) > _LARGEST).any():
-            raise DataError(
-                f"{path}: {name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel"
-            )
+            raise DataError(f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel")
     factor = TIME_UNITS[units[0]]
     clock = time if factor == 1.0 else time * factor
     return Signals(clock, moved, pulled, units[1], units[2], path.name, {"file": path.name, "format": origin})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,7 @@ _BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
-def cleaned(
-    roles: dict[str, Column], others: list[Column], path: Path
-) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
+def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, Column], list[Column], dict[str, str]]:
     """Rows in which something was measured, columns that are complete there, and what was left out."""
     notes: dict[str, str] = {}
     keep = np.ones(len(next(iter(roles.values())).cells), dtype=bool)
@@ -34,7 +31,7 @@ def cleaned(
             _one_style(column)
             keep &= _present(column)
     if not keep.any():
-        raise DataError(f"{path}: no row has a number for {', '.join(c.title for c in roles.values())}")
+        raise DataError(f"no row has a number for {', '.join(c.title for c in roles.values())}")
     if not keep.all():
         notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
     roles = {role: _rows(column, keep) for role, column in roles.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +49,7 @@ def role_of(name: str) -> str | None:
     return next((role for role, names in ROLES.items() if name in names), None)
 
 
-def assign(columns: tuple[Column, ...], path: Path) -> tuple[dict[str, Column], list[Column]]:
+def assign(columns: tuple[Column, ...]) -> tuple[dict[str, Column], list[Column]]:
     """Columns by role, and the others.
 
     Raises
@@ -65,14 +64,14 @@ def assign(columns: tuple[Column, ...], path: Path) -> tuple[dict[str, Column], 
         if role is None:
             others.append(column)
         elif role in roles:
-            raise DataError(f"{path}: both '{roles[role].title}' and '{column.title}' give {role}; keep one")
+            raise DataError(f"both '{roles[role].title}' and '{column.title}' give {role}; keep one")
         else:
             roles[role] = column
     return roles, others
 
 
 def measurement_of(
-    roles: Mapping[str, Column], others: list[Column], name: str, provenance: Mapping[str, str], path: Path
+    roles: Mapping[str, Column], others: list[Column], name: str, provenance: Mapping[str, str]
 ) -> Measurement:
     """The measurement in the file's own units.
 
@@ -86,8 +85,6 @@ def measurement_of(
         Name of the measurement.
     provenance : mapping of str to str
         Where it comes from.
-    path : Path
-        File, for errors.
 
     Raises
     ------
@@ -96,8 +93,8 @@ def measurement_of(
     """
     # What overflows is found by the checks of the measurement.
     with np.errstate(all="ignore"):
-        omega = _omega(roles, path)
-        stiffness, unit = _stiffness(roles, path)
+        omega = _omega(roles)
+        stiffness, unit = _stiffness(roles)
         _check_something(stiffness, roles)
         sd = _deviations(roles, unit)
         conditions, amplitude_unit = _conditions(roles)
@@ -132,12 +129,12 @@ def _unit(column: Column, table: dict[str, float], advice: str) -> str:
         raise column.error(str(error)) from None
 
 
-def _omega(roles: Mapping[str, Column], path: Path) -> Real:
+def _omega(roles: Mapping[str, Column]) -> Real:
     column = roles.get("omega") or roles.get("frequency")
     if column is None:
-        raise DataError(f"{path}: no column of frequencies; write frequency [Hz] or omega [rad/s]")
+        raise DataError("no column of frequencies; write frequency [Hz] or omega [rad/s]")
     if "omega" in roles and "frequency" in roles:
-        raise DataError(f"{path}: both omega and frequency are given; keep one")
+        raise DataError("both omega and frequency are given; keep one")
     unit = _unit(column, FREQUENCY_UNITS, "write frequency [Hz] or omega [rad/s]")
     if role_of(column.name) == "omega" and unit != "rad/s":
         raise column.error(f"omega is in rad/s; a column in {unit} is called frequency [{unit}]")
@@ -164,7 +161,7 @@ def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
     return values * (MODULUS_UNITS[unit] / MODULUS_UNITS[wanted])
 
 
-def _stiffness(roles: Mapping[str, Column], path: Path) -> tuple[Complex, str]:
+def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
     """K' + i K'' from storage and loss, or from magnitude or storage with phase or loss factor."""
     if "storage" in roles and "loss" in roles:
         storage, unit = _modulus(roles["storage"])
@@ -174,7 +171,7 @@ def _stiffness(roles: Mapping[str, Column], path: Path) -> tuple[Complex, str]:
     if tangent is None or not ("magnitude" in roles or "storage" in roles):
         there = ", ".join(f"'{column.title}'" for column in roles.values())
         raise DataError(
-            f"{path}: no storage and loss (found {there}); write storage [unit] and loss [unit], "
+            f"no storage and loss (found {there}); write storage [unit] and loss [unit], "
             "or magnitude [unit] with phase [deg] or loss_factor [-]"
         )
     if "storage" in roles:

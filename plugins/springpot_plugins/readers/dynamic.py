@@ -52,8 +52,6 @@ def measurement_from(
         The tables of the file.
     choice : Choice
         What the user says.
-    path : Path
-        File, for errors.
     provenance : mapping of str to str
         What the file says of instrument and sample.
     further : bool
@@ -65,8 +63,8 @@ def measurement_from(
         One line that says what was recognised and what is missing.
     """
     blocks = told_apart(blocks)
-    chosen = chosen_blocks(blocks, choice, path)
-    parts = [_measurement(block, choice, path, provenance, further) for block in chosen]
+    chosen = chosen_blocks(blocks, choice)
+    parts = [_measurement(block, choice, provenance, further) for block in chosen]
     name = f"{path.stem}#{choice.part}" if choice.part else path.stem
     if len(parts) == 1:
         said = {"part": chosen[0].name} if chosen[0].name and len(blocks) > 1 else {}
@@ -76,7 +74,7 @@ def measurement_from(
     if all(is_number(block.name) for block in chosen):
         shown = ", ".join(block.name for block in chosen[:3])
         note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
-    return joined(parts, [block.name for block in chosen], name, path, note)
+    return joined(parts, [block.name for block in chosen], name, note)
 
 
 def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
@@ -102,7 +100,7 @@ def told_apart(blocks: Sequence[Block]) -> list[Block]:
     return made
 
 
-def chosen_blocks(blocks: Sequence[Block], choice: Choice, path: Path) -> list[Block]:
+def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
     """The blocks that a user means.
 
     Raises
@@ -111,69 +109,61 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice, path: Path) -> list[B
         If there is no such block, or none that is a dynamic test.
     """
     if not blocks:
-        raise DataError(
-            f"{path}: there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]"
-        )
-    picked = _picked(blocks, choice.part, path) if choice.part else list(blocks)
-    usable = [block for block in picked if is_dynamic(_roles_told(block, choice, path))]
+        raise DataError("there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]")
+    picked = _picked(blocks, choice.part) if choice.part else list(blocks)
+    usable = [block for block in picked if is_dynamic(_roles_told(block, choice))]
     if usable and (len(usable) == len(picked) or not choice.part):
         return usable
     if len(picked) == 1:
         where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
         # Titles that are not known may still be of the columns that are missing.
         unknown = sum(1 for each in picked[0].headings if each.title and each.role is None)
-        hint = f"; or say which, such as '{path}?2=storage[Pa],3=loss[Pa]'" if unknown > 1 else ""
-        raise DataError(
-            f"{path}: {where}{picked[0].holds()}{hint if picked[0].lacks().startswith('missing') else ''}"
-        )
+        hint = "; or say which, such as 'FILE?2=storage[Pa],3=loss[Pa]'" if unknown > 1 else ""
+        raise DataError(f"{where}{picked[0].holds()}{hint if picked[0].lacks().startswith('missing') else ''}")
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
-    raise DataError(f"{path}: none of its {len(picked)} parts has frequency, storage and loss ({names:.120})")
+    raise DataError(f"none of its {len(picked)} parts has frequency, storage and loss ({names:.120})")
 
 
-def _roles_told(block: Block, choice: Choice, path: Path) -> set[str]:
+def _roles_told(block: Block, choice: Choice) -> set[str]:
     if not choice.columns:
         return block.roles
     try:
-        said = told(block.headings, choice, path)
+        said = told(block.headings, choice)
     except DataError:
         # Options are for the parts that have such columns.
         return block.roles
     return {h.role for h in said.headings if h.role} | {str(heading(title).role) for title in said.constants}
 
 
-def _picked(blocks: Sequence[Block], part: str, path: Path) -> list[Block]:
+def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
     if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
         first, last = int(match[1]), int(match[2] or match[1])
         if not 1 <= first <= last <= len(blocks):
-            raise DataError(f"{path}: there is no part {part}; it has {len(blocks)} (see 'springpot inspect {path}')")
+            raise DataError(f"there is no part {part}; it has {len(blocks)} (see 'springpot inspect')")
         return list(blocks[first - 1 : last])
     found = [block for block in blocks if part.casefold() in block.name.casefold()]
     if not found:
         names = ", ".join(dict.fromkeys(block.name for block in blocks if block.name)) or "none has a name"
-        raise DataError(f"{path}: no part is called '{part:.40}' ({names:.120})")
+        raise DataError(f"no part is called '{part:.40}' ({names:.120})")
     return found
 
 
-def _measurement(
-    block: Block, choice: Choice, path: Path, provenance: Mapping[str, str], further: bool
-) -> Measurement:
-    said = told(block.headings, choice, path)
+def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], further: bool) -> Measurement:
+    said = told(block.headings, choice)
     if any(each.log == "?" and each.role in _MEANT for each in said.headings):
-        raise ask_base([each for each in said.headings if each.log and each.role in _MEANT], path)
-    columns = _columns(block, said.headings, path)
-    columns += [
-        _constant(title, value, block, path) for title, value in {**block.constants, **said.constants}.items()
-    ]
-    roles = _roles(columns, path)
-    _require_units(roles, path)
+        raise ask_base([each for each in said.headings if each.log and each.role in _MEANT])
+    columns = _columns(block, said.headings)
+    columns += [_constant(title, value, block) for title, value in {**block.constants, **said.constants}.items()]
+    roles = _roles(columns)
+    _require_units(roles)
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
-    roles, others, notes = cleaned(roles, others, path)
-    measured = measurement_of(with_moduli(roles), others, block.name or path.stem, dict(provenance), path)
+    roles, others, notes = cleaned(roles, others)
+    measured = measurement_of(with_moduli(roles), others, block.name or "part", dict(provenance))
     return replace(measured, provenance={**measured.provenance, **notes})
 
 
-def _columns(block: Block, headings: Sequence[Heading], path: Path) -> list[Column]:
+def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     cells = list(zip(*block.rows, strict=True))
     made: list[Column] = []
     seen: dict[str, int] = {}
@@ -189,7 +179,7 @@ def _columns(block: Block, headings: Sequence[Heading], path: Path) -> list[Colu
             unit = "-"
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
-        made.append(unlogged(Column(title, name, unit, column, path, block.lines, decimal_comma=True), heading_.log))
+        made.append(unlogged(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.log))
     return made
 
 
@@ -198,13 +188,13 @@ def _has_all_units(headings: Sequence[Heading]) -> bool:
     return len(known) > 2 and all(heading.unit is not None for heading in known)
 
 
-def _constant(title: str, value: str, block: Block, path: Path) -> Column:
+def _constant(title: str, value: str, block: Block) -> Column:
     said = heading(title)
     unit = None if said.unit is None else tidy(said.unit)
-    return Column(title, said.role or said.name, unit, [value] * len(block.rows), path, block.lines)
+    return Column(title, said.role or said.name, unit, [value] * len(block.rows), block.lines)
 
 
-def _roles(columns: Sequence[Column], path: Path) -> dict[str, Column]:
+def _roles(columns: Sequence[Column]) -> dict[str, Column]:
     """The column of each role: of several, the one whose name is surest."""
     found: dict[str, Column] = {}
     for column in columns:
@@ -221,7 +211,7 @@ def _roles(columns: Sequence[Column], path: Path) -> dict[str, Column]:
         found = {role: column for role, column in found.items() if role not in spare}
     if not is_dynamic(set(found)):
         there = ", ".join(f"'{column.title}'" for column in found.values()) or "no known column"
-        raise DataError(f"{path}: found {there}; {lacking({str(role) for role in found})}")
+        raise DataError(f"found {there}; {lacking({str(role) for role in found})}")
     return found
 
 
@@ -229,7 +219,7 @@ def _is_kept(column: Column, further: bool) -> bool:
     return bool(column.name) and (further or column.name in KEPT) and not is_blank(column)
 
 
-def _require_units(roles: Mapping[str, Column], path: Path) -> None:
+def _require_units(roles: Mapping[str, Column]) -> None:
     """Ask for all units that are missing at once."""
     bare = [
         Heading(column.title, column.title, role, None)
@@ -237,11 +227,11 @@ def _require_units(roles: Mapping[str, Column], path: Path) -> None:
         if column.unit is None and role in UNITS and role not in ("loss_factor", "storage_sd", "loss_sd")
     ]
     if bare:
-        raise ask_units(bare, path)
+        raise ask_units(bare)
     for role, column in roles.items():
         if column.unit is None or role not in UNITS:
             continue
         try:
             known_unit(column.unit, UNITS[role], role)
         except DataError as error:
-            raise column.error(f"{error}; say it with '{path}?{role}=UNIT'") from None
+            raise column.error(f"{error}; say it with 'FILE?{role}=UNIT'") from None

@@ -46,7 +46,7 @@ def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list
     made: list[Block] = []
     pairs: list[tuple[str, str]] = []
     for title, grid in sheets:
-        blocks, below = blocks_of(grid, path, stacked=True)
+        blocks, below = blocks_of(grid, stacked=True)
         pairs += pairs_in(row for block in blocks for row in block.above)
         pairs += [] if blocks else pairs_in(below)
         made += _named(title, with_stated(apart(blocks, choice)))
@@ -59,7 +59,7 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
     try:
         from openpyxl import load_workbook
     except ImportError:
-        raise DataError(f"{path}: Excel files need openpyxl: pip install 'springpot[instruments]'") from None
+        raise DataError("Excel files need openpyxl: pip install 'springpot[instruments]'") from None
     try:
         with path.open("rb") as stream:
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
@@ -70,7 +70,7 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
     except Exception as error:
         # Broken workbooks fail within openpyxl in many ways.
         reason = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
+        raise DataError(f"no readable Excel file: {type(error).__name__}: {reason:.80}") from None
     return sheets
 
 
@@ -93,12 +93,12 @@ def _check_archive(path: Path) -> None:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
-        raise DataError(f"{path}: no readable Excel file: {error}") from None
+        raise DataError(f"no readable Excel file: {error}") from None
     if not any(entry.filename.startswith("xl/") for entry in entries):
-        raise DataError(f"{path}: a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
+        raise DataError("a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
     size = sum(entry.file_size for entry in entries)
     if size > budget_of(path).memory or len(entries) > _MOST_ENTRIES:
-        raise DataError(f"{path}: the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
+        raise DataError(f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
 
 
 def _grid(sheet: Any) -> Grid:
@@ -143,4 +143,6 @@ def parts(path: Path) -> tuple[Part, ...]:
     return parts_from(_parsed(path)[0])
 
 
-READER = Reader("excel", "Excel .xlsx and .xls with named columns on one or more sheets", recognises, read, parts=parts)
+READER = Reader(
+    "excel", "Excel .xlsx and .xls with named columns on one or more sheets", recognises, read, parts=parts
+)

@@ -52,53 +52,49 @@ def read(path: Path, choice: Choice) -> Measurement:
     DataError
         One line that says what was recognised and what is missing.
     """
-    grid = grid_of(text_of(path), path)
-    blocks, pairs = _blocks(grid, path, choice)
+    grid = grid_of(text_of(path))
+    blocks, pairs = _blocks(grid, choice)
     return measurement_from(blocks, choice, path, facts_of(pairs), further=True)
 
 
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
-    grid = grid_of(text_of(path), path)
-    blocks, _ = blocks_of(grid, path, stacked=True)
+    grid = grid_of(text_of(path))
+    blocks, _ = blocks_of(grid, stacked=True)
     return parts_from(with_stated(apart(blocks)))
 
 
-def _blocks(grid: Grid, path: Path, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
-    blocks, below = blocks_of(grid, path, strict=True, stacked=True)
+def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
+    blocks, below = blocks_of(grid, strict=True, stacked=True)
     if not blocks and (turned := lying(grid)) is not None:
-        blocks, below = blocks_of(turned, path, strict=True)
+        blocks, below = blocks_of(turned, strict=True)
     if not blocks:
-        return [_without_names(grid, path, choice)], []
+        return [_without_names(grid, choice)], []
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
     if rest:
         shown = " ".join(rest[0])
-        raise DataError(f"{path}: '{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
+        raise DataError(f"'{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
     return with_stated(apart(blocks, choice)), pairs_in([row for block in blocks for row in block.above])
 
 
-def _without_names(grid: Grid, path: Path, choice: Choice) -> Block:
+def _without_names(grid: Grid, choice: Choice) -> Block:
     """The numbers of a file without names for its columns, which the user gives."""
     kept = [(row, n) for row, n in zip(grid.rows, grid.lines, strict=True) if not row[0].strip().startswith(COMMENT)]
     start = next((i for i, (row, _) in enumerate(kept) if is_data(row) and len(row) > 1), None)
     if start is None:
-        raise DataError(
-            f"{path}: there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them"
-        )
+        raise DataError("there is no table of numbers; write frequency [Hz], storage [Pa], loss [Pa] above them")
     rows, lines = [row for row, _ in kept[start:]], [n for _, n in kept[start:]]
     width = len(rows[0])
     for row, number in zip(rows, lines, strict=True):
         if len(row) != width:
-            raise DataError(f"{path}, line {number}: {len(row)} cells where the first row has {width}")
+            raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
     names = kept[start - 1][0] if start else []
     if not choice.columns:
         if names and len(names) == width:
             shown = ", ".join(cell.strip() for cell in names)
-            spec = f"'{path}?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
-            raise DataError(
-                f"{path}: no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
-            )
-        raise ask_columns(width, path)
+            spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+            raise DataError(f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}")
+        raise ask_columns(width)
     headings = headings_of(names, [], width) if names and len(names) == width else numbered(width)
     return Block("", headings, rows, lines)
 

@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 
 from springpot.errors import DataError
 
@@ -78,7 +77,7 @@ def _gain(line: str, separator: str) -> int:
     return max(0, 2 * numbers - filled) if numbers > 1 else 0
 
 
-def cells_of(line: str, separator: str, path: Path, number: int) -> list[str]:
+def cells_of(line: str, separator: str, number: int) -> list[str]:
     """The cells of a line.
 
     Raises
@@ -89,7 +88,7 @@ def cells_of(line: str, separator: str, path: Path, number: int) -> list[str]:
     try:
         return split_line(line, separator)
     except csv.Error as error:
-        raise DataError(f"{path}, line {number}: {error}") from None
+        raise DataError(f"line {number}: {error}") from None
 
 
 def split_line(line: str, separator: str) -> list[str]:
@@ -117,7 +116,7 @@ def closed(lines: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
     return found
 
 
-def grid_of(text: str, path: Path) -> Grid:
+def grid_of(text: str) -> Grid:
     """All lines that hold anything, as rows of cells.
 
     Raises
@@ -130,9 +129,9 @@ def grid_of(text: str, path: Path) -> Grid:
         lines[0] = ""
     filled = closed((i, line) for i, line in enumerate(lines, 1) if line and not line.isspace())
     if not filled:
-        raise DataError(f"{path}: the file holds no table")
+        raise DataError("the file holds no table")
     separator = separator_in([line for _, line in filled])
-    rows = [cells_of(line, separator, path, i) for i, line in filled]
+    rows = [cells_of(line, separator, i) for i, line in filled]
     return Grid(rows, [i for i, _ in filled], separator)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -23,7 +22,7 @@ _ALIKE = (PRESSURE_UNITS, STIFFNESS_UNITS, LENGTH_UNITS, STRAIN_UNITS, ANGLE_UNI
 """Units that can be converted into each other."""
 
 
-def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: Path, note: str) -> Measurement:
+def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: str) -> Measurement:
     """Several parts as one measurement, in the units of the first, with the label ``step``.
 
     Columns that are not in every part, or not in the same unit, are left out, and a note says so.
@@ -34,7 +33,7 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, path: 
         If some are moduli and others stiffnesses.
     """
     unit = parts[0].units.stiffness
-    parts = [_in_unit(part, unit, path) for part in parts]
+    parts = [_in_unit(part, unit) for part in parts]
     amplitude = next((part.units.amplitude for part in parts if "amplitude" in part.conditions), "-")
     parts = [_with_amplitude(part, amplitude) for part in parts]
     common = [key for key in parts[0].conditions if all(_has(part, key, parts[0]) for part in parts)]
@@ -79,14 +78,14 @@ def _factor(unit: str, wanted: str) -> float | None:
     return None if table is None else table[unit] / table[wanted]
 
 
-def _in_unit(part: Measurement, wanted: str, path: Path) -> Measurement:
+def _in_unit(part: Measurement, wanted: str) -> Measurement:
     """The part with storage and loss in another unit; the same bits where it is the same."""
     unit = part.units.stiffness
     if unit == wanted:
         return part
     factor = _factor(unit, wanted)
     if factor is None:
-        raise DataError(f"{path}: its parts come in {wanted} and {unit}; choose one, such as '{path}#1'")
+        raise DataError(f"its parts come in {wanted} and {unit}; choose one, such as 'FILE#1'")
     sd = None if part.sd is None else part.sd * factor
     return replace(part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted))
 

@@ -24,7 +24,7 @@ def recognises(head: bytes) -> float:
 
 def _actions(path: Path) -> list[Block]:
     """One block for each action, in order."""
-    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
+    blocks, _ = blocks_of(grid_of(text_of(path)))
     made: list[Block] = []
     for block in blocks:
         place = next((i for i, h in enumerate(block.headings) if h.title.startswith("Action")), None)

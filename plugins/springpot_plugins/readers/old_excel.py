@@ -26,20 +26,17 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
     try:
         import xlrd
     except ImportError:
-        raise DataError(f"{path}: old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'") from None
+        raise DataError("old Excel files (.xls) need xlrd: pip install 'springpot[instruments]'") from None
     try:
         # What xlrd would print of a file that is not quite right is of no use to anybody here.
         with xlrd.open_workbook(path, logfile=io.StringIO(), on_demand=True) as book:
             return [(str(book.sheet_names()[i]), _grid(book, i)) for i in range(min(book.nsheets, MOST_SHEETS))]
     except MemoryError:
         raise
-    except xlrd.XLRDError as error:
-        reason = str(error).splitlines()[0]
-        raise DataError(f"{path}: no readable Excel file: {reason:.80}; export the results as .xlsx or CSV") from None
     except Exception as error:
-        # Broken workbooks fail within xlrd in many ways.
+        # Broken workbooks fail within xlrd in many ways, and the projects of instruments are compound files as well.
         reason = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: no readable Excel file: {type(error).__name__}: {reason:.80}") from None
+        raise DataError(f"no readable Excel file: {reason:.80}; export the results as .xlsx or CSV") from None
 
 
 def _grid(book: Any, number: int) -> Grid:

@@ -43,7 +43,7 @@ def recognises(head: bytes) -> float:
     return 0.0 if not said or said.keys() & CLOCKS else 0.95
 
 
-def table_of(text: str, path: Path) -> tuple[list[list[str]], list[int], list[list[str]]]:
+def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
     """Rows, their line numbers, and the lines between the first line and the numbers.
 
     Raises
@@ -53,14 +53,14 @@ def table_of(text: str, path: Path) -> tuple[list[list[str]], list[int], list[li
     """
     lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if i > 1 and line.strip()]
     separator = separator_in([line for _, line in lines])
-    split = [(i, cells_of(line.strip(), separator, path, i)) for i, line in lines]
+    split = [(i, cells_of(line.strip(), separator, i)) for i, line in lines]
     start = next((k for k, (_, cells) in enumerate(split) if _is_row(cells)), None)
     if start is None:
-        raise DataError(f"{path}: a RepTate file without three columns of numbers")
+        raise DataError("a RepTate file without three columns of numbers")
     numbers = [(i, cells) for i, cells in split[start:] if not cells[0].startswith(COMMENT)]
     for i, cells in numbers:
         if len(cells) < 3:
-            raise DataError(f"{path}, line {i}: {len(cells)} cells where at least 3 are needed")
+            raise DataError(f"line {i}: {len(cells)} cells where at least 3 are needed")
     return [cells for _, cells in numbers], [i for i, _ in numbers], [cells for _, cells in split[:start]]
 
 
@@ -68,8 +68,8 @@ def _is_row(cells: list[str]) -> bool:
     return is_data(cells) and len(cells) > 2 and not cells[0].startswith(COMMENT)
 
 
-def _block(text: str, path: Path, said: dict[str, str]) -> Block:
-    rows, lines, above = table_of(text, path)
+def _block(text: str, said: dict[str, str]) -> Block:
+    rows, lines, above = table_of(text)
     width = min(len(row) for row in rows)
     rows = [row[:width] for row in rows]
     named = next(
@@ -105,7 +105,7 @@ def read(path: Path, choice: Choice) -> Measurement:
     """
     text = text_of(path)
     said = first_line(text)
-    block = _block(text, path, said)
+    block = _block(text, said)
     origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in said.items()}}
     return measurement_from([block], choice, path, origin)
 

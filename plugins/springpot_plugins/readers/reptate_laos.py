@@ -33,12 +33,12 @@ def signals(path: Path, choice: Choice) -> Signals:
     DataError
         If there are no three columns of numbers.
     """
-    rows, lines, above = table_of(text_of(path), path)
+    rows, lines, above = table_of(text_of(path))
     named = [[cells[0].lstrip("#% "), *cells[1:]] for cells in above]
     titles = next((cells for cells in named if len(found_in(cells)) == 3), list(_FORMAT))
     units = next((cells for cells in named if sum(map(is_unit, cells)) >= 3), [])
     titles = [title if channel_of(title)[1] or units else _with_unit(title) for title in titles]
-    places = places_of(titles, units, choice, path)
+    places = places_of(titles, units, choice)
     width = max(places.columns) + 1
     values = []
     for row, line in zip(rows, lines, strict=True):
@@ -46,7 +46,7 @@ def signals(path: Path, choice: Choice) -> Signals:
         try:
             values.append([np.nan if cell in MISSING else float(cell.replace(",", ".")) for cell in cells])
         except ValueError:
-            raise DataError(f"{path}, line {line}: no number in its first {width} columns") from None
+            raise DataError(f"line {line}: no number in its first {width} columns") from None
     time, moved, pulled = np.array(values, dtype=float).T
     return signals_from(time, moved, pulled, places.units, path, "RepTate LAOS")
 

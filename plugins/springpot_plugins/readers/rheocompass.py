@@ -44,7 +44,7 @@ def recognises(head: bytes) -> float:
 
 
 def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
-    blocks, _ = blocks_of(grid_of(text_of(path), path), path)
+    blocks, _ = blocks_of(grid_of(text_of(path)))
     made, pairs, result = [], [], ""
     for i, block in enumerate(blocks, 1):
         said = pairs_in(block.above)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from springpot.errors import DataError
 from springpot.measurement import Choice
@@ -37,7 +36,7 @@ class Told:
     constants: dict[str, str]
 
 
-def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
+def told(headings: Sequence[Heading], choice: Choice) -> Told:
     """The columns with the units and meanings that the user gives.
 
     Raises
@@ -49,15 +48,15 @@ def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
     told_of: set[int] = set()
     for name, meaning in choice.columns.items():
         if name in WHOLE:
-            found = [_with_base(each, meaning, path) for each in found] if name == LOG else found
+            found = [_with_base(each, meaning) for each in found] if name == LOG else found
             continue
         role = name if name in ROLES else role_of(name)
         constant = _CONSTANT.match(meaning)
         if role is not None and not name.isdigit() and constant is not None:
             constants[f"{role} [{constant[2]}]"] = constant[1]
             continue
-        place = _place(found, name, role, path)
-        found[place] = _meant(found[place], meaning, path)
+        place = _place(found, name, role)
+        found[place] = _meant(found[place], meaning)
         told_of.add(place)
     meant = {found[place].role for place in told_of}
     # Of two columns that seem to be one thing, the one that was named is meant.
@@ -68,14 +67,14 @@ def told(headings: Sequence[Heading], choice: Choice, path: Path) -> Told:
     return Told(tuple(found), constants)
 
 
-def _with_base(heading_: Heading, base: str, path: Path) -> Heading:
+def _with_base(heading_: Heading, base: str) -> Heading:
     """A column of logarithms whose base the user says."""
     if base not in ("10", "e"):
-        raise DataError(f"{path}: the base of logarithms is 10 or e, not '{base:.20}'; write '{path}?log=10'")
+        raise DataError(f"the base of logarithms is 10 or e, not '{base:.20}'; write 'FILE?log=10'")
     return replace(heading_, log=base) if heading_.log == "?" else heading_
 
 
-def _place(headings: Sequence[Heading], name: str, role: str | None, path: Path) -> int:
+def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
     """Where the column is that is called by number, title, name or role."""
     if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
         return int(name) - 1
@@ -88,10 +87,10 @@ def _place(headings: Sequence[Heading], name: str, role: str | None, path: Path)
         if places:
             return places[0]
     shown = ", ".join(heading.title or str(i) for i, heading in enumerate(headings[:12], 1))
-    raise DataError(f"{path}: no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
+    raise DataError(f"no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
 
 
-def _meant(heading_: Heading, meaning: str, path: Path) -> Heading:
+def _meant(heading_: Heading, meaning: str) -> Heading:
     taken = logarithm(meaning)
     base, meaning = taken if taken and taken[0] != "?" else ("", meaning)
     match = _MEANING.match(meaning)
@@ -101,11 +100,11 @@ def _meant(heading_: Heading, meaning: str, path: Path) -> Heading:
     role = name if name in ROLES else role_of(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
-        raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {roles}, ignore")
+        raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
     return Heading(heading_.title, name, role, heading_.unit if unit is None else unit, log=base or heading_.log)
 
 
-def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
+def ask_units(headings: Iterable[Heading]) -> DataError:
     """The question for the units that are missing."""
     missing = [heading for heading in headings if heading.role]
     names = ", ".join(f"'{heading.title}'" for heading in missing)
@@ -115,12 +114,10 @@ def ask_units(headings: Iterable[Heading], path: Path) -> DataError:
     write = "frequency [Hz] or omega [rad/s]" if clock else f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
     usual = " and ".join(dict.fromkeys(USUAL.get(str(heading.role), "UNIT") for heading in missing))
     it = "they are" if len(missing) > 1 else "it is"
-    return DataError(
-        f"{path}: {names} {plural} no unit; if {it} {usual}, open '{path}?{given}', or write {write} in it"
-    )
+    return DataError(f"{names} {plural} no unit; if {it} {usual}, open 'FILE?{given}', or write {write} in it")
 
 
-def ask_base(headings: Iterable[Heading], path: Path) -> DataError:
+def ask_base(headings: Iterable[Heading]) -> DataError:
     """The question for the base of logarithms, and for the units that are missing as well."""
     found = list(headings)
     unsure = ", ".join(f"'{heading.title}'" for heading in found if heading.log == "?")
@@ -128,16 +125,15 @@ def ask_base(headings: Iterable[Heading], path: Path) -> DataError:
     given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])
     units = f" and units {', '.join(dict.fromkeys(USUAL[str(h.role)] for h in bare))}" if bare else ""
     return DataError(
-        f"{path}: {unsure}: logarithms to base 10 or e? For base 10{units} open '{path}?{given}', "
-        "or write log10 or ln in it"
+        f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write log10 or ln in it"
     )
 
 
-def ask_columns(count: int, path: Path) -> DataError:
+def ask_columns(count: int) -> DataError:
     """The question for columns that have no names."""
-    spec = f"'{path}?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+    spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     weights = "; further columns, such as weights, are left out" if count > 3 else ""
-    return DataError(f"{path}: {count} columns of numbers without names; say what they are, such as {spec}{weights}")
+    return DataError(f"{count} columns of numbers without names; say what they are, such as {spec}{weights}")
 
 
 def numbered(count: int) -> tuple[Heading, ...]:

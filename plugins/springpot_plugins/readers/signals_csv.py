@@ -59,15 +59,15 @@ def signals(path: Path, choice: Choice) -> Signals:
             head = stream.read(1 << 16)
         encoding = encoding_of(head)
         if encoding is None:
-            raise DataError(f"{path}: this is no text file; save the signals as CSV in UTF-8")
+            raise DataError("this is no text file; save the signals as CSV in UTF-8")
         layout = layout_of(head_text(head))
-        places = places_of(layout.titles, layout.units, choice, path)
+        places = places_of(layout.titles, layout.units, choice)
         with path.open(encoding=encoding, newline=None) as text:
             channels = _numbers(text, path, layout, list(places.columns), TIME_UNITS[places.units[0]])
     except UnicodeDecodeError as error:
-        raise DataError(f"{path}: byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
+        raise DataError(f"byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
     except OSError as error:
-        raise DataError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise DataError(f"cannot be read: {error.strerror or error}") from None
     return signals_from(channels[0], channels[1], channels[2], ("s", *places.units[1:]), path, "text")
 
 
@@ -82,7 +82,7 @@ def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int], clock
     pieces: list[Real] = []
     with TemporaryFile() as a, TemporaryFile() as b, TemporaryFile() as c:
         rows = 0
-        for piece in _pieces(text, path, layout, places):
+        for piece in _pieces(text, layout, places):
             rows += len(piece)
             if clock != 1.0:
                 piece[:, 0] *= clock
@@ -92,14 +92,14 @@ def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int], clock
                 for stream, column in zip((a, b, c), piece.T, strict=True):
                     column.tofile(stream)
         if not rows:
-            raise DataError(f"{path}: there is a header but no row of numbers below it")
+            raise DataError("there is a header but no row of numbers below it")
         if small:
             return list(np.concatenate(pieces).T.copy())
         # The mapping outlives the closed file.
         return [np.memmap(stream, dtype=float, mode="r", shape=(rows,)) for stream in (a, b, c)]
 
 
-def _pieces(text: IO[str], path: Path, layout: Layout, places: list[int]) -> Iterator[Real]:
+def _pieces(text: IO[str], layout: Layout, places: list[int]) -> Iterator[Real]:
     """Rows (m, 3) below the names, piece by piece."""
     for _ in range(layout.start):
         text.readline()
@@ -108,10 +108,10 @@ def _pieces(text: IO[str], path: Path, layout: Layout, places: list[int]) -> Ite
         first, line = line + 1, line + len(lines)
         if layout.separator != ",":
             lines = [raw.replace(",", ".") for raw in lines]
-        yield _piece(lines, first, path, layout, places)
+        yield _piece(lines, first, layout, places)
 
 
-def _piece(lines: list[str], first: int, path: Path, layout: Layout, places: list[int]) -> Real:
+def _piece(lines: list[str], first: int, layout: Layout, places: list[int]) -> Real:
     filled = [raw for raw in lines if not raw.isspace()]
     if not filled:
         return np.empty((0, 3))
@@ -121,10 +121,10 @@ def _piece(lines: list[str], first: int, path: Path, layout: Layout, places: lis
         return values
     except ValueError:
         # Something is missing or misspelt: go slowly and say where.
-        return _slowly(lines, first, path, layout, places)
+        return _slowly(lines, first, layout, places)
 
 
-def _slowly(lines: list[str], first: int, path: Path, layout: Layout, places: list[int]) -> Real:
+def _slowly(lines: list[str], first: int, layout: Layout, places: list[int]) -> Real:
     rows = []
     for number, raw in enumerate(lines, first):
         if not raw.strip() or raw.lstrip().startswith("#"):
@@ -138,7 +138,7 @@ def _slowly(lines: list[str], first: int, path: Path, layout: Layout, places: li
             try:
                 row.append(float(cell) if cell else np.nan)
             except ValueError:
-                where = f"{path}, line {number}, column '{layout.titles[place]}'"
+                where = f"line {number}, column '{layout.titles[place]}'"
                 raise DataError(f"{where}: '{cell:.30}' is no number") from None
         rows.append(row)
     return np.array(rows, dtype=float).reshape(-1, 3)

@@ -32,13 +32,13 @@ def signals(path: Path, choice: Choice) -> Signals:
     """
     columns = _columns(_arrays(path))
     if not columns:
-        raise DataError(f"{path}: no vectors of numbers; save t_s, disp_mm and force_N from MATLAB with -v7")
+        raise DataError("no vectors of numbers; save t_s, disp_mm and force_N from MATLAB with -v7")
     titles = list(columns)
-    places = places_of(titles, [], choice, path)
+    places = places_of(titles, [], choice)
     chosen = [columns[titles[i]] for i in places.columns]
     if len({len(values) for values in chosen}) > 1:
         lengths = ", ".join(f"{titles[i]}: {len(columns[titles[i]])}" for i in places.columns)
-        raise DataError(f"{path}: time, displacement and force differ in length ({lengths})")
+        raise DataError(f"time, displacement and force differ in length ({lengths})")
     return signals_from(chosen[0], chosen[1], chosen[2], places.units, path, "MATLAB")
 
 
@@ -50,11 +50,11 @@ def read(path: Path, choice: Choice) -> Measurement:
 def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
     content = path.read_bytes()
     if content.startswith(b"MATLAB 7.3"):
-        raise DataError(f"{path}: MATLAB 7.3 files are HDF5; save it with -v7, or as CSV")
+        raise DataError("MATLAB 7.3 files are HDF5; save it with -v7, or as CSV")
     try:
         return arrays_in(content, budget_of(path).memory)
     except BrokenFile as error:
-        raise DataError(f"{path}: no readable MATLAB file: {error}") from None
+        raise DataError(f"no readable MATLAB file: {error}") from None
 
 
 def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:

@@ -36,7 +36,7 @@ def signals(path: Path, choice: Choice) -> Signals:
         from nptdms import TdmsFile
         from nptdms.log import log_manager
     except ImportError:
-        raise DataError(f"{path}: TDMS files need npTDMS: pip install 'springpot[instruments]'") from None
+        raise DataError("TDMS files need npTDMS: pip install 'springpot[instruments]'") from None
     # What npTDMS would print of a file that is cut off is said by the error, or does no harm.
     log_manager.set_level(logging.CRITICAL)
     try:
@@ -47,27 +47,27 @@ def signals(path: Path, choice: Choice) -> Signals:
     except Exception as error:
         # Broken files fail within npTDMS in many ways.
         reason = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: no readable TDMS file: {type(error).__name__}: {reason:.80}") from None
+        raise DataError(f"no readable TDMS file: {type(error).__name__}: {reason:.80}") from None
 
 
 def _signals(file: Any, choice: Choice, path: Path) -> Signals:
     channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
     most = budget_of(path).memory // _SAMPLE
     if any(not 0 <= len(channel) <= most for channel in channels):
-        raise DataError(f"{path}: a channel claims more samples than the file can hold")
+        raise DataError("a channel claims more samples than the file can hold")
     titles = [str(channel.name) for channel in channels]
     units = [next((str(c.properties[key]) for key in _UNIT_KEYS if key in c.properties), "") for c in channels]
     if not any(channel_of(title)[0] == "time" for title in titles):
         timed = next((c for c in channels if float(c.properties.get("wf_increment", 0) or 0) > 0), None)
         if timed is not None:
             channels, titles, units = [*channels, timed], [*titles, "time"], [*units, "s"]
-    places = places_of(titles, units, choice, path)
-    made = [_values(channels[i], titles[i], i >= len(set(channels)), path) for i in places.columns]
+    places = places_of(titles, units, choice)
+    made = [_values(channels[i], titles[i], i >= len(set(channels))) for i in places.columns]
     length = min(map(len, made))
     return signals_from(made[0][:length], made[1][:length], made[2][:length], places.units, path, "TDMS")
 
 
-def _values(channel: Any, title: str, is_clock: bool, path: Path) -> Real:
+def _values(channel: Any, title: str, is_clock: bool) -> Real:
     if is_clock:
         step, start = float(channel.properties["wf_increment"]), float(channel.properties.get("wf_start_offset", 0))
         return np.asarray(start + step * np.arange(len(channel)), dtype=float)
@@ -75,7 +75,7 @@ def _values(channel: Any, title: str, is_clock: bool, path: Path) -> Real:
     if values.dtype.kind == "M":
         return np.asarray((values - values[0]) / np.timedelta64(1, "s"), dtype=float)
     if values.dtype.kind not in "fiu":
-        raise DataError(f"{path}: channel '{title:.40}' holds no numbers")
+        raise DataError(f"channel '{title:.40}' holds no numbers")
     return values.astype(float)
 
 

@@ -59,16 +59,16 @@ def read(path: Path, choice: Choice) -> Measurement:
     """
     if choice:
         return generic.read(path, choice)
-    return parse(text_of(path), path)
+    return parse(text_of(path), path.stem)
 
 
-def parse(text: str, path: Path) -> Measurement:
-    """The measurement in a text; `path` names it in errors."""
-    table = table_of(text, path)
-    roles, others = assign(tuple(map(_as_written, table.columns)), path)
+def parse(text: str, name: str) -> Measurement:
+    """The measurement in a text, with this name where the text itself gives none."""
+    table = table_of(text)
+    roles, others = assign(tuple(map(_as_written, table.columns)))
     comments = {key: unguarded_line(value) for key, value in table.comments.items()}
     provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE)}
-    measurement = measurement_of(roles, others, comments.get("name", path.stem), provenance, path)
+    measurement = measurement_of(roles, others, comments.get("name", name), provenance)
     if _TWICE not in table.comments:
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     return measurement

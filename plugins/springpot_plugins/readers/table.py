@@ -6,7 +6,6 @@ import csv
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -35,8 +34,6 @@ class Column:
         What stood in brackets; None where there were none.
     cells : sequence of str
         The cells.
-    path : Path
-        File, for errors.
     lines : sequence of int
         Line number of every cell, for errors.
     decimal_comma : bool
@@ -47,7 +44,6 @@ class Column:
     name: str
     unit: str | None
     cells: Sequence[str]
-    path: Path
     lines: Sequence[int]
     decimal_comma: bool = False
 
@@ -58,8 +54,8 @@ class Column:
 
     def error(self, message: str, row: int | None = None) -> DataError:
         """An error at this column, and at a row of it."""
-        line = "" if row is None else f", line {self.lines[row]}"
-        return DataError(f"{self.path}{line}, column '{self.title}': {message}")
+        line = "" if row is None else f"line {self.lines[row]}, "
+        return DataError(f"{line}column '{self.title}': {message}")
 
     def numbers(self, gaps: bool = False) -> Real:
         """The cells as finite numbers; empty ones as nan where `gaps` are allowed.
@@ -122,15 +118,12 @@ class Table:
 
     Parameters
     ----------
-    path : Path
-        The file.
     columns : tuple of Column
         Its columns in order.
     comments : mapping of str to str
         Lines ``# key: value``; other comment lines under ``comment``.
     """
 
-    path: Path
     columns: tuple[Column, ...]
     comments: dict[str, str] = field(default_factory=dict)
 
@@ -171,7 +164,7 @@ def header_of(text: str) -> tuple[str, list[str]]:
     return ",", []
 
 
-def table_of(text: str, path: Path) -> Table:
+def table_of(text: str) -> Table:
     """The table that a text holds.
 
     Raises
@@ -187,35 +180,35 @@ def table_of(text: str, path: Path) -> Table:
         if line and not line.isspace() and not line.lstrip().startswith("#") and not line.startswith("sep=")
     ]
     if not filled:
-        raise DataError(f"{path}: the file holds no table")
+        raise DataError("the file holds no table")
     separator = separator_of(filled[0][1])
     titles = split_header(filled[0][1], separator)
     while len(titles) > 1 and not titles[-1]:
         titles.pop()
     if len(filled) == 1:
-        raise DataError(f"{path}: there is a header but no row of numbers below it")
+        raise DataError("there is a header but no row of numbers below it")
     numbers = [number for number, _ in filled[1:]]
-    rows = [_cells(line, separator, path, number) for number, line in filled[1:]]
-    _check_lengths(rows, len(titles), numbers, path, separator)
+    rows = [_cells(line, separator, number) for number, line in filled[1:]]
+    _check_lengths(rows, len(titles), numbers, separator)
     cells = list(zip(*rows, strict=True)) if rows else []
     columns = []
     for title, column in zip(titles, cells, strict=False):
         name, unit = name_and_unit(title)
-        columns.append(Column(title, name, unit, column, path, numbers, separator != ","))
-    _check_names(columns, path)
-    return Table(path, tuple(columns), comments)
+        columns.append(Column(title, name, unit, column, numbers, separator != ","))
+    _check_names(columns)
+    return Table(tuple(columns), comments)
 
 
-def _cells(line: str, separator: str, path: Path, number: int) -> list[str]:
+def _cells(line: str, separator: str, number: int) -> list[str]:
     if '"' not in line:
         return line.split(separator)
     try:
         return next(csv.reader([line], delimiter=separator))
     except (csv.Error, StopIteration) as error:
-        raise DataError(f"{path}, line {number}: {error}") from None
+        raise DataError(f"line {number}: {error}") from None
 
 
-def _check_lengths(rows: list[list[str]], width: int, numbers: list[int], path: Path, separator: str) -> None:
+def _check_lengths(rows: list[list[str]], width: int, numbers: list[int], separator: str) -> None:
     if set(map(len, rows)) == {width}:
         return
     for row, number in zip(rows, numbers, strict=True):
@@ -223,16 +216,16 @@ def _check_lengths(rows: list[list[str]], width: int, numbers: list[int], path: 
             row.pop()
         if len(row) != width:
             hint = "; with a decimal comma, separate the columns by semicolons" if separator == "," else ""
-            raise DataError(f"{path}, line {number}: {len(row)} cells where the header has {width}{hint}")
+            raise DataError(f"line {number}: {len(row)} cells where the header has {width}{hint}")
 
 
-def _check_names(columns: list[Column], path: Path) -> None:
+def _check_names(columns: list[Column]) -> None:
     seen: dict[str, Column] = {}
     for column in columns:
         if not column.name and not column.is_empty:
-            raise DataError(f"{path}: a column has no title; write name [unit] above it")
+            raise DataError("a column has no title; write name [unit] above it")
         if column.name and column.name in seen:
-            raise DataError(f"{path}: two columns are called '{column.name}'; rename one")
+            raise DataError(f"two columns are called '{column.name}'; rename one")
         seen[column.name] = column
 
 

@@ -59,15 +59,15 @@ def text_of(path: Path) -> str:
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:
-        raise DataError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        raise DataError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not data.strip():
-        raise DataError(f"{path}: the file is empty")
+        raise DataError("the file is empty")
     encoding = encoding_of(data[: 1 << 16])
     if encoding == "utf-8" and encoding_of(data) != "utf-8":
         encoding = encoding_of(data)
     if encoding is None:
-        raise DataError(f"{path}: this is no text file; save the table as CSV in UTF-8")
+        raise DataError("this is no text file; save the table as CSV in UTF-8")
     try:
         return data.decode(encoding)
     except UnicodeDecodeError as error:
-        raise DataError(f"{path}: byte {error.start} is no {encoding} text; save the table as CSV in UTF-8") from None
+        raise DataError(f"byte {error.start} is no {encoding} text; save the table as CSV in UTF-8") from None

@@ -45,14 +45,14 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
         data = json.loads(text_of(path).lstrip("\ufeff"))
     except (ValueError, RecursionError) as error:
         reason = getattr(error, "msg", "nested too deeply")
-        raise DataError(f"{path}: no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}") from None
+        raise DataError(f"no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}") from None
     if not isinstance(data, dict):
-        raise DataError(f"{path}: no TRIOS export: the JSON is no object")
+        raise DataError("no TRIOS export: the JSON is no object")
     experiment = data.get("Experiment")
     root: dict[str, Any] = experiment if isinstance(experiment, dict) else data
     blocks = [block for number, found in enumerate(_sets(root), 1) for block in _blocks(found, number, root)]
     if not blocks:
-        raise DataError(f"{path}: a TRIOS JSON export without rows of results")
+        raise DataError("a TRIOS JSON export without rows of results")
     return blocks, facts_of(_pairs(root))
 
 

@@ -27,7 +27,7 @@ def recognises(head: bytes) -> float:
 
 
 def _blocks(path: Path) -> list[Block]:
-    return blocks_of(grid_of(text_of(path), path), path)[0]
+    return blocks_of(grid_of(text_of(path)))[0]
 
 
 def read(path: Path, choice: Choice) -> Measurement:
