@@ -24,7 +24,7 @@ TABLE = "f,Ks,Kl,what\n1,2,3,lane a\n2,3,4,lane b\n"
 NESTED = "x = " + "[" * 5000 + "]" * 5000
 HOSTILE = {
     "nested": (NESTED, "nested too deeply"),
-    "nested-tables": ("[" + ".".join("a" * 8000) + "]", "columns"),
+    "nested-tables": ("[" + ".".join("a" * 8000) + "]", "one of the two"),
     "huge-size": (f"size = {'9' * 400}{GOOD}", "size is the number of rows"),
     "huge-number": (f"size = {'9' * 5000}{GOOD}", "."),
     "huge-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = {"9" * 400}', "finite numbers"),
@@ -45,6 +45,8 @@ HOSTILE = {
     "above": (GOOD.replace("raw.csv", "../../mine.csv"), "names no file"),
     "absolute": (GOOD.replace("raw.csv", "/etc/hostname"), "names no file"),
     "windows": (GOOD.replace("raw.csv", "C:\\\\mine.csv"), "names no file"),
+    "files-above": ('[files]\n"../../mine.csv" = {}\n', "names no file"),
+    "many-files": ("[files]\n" + "".join(f'"{i}.csv" = {{}}\n' for i in range(500)), "at most 100"),
     "hidden": (GOOD.replace("raw.csv", ".ssh/id"), "names no file"),
 }
 
