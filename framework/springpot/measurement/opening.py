@@ -271,7 +271,9 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
         reader = pick_reader(path, [each for each in readers if each.signals is not None])
     load = reader.signals
     if load is None:
-        advice = f"if they are, say which: '{path}?1=time[s],2=displacement[mm],3=force[N]'"
+        advice = (
+            f"if they are, say which by name or number: '{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]'"
+        )
         raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}")
     return _guarded(reader, path, lambda: load(path, choice))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from springpot.errors import DataError
 
@@ -18,6 +19,8 @@ _STACKED = 2
 """Lines between two tables of the same names."""
 _WIDEST = 400
 _KEPT = 1000
+_DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
+"""What is set or followed in a test in time."""
 _PATIENCE = 50_000
 """Cells without any number that are tried as names of columns before giving up."""
 
@@ -49,12 +52,17 @@ class Block:
     above: list[list[str]] = field(default_factory=list)
     constants: Mapping[str, str] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def roles(self) -> set[str]:
-        """What there is."""
-        return {heading.role for heading in self.headings if heading.role} | {
-            str(heading(title).role) for title in self.constants
-        }
+        """What there is; a column without any value is not there."""
+        named = {each.role: i for i, each in reversed(list(enumerate(self.headings))) if each.role}
+        filled = {str(role) for role, i in named.items() if not self.rows or self._is_filled(i, str(role))}
+        return filled | {str(heading(title).role) for title in self.constants}
+
+    def _is_filled(self, place: int, role: str) -> bool:
+        """Whether this column, or another of its role, has a value in any row."""
+        places = [i for i, each in enumerate(self.headings) if i == place or each.role == role]
+        return any(row[i].strip() not in MISSING for i in places for row in self.rows)
 
     @property
     def is_dynamic(self) -> bool:
@@ -68,8 +76,12 @@ class Block:
             return "shift factors, no measurement"
         if "relaxation" in roles:
             return "a relaxation test in time, no dynamic test"
+        if "creep" in roles:
+            return "creep in time, no dynamic test"
         if "flow" in roles and not roles & FREQUENCIES:
             return "steady flow, no dynamic test"
+        if "time" in roles and roles & _DRIVEN and not roles & {*FREQUENCIES, *MODULI}:
+            return "a test in time, such as creep or a rest, no dynamic test"
         return lacking(roles)
 
     def holds(self) -> str:
@@ -80,10 +92,12 @@ class Block:
 
 def lacking(roles: set[str]) -> str:
     """What columns of these roles need to be a dynamic test."""
+    if is_dynamic({*roles, "omega"}):
+        return "missing frequency [Hz] or omega [rad/s]"
     missing = [] if roles & FREQUENCIES else ["frequency [Hz] or omega [rad/s]"]
     if not roles & MODULI:
         missing.append("storage [unit] and loss [unit]")
-    elif not is_dynamic({*roles, "omega"}):
+    else:
         missing.append("storage [unit]" if "loss" in roles else "loss [unit], phase [deg] or loss_factor [-]")
     return f"missing {', and '.join(missing)}"
 

@@ -165,7 +165,7 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     shown = ", ".join(titles[:12]) or "none"
     missing = [channel for channel in UNITS if channel not in layout]
     if missing:
-        spec = ",".join(f"{i}={ADVICE[channel].replace(' ', '')}" for i, channel in enumerate(UNITS, 1))
+        spec = ",".join(f"NAME={ADVICE[channel].replace(' ', '')}" for channel in missing)
         raise DataError(
             f"no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
             f"or say which by 'FILE?{spec}' (columns: {shown:.100})"

@@ -34,14 +34,14 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
         raise DataError(f"no row has a number for {', '.join(c.title for c in roles.values())}")
     if not keep.all():
         notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
-    roles = {role: _rows(column, keep) for role, column in roles.items()}
+    roles = {role: rows_of(column, keep) for role, column in roles.items()}
     for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
         if not _present(roles[role]).all():
             notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
             del roles[role]
     if ("storage_sd" in roles) != ("loss_sd" in roles):
         roles.pop("storage_sd", roles.pop("loss_sd", None))
-    return roles, _named_apart([_rows(column, keep) for column in others]), notes
+    return roles, _named_apart([rows_of(column, keep) for column in others]), notes
 
 
 def _present(column: Column) -> NDArray[np.bool_]:
@@ -70,7 +70,8 @@ def _one_style(column: Column) -> None:
         )
 
 
-def _rows(column: Column, keep: NDArray[np.bool_]) -> Column:
+def rows_of(column: Column, keep: NDArray[np.bool_]) -> Column:
+    """The rows of a column that are kept, gaps as empty cells."""
     if keep.all():
         cells: Sequence[str] = column.cells
         lines = column.lines

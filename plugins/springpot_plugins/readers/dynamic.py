@@ -10,15 +10,17 @@ from pathlib import Path
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, known_unit
+from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
-from .cleaning import bare_name, cleaned, is_blank
+from .cleaning import bare_name, cleaned, is_blank, rows_of
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
+from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined
 from .names import FREQUENCIES, rank
-from .said import ask_base, ask_units, told
+from .said import ask_base, ask_meaning, ask_units, told
 from .table import Column
 from .titles import UNITS, Heading, heading, tidy
 
@@ -64,27 +66,61 @@ def measurement_from(
     """
     blocks = told_apart(blocks)
     chosen = chosen_blocks(blocks, choice)
-    parts = [_measurement(block, choice, provenance, further) for block in chosen]
+    parts, refused = _opened(chosen, choice, provenance, further)
+    chosen = [block for block in chosen if block.name not in refused]
     name = f"{path.stem}#{choice.part}" if choice.part else path.stem
+    left_out = {f"note {block}": f"left out: {reason}" for block, reason in refused.items()}
     if len(parts) == 1:
-        said = {"part": chosen[0].name} if chosen[0].name and len(blocks) > 1 else {}
-        return replace(parts[0], name=name, provenance={**parts[0].provenance, **said})
+        part = {"part": chosen[0].name} if chosen[0].name and len(blocks) > 1 else {}
+        return replace(parts[0], name=name, provenance={**parts[0].provenance, **part, **left_out})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
     if all(is_number(block.name) for block in chosen):
         shown = ", ".join(block.name for block in chosen[:3])
         note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
-    return joined(parts, [block.name for block in chosen], name, note)
+    together = joined(parts, [block.name for block in chosen], name, note)
+    return replace(together, provenance={**together.provenance, **left_out})
+
+
+def _opened(
+    blocks: Sequence[Block], choice: Choice, provenance: Mapping[str, str], further: bool
+) -> tuple[list[Measurement], dict[str, str]]:
+    """The measurements in the blocks, and by name the reason of each that cannot be used.
+
+    Raises
+    ------
+    DataError
+        If none can be used: the reason of the first.
+    """
+    parts: list[Measurement] = []
+    refused: dict[str, DataError] = {}
+    for block in blocks:
+        try:
+            parts.append(_measurement(block, choice, provenance, further))
+        except DataError as error:
+            refused[block.name] = error
+    if not parts:
+        raise next(iter(refused.values()))
+    return parts, {name: str(error) for name, error in refused.items()}
 
 
 def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
     """The blocks as they are listed for a user; none where there is but one."""
     if len(blocks) < 2:
         return ()
-    return tuple(
-        Part(block.name, len(block.rows), block.is_dynamic, "" if block.is_dynamic else block.lacks())
-        for block in told_apart(blocks)
-    )
+    found = [(block, _reason_against(block)) for block in told_apart(blocks)]
+    return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in found)
+
+
+def _reason_against(block: Block) -> str:
+    """Why a block cannot be opened; nothing where it can."""
+    if not block.is_dynamic:
+        return block.lacks()
+    try:
+        _measurement(block, Choice(), {}, further=True)
+    except DataError as error:
+        return str(error)
+    return ""
 
 
 def told_apart(blocks: Sequence[Block]) -> list[Block]:
@@ -116,12 +152,14 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
         return usable
     if len(picked) == 1:
         where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
-        # Titles that are not known may still be of the columns that are missing.
-        unknown = sum(1 for each in picked[0].headings if each.title and each.role is None)
-        hint = "; or say which, such as 'FILE?2=storage[Pa],3=loss[Pa]'" if unknown > 1 else ""
-        raise DataError(f"{where}{picked[0].holds()}{hint if picked[0].lacks().startswith('missing') else ''}")
+        unknown = [each.title for each in picked[0].headings if each.title and each.role is None]
+        raise DataError(f"{where}{picked[0].holds()}{ask_meaning(picked[0].lacks(), unknown)}")
+    reasons = list(dict.fromkeys(block.lacks() for block in picked))
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
-    raise DataError(f"none of its {len(picked)} parts has frequency, storage and loss ({names:.120})")
+    hint = ask_meaning(reasons[0], ()) if len(reasons) == 1 else ""
+    raise DataError(
+        f"none of its {len(picked)} parts is a dynamic test ({names:.120}): {'; '.join(reasons):.200}{hint}"
+    )
 
 
 def _roles_told(block: Block, choice: Choice) -> set[str]:
@@ -159,8 +197,24 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
     roles, others, notes = cleaned(roles, others)
-    measured = measurement_of(with_moduli(roles), others, block.name or "part", dict(provenance))
+    roles = with_moduli(roles)
+    flags = flags_in(_named(others, STATUS), *_moduli(roles), said.keeps_flagged)
+    roles = {role: rows_of(column, flags.keep) for role, column in roles.items()}
+    others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
+    measured = measurement_of(roles, others, block.name or "part", dict(provenance))
+    notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
     return replace(measured, provenance={**measured.provenance, **notes})
+
+
+def _named(columns: Sequence[Column], name: str) -> Column | None:
+    return next((column for column in columns if column.name == name), None)
+
+
+def _moduli(roles: Mapping[str, Column]) -> tuple[Real | None, Real | None]:
+    """Storage and loss as they stand in the file, where they have one unit."""
+    if not roles.keys() >= {"storage", "loss"} or roles["storage"].unit != roles["loss"].unit:
+        return None, None
+    return roles["storage"].numbers(), roles["loss"].numbers()
 
 
 def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
@@ -216,7 +270,7 @@ def _roles(columns: Sequence[Column]) -> dict[str, Column]:
 
 
 def _is_kept(column: Column, further: bool) -> bool:
-    return bool(column.name) and (further or column.name in KEPT) and not is_blank(column)
+    return bool(column.name) and (further or column.name in (*KEPT, STATUS)) and not is_blank(column)
 
 
 def _require_units(roles: Mapping[str, Column]) -> None:

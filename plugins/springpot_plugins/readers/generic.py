@@ -92,7 +92,7 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
     if not choice.columns:
         if names and len(names) == width:
             shown = ", ".join(cell.strip() for cell in names)
-            spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+            spec = "by name or number, such as 'FILE?NAME=omega[rad/s],NAME=storage[UNIT],NAME=loss[UNIT]'"
             raise DataError(f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}")
         raise ask_columns(width)
     headings = headings_of(names, [], width) if names and len(names) == width else numbered(width)

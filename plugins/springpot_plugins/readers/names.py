@@ -157,13 +157,15 @@ NAMES: dict[str, tuple[str, ...]] = {
     "normal_force": ("normalforce", "axialforce", "forcenormale", "normalkraft", "fuerzanormal", "forzanormale"),
     "torque": ("oscillationtorque", "torque", "couple", "drehmoment", "moment", "par", "momentotorsor", "coppia"),
     "displacement": ("oscillationdisplacement", "angulardisplacement", "deflectionangle", "auslenkwinkel"),
-    "raw_phase": ("rawphase", "rawphase(torque)"),
+    "raw_phase": ("rawphase", "rawphase(torque)", "rawphaseangle", "rohphase"),
+    "status": ("status", "statut", "estado", "stato", "messstatus", "zustand", "pointstatus"),
     "stress": (
         *("oscillationstress", "complexshearstress", "shearstress", "contraintedecisaillement", "schubspannung"),
         *("tensioncortante", "esfuerzocortante", "sforzoditaglio"),
     ),
     "shift": ("logat", "at", "log10at", "shiftfactor", "shiftfactors", "logshiftfactor", "logalphat"),
     "relaxation": ("erelax", "grelax", "relaxationmodulus", "relaxationsmodul", "modulederelaxation", "g(t)", "e(t)"),
+    "creep": ("creepcompliance", "j(t)", "kriechnachgiebigkeit", "complaisancedefluage"),
     "flow": ("shearrate", "viscosity", "scherrate", "viskositat", "gradientdecisaillement", "viscosite"),
 }
 NAMES = {role: (*names, *LANGUAGES.get(role, ())) for role, names in NAMES.items()}
@@ -171,7 +173,7 @@ FREQUENCIES = frozenset({"omega", "frequency"})
 MODULI = frozenset(
     {"storage", "loss", "magnitude", "viscosity", "dynamic_viscosity", "storage_compliance", "damping"}
 )
-ROLES = frozenset(NAMES) - {"shift", "relaxation", "flow"}
+ROLES = frozenset(NAMES) - {"shift", "relaxation", "creep", "flow"}
 """What a user may say that a column is."""
 
 _PRIMES = str.maketrans(

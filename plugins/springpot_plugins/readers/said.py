@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from springpot.errors import DataError
 from springpot.measurement import Choice
 
+from .flags import IGNORE, STATUS
 from .marks import logarithm
 from .names import ROLES, fold, role_of
 from .titles import USUAL, Heading, heading, is_unit
@@ -30,10 +31,13 @@ class Told:
         What the columns are.
     constants : dict of str to str
         Further columns of one value: ``frequency [Hz]`` and the number.
+    keeps_flagged : bool
+        Whether rows are kept that the instrument itself takes back.
     """
 
     headings: tuple[Heading, ...]
     constants: dict[str, str]
+    keeps_flagged: bool = False
 
 
 def told(headings: Sequence[Heading], choice: Choice) -> Told:
@@ -47,6 +51,8 @@ def told(headings: Sequence[Heading], choice: Choice) -> Told:
     found, constants = list(headings), {}
     told_of: set[int] = set()
     for name, meaning in choice.columns.items():
+        if (name, meaning) == (STATUS, IGNORE):
+            continue
         if name in WHOLE:
             found = [_with_base(each, meaning) for each in found] if name == LOG else found
             continue
@@ -64,7 +70,7 @@ def told(headings: Sequence[Heading], choice: Choice) -> Told:
         replace(each, role=None) if each.role in meant and place not in told_of else each
         for place, each in enumerate(found)
     ]
-    return Told(tuple(found), constants)
+    return Told(tuple(found), constants, choice.columns.get(STATUS) == IGNORE)
 
 
 def _with_base(heading_: Heading, base: str) -> Heading:
@@ -127,6 +133,20 @@ def ask_base(headings: Iterable[Heading]) -> DataError:
     return DataError(
         f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write log10 or ln in it"
     )
+
+
+def ask_meaning(block_lacks: str, unknown: Sequence[str]) -> str:
+    """How to say what a table lacks, as the end of an error; nothing where nothing that is said would mend it.
+
+    A hint must not lead to wrong numbers when it is typed as it stands: columns are named only by who knows them.
+    """
+    if not block_lacks.startswith("missing"):
+        return ""
+    if block_lacks == "missing frequency [Hz] or omega [rad/s]":
+        return "; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'"
+    if not unknown:
+        return ""
+    return f"; if {', '.join(unknown[:6])} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
 
 
 def ask_columns(count: int) -> DataError:

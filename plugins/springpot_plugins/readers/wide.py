@@ -75,7 +75,8 @@ def _apart(block: Block, title: str) -> list[Block]:
             above = block.above[:-1] if labels else block.above
             certain = _are_temperatures([mark for mark, _ in curves])
             told = [(_called(mark, title), columns) for mark, columns in curves]
-            return [_part(block, above, mark, columns, certain) for mark, columns in told]
+            made = [_part(block, above, mark, columns, certain) for mark, columns in told]
+            return [part for part in made if part.rows] or [block]
     return [block]
 
 

@@ -65,7 +65,9 @@ def test_a_missing_unit_is_asked_for(folder):
 
 def test_unknown_channels_are_asked_for(folder):
     path = folder.write(csv("time [s],ch1,ch2"))
-    with pytest.raises(DataError, match=r"no signals against time.*1=time\[s\],2=displacement\[mm\],3=force\[N\]"):
+    with pytest.raises(
+        DataError, match=r"no signals against time.*NAME=time\[s\],NAME=displacement\[mm\],NAME=force\[N\]"
+    ):
         signals_to_measurement([path])
     with pytest.raises(DataError, match="no column of displacement and force"):
         signals_to_measurement([f"{path}?time=s"])
@@ -74,7 +76,7 @@ def test_unknown_channels_are_asked_for(folder):
 
 def test_matlab_matrix_and_structure(folder):
     path = folder.write(samples.mat(data=np.column_stack([TIME, MOVED, PULLED])))
-    with pytest.raises(DataError, match=r"1=time\[s\],2=displacement\[mm\],3=force\[N\]"):
+    with pytest.raises(DataError, match=r"NAME=time\[s\],NAME=displacement\[mm\],NAME=force\[N\]"):
         signals_to_measurement([path])
     check(path, "N/mm", "?1=time[s],2=displacement[mm],3=force[N]")
     check(folder.write(samples.mat(run={"t_s": TIME, "x_mm": MOVED, "F_N": PULLED})), "N/mm")

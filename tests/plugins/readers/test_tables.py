@@ -234,7 +234,7 @@ REFUSED = {
         "omega [rad/s];Speichermodul [Pa];Temperatur [°C]\n1;2;3\n",
         r"missing loss \[unit\], phase \[deg\] or loss_factor",
     ),
-    "unknown names": ("a,b,c\n1,2,3\n4,5,6\n", r"columns a, b, c; say which, .*1=omega\[rad/s\]"),
+    "unknown names": ("a,b,c\n1,2,3\n4,5,6\n", r"columns a, b, c; say which, .*NAME=omega\[rad/s\]"),
     "ragged": ("omega (rad/s);G' (Pa);G'' (Pa)\n1;2;3\n1;2;3;4\n", "line 3: 4 cells where the header has 3"),
     "two signs": (
         "omega (rad/s);G' (Pa);G'' (Pa)\n1;2,5;3\n2;2.5;3\n",

@@ -1,0 +1,156 @@
+"""Files as laboratories keep them: several tests in one job, flags, old workbooks, names that are told apart."""
+
+import io
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+
+from .samples import OMEGA, STIFFNESS, number
+
+xlwt = pytest.importorskip("xlwt")
+
+
+def old_workbook(sheets):
+    """The bytes of an .xls with these sheets."""
+    book = xlwt.Workbook()
+    for title, rows in sheets.items():
+        sheet = book.add_sheet(title)
+        for i, row in enumerate(rows):
+            for j, value in enumerate(row):
+                sheet.write(i, j, value)
+    stream = io.BytesIO()
+    book.save(stream)
+    return stream.getvalue()
+
+
+SWEEP = [
+    ["Frequency - 1"],
+    ["Angular frequency", "Temperature", "Storage modulus", "Loss modulus"],
+    ["rad/s", "°C", "Pa", "Pa"],
+    *([w, 20.5, k.real, k.imag] for w, k in zip(OMEGA.tolist(), STIFFNESS.tolist(), strict=True)),
+]
+
+
+def test_an_old_workbook_opens_with_what_its_first_sheet_says(folder):
+    found = folder.open(old_workbook({"Details": [["Sample name", "a gel"]], "Frequency - 1": SWEEP}), name="a.xls")
+    np.testing.assert_allclose(found.stiffness, STIFFNESS, rtol=1e-12)
+    np.testing.assert_array_equal(found.conditions["temperature"], 20.5)
+    assert found.provenance["sample"] == "a gel"
+
+
+def rheocompass(intervals):
+    """A RheoCompass export of (titles, units, rows) for each interval."""
+    lines = ["Project:\tgels", "Test:\tjob", "", "Result:\tjob 1", ""]
+    for i, (titles, units, rows) in enumerate(intervals, 1):
+        lines += [f"Interval and data points:\t{i}\t{len(rows)}", "\t".join(["Interval data:", "Point No.", *titles])]
+        lines += ["\t" * (len(titles) + 1), "\t".join(["", "", *units])]
+        lines += ["\t".join(["", str(k), *map(str, row)]) for k, row in enumerate(rows, 1)] + [""]
+    return "\n".join(lines).encode("utf-16")
+
+
+MODULI = ("Angular Frequency", "Storage Modulus", "Loss Modulus", "Loss Factor", "Status")
+UNITS = ("[rad/s]", "[Pa]", "[Pa]", "[1]", "")
+ROWS = [
+    [number(w), number(k.real), number(k.imag), number(k.imag / k.real), "TruStrain™"]
+    for w, k in zip(OMEGA, STIFFNESS, strict=True)
+]
+
+
+def clipped(row):
+    """The row as the instrument writes it where tan delta is beyond its limit."""
+    return [row[0], number(float(row[2]) / 20000), row[2], "20000.000", "ME-,taD,TruStrain™"]
+
+
+def test_what_the_instrument_takes_back_is_left_out_and_told(folder):
+    content = rheocompass([(MODULI, UNITS, [clipped(ROWS[0]), clipped(ROWS[1]), *ROWS[2:]])])
+    found = folder.open(content)
+    np.testing.assert_allclose(found.stiffness, STIFFNESS[2:], rtol=1e-10)
+    assert "2 of 5 rows" in found.provenance["note clipped"]
+    assert "ME- (2), taD (2)" in found.provenance["note status"]
+    assert "TruStrain" not in found.provenance["note status"]
+    assert len(folder.open(content, "?status=ignore")) == 5
+
+
+def test_clipped_values_are_told_without_a_status_column(folder):
+    rows = [clipped(ROWS[0])[:4], clipped(ROWS[1])[:4], *(row[:4] for row in ROWS[2:])]
+    found = folder.open(rheocompass([(MODULI[:4], UNITS[:4], rows)]))
+    assert len(found) == 3
+
+
+def test_when_nothing_was_measured_it_says_what_to_type(folder):
+    content = rheocompass([(MODULI, UNITS, [clipped(row) for row in ROWS])])
+    with pytest.raises(DataError, match=r"5 of 5 rows .* '.*\?status=ignore'"):
+        folder.open(content)
+    assert "kept as you said" in folder.open(content, "?status=ignore").provenance["note clipped"]
+
+
+def test_a_raw_phase_near_180_degrees_is_told(folder):
+    header = "omega [rad/s],G' [Pa],G'' [Pa],Raw phase [deg]\n"
+    text = header + "1,100,10,5\n10,100,12,80\n30,100,15,165\n60,90,20,176\n"
+    found = folder.open(text)
+    assert "2 of 4 rows, from 4.77 Hz on" in found.provenance["note raw phase"]
+
+
+PRESHEAR = (
+    ("Time", "Shear Rate", "Shear Stress", "Viscosity"),
+    ("[s]", "[1/s]", "[Pa]", "[Pa·s]"),
+    [[1, 10, 20, 2], [2, 10, 21, 2.1]],
+)
+
+
+def test_a_pre_shear_does_not_keep_the_sweep_from_opening(folder):
+    content = rheocompass([PRESHEAR, (MODULI, UNITS, ROWS)])
+    np.testing.assert_allclose(folder.open(content).stiffness, STIFFNESS, rtol=1e-10)
+    first, second = folder.parts(content)
+    assert (first.usable, first.says) == (False, "steady flow, no dynamic test")
+    assert (second.usable, second.name) == (True, "job 1 interval 2")
+
+
+def test_a_part_that_lacks_a_unit_does_not_keep_the_rest_from_opening(folder):
+    bare = (MODULI, ("", "", "", "", ""), ROWS)
+    content = rheocompass([(MODULI, UNITS, ROWS), bare, (MODULI, UNITS, ROWS)])
+    found = folder.open(content)
+    assert sorted(set(found.labels["step"])) == ["job 1 interval 1", "job 1 interval 3"]
+    assert "left out: " in found.provenance["note job 1 interval 2"]
+    assert [part.usable for part in folder.parts(content)] == [True, False, True]
+    with pytest.raises(DataError, match="have no unit"):
+        folder.open(content, "#2")
+
+
+def test_a_segment_without_moduli_in_the_same_columns(folder):
+    sweep = "\n".join(
+        f"1|{i},{10 + i},{w},{k.real},{k.imag},37" for i, (w, k) in enumerate(zip(OMEGA, STIFFNESS, strict=True), 1)
+    )
+    creep = "\n".join(f"2|{i},{20 + i}, , , ,37" for i in range(1, 9))
+    text = f',t in s,f in Hz,G\' in Pa,"G"" in Pa",T in °C\n{sweep}\n{creep}\n'
+    np.testing.assert_allclose(folder.open(text).stiffness, STIFFNESS, rtol=1e-10)
+    assert [part.usable for part in folder.parts(text)] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("header", "says", "typed"),
+    [
+        ("strain [%],G' [Pa],G'' [Pa]", r"missing frequency .* open '[^']*\?frequency=1\[Hz\]'$", "?frequency=1[Hz]"),
+        ("Time [s],Relaxation modulus [Pa],Temperature [°C]", "a relaxation test in time, no dynamic test$", ""),
+        ("Time [s],Creep compliance [1/Pa],Temperature [°C]", "creep in time, no dynamic test$", ""),
+    ],
+)
+def test_a_hint_leads_to_right_data_or_is_not_given(folder, header, says, typed):
+    text = f"{header}\n1,200,30\n2,190,31\n"
+    with pytest.raises(DataError, match=says):
+        folder.open(text)
+    if typed:
+        np.testing.assert_allclose(folder.open(text, typed).frequency, 1.0)
+
+
+@pytest.mark.parametrize("header", ["a,b,c", "f [Hz],K_one,K_two", "time [s],G' [Pa],something"])
+def test_a_hint_that_is_typed_as_it_stands_gives_no_numbers(folder, header):
+    """Which column is what only the user knows: an example with numbers of columns would be typed as it stands."""
+    text = f"{header}\n1,2,3\n2,3,4\n"
+    with pytest.raises(DataError) as caught:
+        folder.open(text)
+    hint = str(caught.value).partition("?")[2].partition("'")[0]
+    with pytest.raises(DataError):
+        folder.open(text, "?" + hint)
