@@ -27,6 +27,7 @@ FLOORS = {
     "benchmark": 7,
     "diagnosis": 7,
     "superposition": 7,
+    "timetests": 7,
     "exporting": 7,
     "report": 8,
     "testing": 8,

@@ -13,6 +13,8 @@ __version__ = "0.1.0"
 _WHERE = {
     "Measurement": "springpot.measurement",
     "Units": "springpot.measurement",
+    "TimeTest": "springpot.measurement",
+    "open_in_time": "springpot.registry",
     "geometry": "springpot.measurement",
     "Model": "springpot.rheology",
     "Effect": "springpot.rheology",

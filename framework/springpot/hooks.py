@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from springpot.identification import Objective, Optimiser
     from springpot.measurement.catalogue import DataSet
     from springpot.measurement.reader import Reader
+    from springpot.measurement.timereader import TimeReader
     from springpot.rheology import Effect, Model, Writer
     from springpot.rheology.family import Family
 
@@ -95,6 +96,11 @@ def springpot_datasets() -> Iterable[DataSet]:  # type: ignore[empty-body]
 @hookspec
 def springpot_readers() -> Iterable[Reader]:  # type: ignore[empty-body]
     """Readers of measurement files, chosen by content."""
+
+
+@hookspec
+def springpot_time_readers() -> Iterable[TimeReader]:  # type: ignore[empty-body]
+    """Readers of files with tests in time, chosen by content."""
 
 
 @hookspec

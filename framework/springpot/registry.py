@@ -16,7 +16,8 @@ import pluggy
 from springpot import hooks
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
-from springpot.measurement import Measurement, Part, opening
+from springpot.measurement import Measurement, Part, TimeTest, opening
+from springpot.measurement import open_in_time as in_time_by
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 from springpot.rheology.lookup import use_finder
@@ -237,6 +238,17 @@ def open_measurement(spec: str | Path) -> Measurement:
     """
     found = plugins()
     return opening.open_measurement(spec, found.items("data set"), found.items("reader"))
+
+
+def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
+    """The tests in time in the file that a user names; none for sweeps, data sets and whatever else.
+
+    Raises
+    ------
+    DataError
+        If the file holds tests in time that cannot be used.
+    """
+    return in_time_by(spec, plugins().items("time reader"))
 
 
 def parts_of(spec: str | Path) -> tuple[Part, ...]:

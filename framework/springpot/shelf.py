@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 from springpot.errors import PluginError
 from springpot.hooks import Chapter
 from springpot.identification import Objective, Optimiser
-from springpot.measurement import DataSet, Reader
+from springpot.measurement import DataSet, Reader, TimeReader
 from springpot.rheology import Effect, Model, Writer
 from springpot.rheology.family import Family
 
@@ -185,6 +185,7 @@ KINDS: dict[str, Kind[Any]] = {
         Kind[Any]("objective", "springpot_objectives", lambda x: isinstance(x, Objective)),
         Kind[Any]("data set", "springpot_datasets", lambda x: isinstance(x, DataSet)),
         Kind[Any]("reader", "springpot_readers", lambda x: isinstance(x, Reader)),
+        Kind[Any]("time reader", "springpot_time_readers", lambda x: isinstance(x, TimeReader)),
         Kind[Any]("writer", "springpot_writers", lambda x: isinstance(x, Writer)),
         Kind[Any]("chapter", "springpot_demo", lambda x: isinstance(x, Chapter), lambda x: x.title),
     )

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.errors import DataError
+
+from . import timetests
 from .common import (
     FILE,
     POSITIVE,
-    data_argument,
     emit,
     geometry_option,
     json_option,
@@ -28,7 +30,7 @@ INTERVALS = ("jacobian", "profile", "bootstrap")
 @click.command(
     "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
 )
-@data_argument
+@click.argument("data", metavar="DATA...", nargs=-1, required=True)
 @model_option
 @click.option("--optimiser", metavar="NAME", help="See 'springpot list optimisers'; the native solver by default.")
 @click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
@@ -41,10 +43,14 @@ INTERVALS = ("jacobian", "profile", "bootstrap")
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf).")
 @json_option
-def command(data: str, model: str, geometry: str | None, figure: Path | None, as_json: bool, **options: Any) -> None:
+def command(
+    data: tuple[str, ...], model: str, geometry: str | None, figure: Path | None, as_json: bool, **options: Any
+) -> None:
     """Parameters of a model that fit DATA, a file or a registered data set, best.
 
-    Conditions choose part of the data: nist-srm2491@temperature=20.
+    Conditions choose part of the data: nist-srm2491@temperature=20. Tests in time (relaxation, creep, startup,
+    recovery, any record of displacement and force) are identified together with each other and with sweeps of the
+    same specimen, each weighed by its own noise: springpot identify sweep.csv relaxation.csv --model fractional-zener
     """
     from springpot.api import identify
     from springpot.registry import parse_model
@@ -53,7 +59,15 @@ def command(data: str, model: str, geometry: str | None, figure: Path | None, as
     if figure is not None:
         check_figure_path(figure)
     expression = parse_model(model)
-    found = identify(opened(data, geometry), expression, **options)
+    tests = timetests.named_tests(data, geometry)
+    if tests is not None:
+        timetests.identify(tests, model, figure, as_json, options)
+        return
+    if len(data) > 1:
+        raise DataError(
+            f"{data[1]}: a second sweep; name one, or sweeps together with tests in time of the same specimen"
+        )
+    found = identify(opened(data[0], geometry), expression, **options)
     if figure is not None:
         draw(found, figure)
     emit(found, as_json, lambda: show(found, figure))

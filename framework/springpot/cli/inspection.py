@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import timetests
 from .common import data_argument, emit, geometry_option, json_option, opened
 
 if TYPE_CHECKING:
@@ -31,8 +32,11 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
     What a file leaves open is said by FILE?frequency=Hz, in quotes for some shells.
     """
     from springpot.errors import DataError
-    from springpot.registry import parts_of
+    from springpot.registry import open_in_time, parts_of
 
+    if in_time := open_in_time(data):
+        timetests.inspect(in_time, as_json)
+        return
     parts = parts_of(data)
     try:
         result = described(opened(data, geometry, quiet=True), parts)

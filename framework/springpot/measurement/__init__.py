@@ -13,6 +13,9 @@ from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader, select
 from .reader import Choice, Part, Reader
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
+from .timenoise import SignalNoise, noise_of, relative_scatter
+from .timereader import TimeReader, open_in_time
+from .timetest import Loading, TimeTest
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -46,6 +49,7 @@ __all__ = [
     "Harmonics",
     "KELVIN",
     "LENGTH_UNITS",
+    "Loading",
     "MODULUS_UNITS",
     "Measurement",
     "PRESSURE_UNITS",
@@ -53,11 +57,14 @@ __all__ = [
     "Reader",
     "STIFFNESS_UNITS",
     "STRAIN_UNITS",
+    "SignalNoise",
     "Signals",
     "Spread",
     "TEMPERATURE_UNITS",
     "TIME_UNITS",
     "TORQUE_UNITS",
+    "TimeReader",
+    "TimeTest",
     "Units",
     "as_modulus",
     "as_stiffness",
@@ -71,15 +78,18 @@ __all__ = [
     "measurement_from_signals",
     "misspelt",
     "normal_unit",
+    "noise_of",
     "open_measurement",
     "parse_geometry",
     "parts_of",
     "pick_reader",
+    "relative_scatter",
     "select",
     "spread_of",
     "steadied",
     "telling",
     "temperature_in_celsius",
+    "open_in_time",
     "through",
     "unguarded",
     "unguarded_line",

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from springpot.hooks import hookimpl
-from springpot.measurement import Reader
+from springpot.measurement import Reader, TimeReader
 
+from ..timereaders import reptate as time_reptate
+from ..timereaders import table as time_table
 from . import (
     excel,
     generic,
@@ -42,3 +44,9 @@ def springpot_readers() -> Iterable[Reader]:
         signals_tdms.READER,
         generic.READER,
     )
+
+
+@hookimpl
+def springpot_time_readers() -> Iterable[TimeReader]:
+    """Those of tests in time."""
+    return (time_reptate.READER, time_table.READER)

@@ -1,0 +1,179 @@
+"""The noise of a signal against time, from the signal itself.
+
+Divided differences of the fourth order do not see what is smooth, at any sampling: what is left is noise. It is told
+apart into a constant part (the resolution of a transducer) and one in proportion to the signal.
+Gasser, Sroka & Jennen-Steinmetz 1986, doi:10.1093/biomet/73.3.625, with a higher order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .measurement import Measurement
+from .timetest import TimeTest
+
+ORDER = 4
+"""Of the differences: a cubic leaves nothing, and noise in five neighbours makes one number."""
+FEWEST = 12
+"""Samples below which the scatter tells nothing: then `ASSUMED` stands."""
+ASSUMED = 0.01
+"""Relative noise where there are too few samples: rheometers state 1 to 2 %."""
+NORMAL = 1.482602218505602
+"""Standard deviation of normal noise over the median of its absolute values, 1/0.6745."""
+WIDE = 3.0
+"""Ratio of the largest to the smallest signal from which a constant part can be told from a proportional one."""
+BINS = 12
+FEWEST_IN_BIN = 16
+"""Samples of a level of the signal whose scatter is worth a number."""
+ROUNDS = 6
+"""Of reweighting: after four the parts change in the third digit only."""
+EFFICIENCY = 0.37
+"""Share of the samples that a median of absolute values uses: its variance is 1/0.37 of the best one's."""
+PLAINLY = 4.0
+"""By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
+LEAST = 1e-9
+"""Noise, over the largest signal, below which a record is taken as exact: it was computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SignalNoise:
+    """Noise of a signal.
+
+    Attributes
+    ----------
+    sd : ndarray, shape (n,)
+        Standard deviation of each sample.
+    absolute, relative : float
+        Its constant part in the unit of the signal, and its share of the signal.
+    estimated : bool
+        Whether the signal told it; otherwise one per cent is assumed.
+    """
+
+    sd: Real
+    absolute: float
+    relative: float
+    estimated: bool
+
+    @property
+    def floor(self) -> float:
+        """Root mean square of the noise."""
+        return float(np.sqrt(np.mean(self.sd**2)))
+
+
+def noise_of(test: TimeTest) -> SignalNoise:
+    """The noise of a test's response.
+
+    Parameters
+    ----------
+    test : TimeTest
+        The test.
+
+    Returns
+    -------
+    SignalNoise
+        White noise only: what drifts slowly is no scatter, and stays in the residual.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest, noise_of
+    >>> t = np.geomspace(0.1, 100.0, 400)
+    >>> scatter = np.random.default_rng(1).normal(size=400)
+    >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
+    0.021
+    """
+    level = _smooth(np.abs(test.response))
+    largest = float(np.abs(test.response).max())
+    if len(test) < FEWEST:
+        absolute = 0.1 * ASSUMED * largest
+        return SignalNoise(np.hypot(ASSUMED * level, absolute), absolute, ASSUMED, False)
+    clock = test.time - test.start
+    if test.kind in ("relaxation", "creep") and clock[0] > 0.0:
+        clock = np.log(clock)
+    scatter = _scatter(clock, test.response)
+    absolute, relative = _two_parts(scatter, level[ORDER // 2 : len(level) - ORDER // 2])
+    absolute = max(absolute, LEAST * largest)
+    return SignalNoise(np.hypot(relative * level, absolute), absolute, relative, True)
+
+
+def _smooth(size: Real) -> Real:
+    """Running mean over five samples: the signal's size without most of its noise."""
+    if len(size) < 5:
+        return size
+    padded = np.concatenate([size[:1], size[:1], size, size[-1:], size[-1:]])
+    mean: Real = np.convolve(padded, np.full(5, 0.2), mode="valid")
+    return mean
+
+
+def _scatter(clock: Real, signal: Real) -> Real:
+    """Divided differences over five neighbours, scaled so that white noise keeps its size, shape (n - 4,)."""
+    u = np.lib.stride_tricks.sliding_window_view(clock, ORDER + 1)
+    y = np.lib.stride_tricks.sliding_window_view(signal, ORDER + 1)
+    u = (u - u[:, :1]) / (u[:, -1:] - u[:, :1])
+    apart = u[:, :, None] - u[:, None, :] + np.eye(ORDER + 1)
+    factors = 1.0 / apart.prod(axis=2)
+    scatter: Real = (factors * y).sum(axis=1) / np.sqrt((factors**2).sum(axis=1))
+    return scatter
+
+
+def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
+    """Constant and proportional part of the noise, from its robust size at each level of the signal.
+
+    Both are taken only where one alone explains the levels plainly worse: a small part that is not there would
+    otherwise be found by chance, and make the noise too large where the signal is small.
+    """
+    least = max(float(level.min()), 1e-12 * float(level.max()))
+    if level.max() < WIDE * least:
+        return NORMAL * float(np.median(np.abs(scatter))), 0.0
+    order = np.argsort(level)
+    groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
+    size = np.array([np.median(level[group]) for group in groups])
+    found = np.array([NORMAL * np.median(np.abs(scatter[group])) for group in groups])
+    worth = EFFICIENCY * np.array([len(group) for group in groups])
+    # Of groups without any scatter (printed digits that repeat) nothing is known.
+    known = found > 0.0
+    if not known.any():
+        return 0.0, 0.0
+    columns = np.column_stack([np.ones_like(size), size**2])[known]
+    # The square of an uncertain number is too large by its variance, and neighbouring differences share samples.
+    power = found[known] ** 2 / (1.0 + 1.0 / worth[known])
+    worth = worth[known]
+    tried = [_fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
+    alone = min(tried[:2], key=lambda each: each[1])
+    parts = tried[2][0] if tried[2][1] < alone[1] - PLAINLY else alone[0]
+    return float(np.sqrt(parts[0])), float(np.sqrt(parts[1]))
+
+
+def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
+    """Non-negative amounts of the columns, and minus twice the logarithm of their likelihood."""
+    from scipy.optimize import nnls
+
+    expected, parts = power, np.zeros(columns.shape[1])
+    for _ in range(ROUNDS):
+        # Weighed by what is expected: by what was found, groups that are small by chance would count for more.
+        share = np.sqrt(worth) / expected
+        parts = nnls(columns * share[:, None], power * share)[0]
+        expected = np.maximum(columns @ parts, 1e-6 * power)
+    return parts, float(np.sum(worth * (np.log(expected) + power / expected)))
+
+
+def relative_scatter(sweep: Measurement) -> float:
+    """Relative noise of a sweep at frequencies without standard deviations, from the scatter of neighbours.
+
+    Sparse sweeps bend between their points, so that this is at most how large the noise is.
+    """
+    found = []
+    for _, rows in sweep.sweeps():
+        ordered = rows[np.argsort(sweep.omega[rows])]
+        clock = np.log(sweep.omega[ordered])
+        if len(ordered) <= ORDER or np.any(np.diff(clock) <= 0.0):
+            continue
+        turned = np.log(sweep.stiffness[ordered])
+        found += [_scatter(clock, turned.real), _scatter(clock, np.unwrap(turned.imag))]
+    if not found or sum(map(len, found)) < FEWEST - ORDER:
+        return ASSUMED
+    return max(NORMAL * float(np.median(np.abs(np.concatenate(found)))), LEAST)

@@ -1,0 +1,85 @@
+"""Readers of tests in time, chosen by what a file holds, and how a user's file is opened with them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from springpot.errors import DataError, SpringpotError
+
+from .budget import within_budget
+from .naming import file_and_choice, is_file
+from .opening import read_head
+from .reader import Choice
+from .timetest import TimeTest
+
+SURE = 0.5
+"""Confidence from which a file is taken for tests in time: below, it may be any table."""
+
+
+@dataclass(frozen=True)
+class TimeReader:
+    """One layout of files with tests in time.
+
+    Parameters
+    ----------
+    name : str
+        Shown by ``springpot list readers``.
+    summary : str
+        One sentence on the layout.
+    recognises : callable
+        From the first bytes of a file to a confidence between 0 (not mine) and 1 (surely mine).
+    read : callable
+        From a path and a `Choice` to the tests, in the order of the file.
+    """
+
+    name: str
+    summary: str
+    recognises: Callable[[bytes], float]
+    read: Callable[[Path, Choice], Sequence[TimeTest]]
+
+
+def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeTest, ...]:
+    """The tests in time in the file that a user names; none where it is no file, or holds something else.
+
+    Parameters
+    ----------
+    spec : str or Path
+        ``FILE``, ``FILE#2`` for a part, ``FILE?temperature=25[degC]`` for what the file leaves open.
+    readers : iterable of TimeReader
+        The known layouts.
+
+    Raises
+    ------
+    DataError
+        If the file holds tests in time that cannot be used, in one line.
+    """
+    name, choice = file_and_choice(str(spec))
+    if not is_file(name) or Path(name).is_dir():
+        return ()
+    path = Path(name)
+    return within_budget(path, lambda: _read(path, choice, list(readers)))
+
+
+def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[TimeTest, ...]:
+    head = read_head(path)
+    scored = [(_confidence(reader, head), -i, reader) for i, reader in enumerate(readers)]
+    best = max(scored, key=lambda entry: entry[:2], default=None)
+    if best is None or best[0] < SURE:
+        return ()
+    try:
+        return tuple(best[2].read(path, choice))
+    except (SpringpotError, MemoryError):
+        raise
+    except Exception as error:
+        first = (str(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: the reader '{best[2].name}' failed: {type(error).__name__}: {first}") from error
+
+
+def _confidence(reader: TimeReader, head: bytes) -> float:
+    try:
+        return float(reader.recognises(head))
+    except Exception:
+        # A reader that stumbles over a foreign layout simply does not recognise it.
+        return 0.0

@@ -1,0 +1,445 @@
+"""Tests in time: what was imposed on a specimen, and what it answered, against the clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from springpot.errors import DataError
+from springpot.plain import plain
+from springpot.rheology import Real
+
+from .signals import stiffness_unit
+from .units import AMPLITUDE_UNITS, MODULUS_UNITS, PRESSURE_UNITS, Units
+
+CONTROLS = ("displacement", "force")
+STEADY = 0.02
+"""Share of its largest value by which what is called held may move: rheometers hold a strain to 1 or 2 %."""
+SHORT = 0.05
+"""Share of the record that a rise may take for the test to be called relaxation or creep."""
+STRAIGHT = 0.02
+"""Share of its end by which a ramp may leave the straight line."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """What was imposed: straight between its knots, at rest at the first value before, held at the last one after.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        In s; two knots at one time are a step.
+    value : ndarray, shape (k,)
+        Displacement or force.
+
+    Raises
+    ------
+    DataError
+        If the time runs backwards, or something is no number.
+    """
+
+    time: Real
+    value: Real
+
+    def __post_init__(self) -> None:
+        for name in ("time", "value"):
+            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
+        if self.time.shape != self.value.shape or self.time.ndim != 1 or not len(self.time):
+            raise DataError("a loading is two lists of the same length, times and values")
+        if not (np.all(np.isfinite(self.time)) and np.all(np.isfinite(self.value))):
+            raise DataError("a loading has a time or a value that is no number")
+        if np.any(np.diff(self.time) < 0.0):
+            back = int(np.flatnonzero(np.diff(self.time) < 0.0)[0])
+            raise DataError(f"the time of the loading runs backwards after {self.time[back]:g} s")
+
+    @classmethod
+    def step(cls, size: float = 1.0, rise: float = 0.0) -> Loading:
+        """A step at t = 0 that takes `rise` seconds.
+
+        Examples
+        --------
+        >>> Loading.step(2.0, rise=0.5).time
+        array([0. , 0.5])
+        """
+        if not rise >= 0.0:
+            raise DataError(f"the rise of a step takes 0 s or more, not {rise:g} s")
+        return cls(np.array([0.0, rise]), np.array([0.0, size]))
+
+    @cached_property
+    def jumps(self) -> tuple[Real, Real]:
+        """Times and sizes of the steps that take no time."""
+        at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
+        return self.time[at], np.diff(self.value)[at]
+
+    @cached_property
+    def smooth(self) -> Loading | None:
+        """The rest without its jumps, at rising times; None where nothing else moves."""
+        times, _ = self.jumps
+        passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
+        first = np.concatenate([[True], np.diff(self.time) > 0.0])
+        kept = Loading(self.time[first], (self.value - passed)[first]) if len(times) else self
+        if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
+            return None
+        return kept
+
+    def scaled(self, factor: float) -> Loading:
+        """The same in another unit."""
+        return Loading(self.time, self.value * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class TimeTest:
+    """A test in time: relaxation, creep, startup, recovery, or any history.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        In s, rising; when the response was read.
+    response : ndarray, shape (n,)
+        Force in ``force_unit`` for a displacement that was imposed, else displacement in ``displacement_unit``.
+    loading : Loading
+        What was imposed.
+    control : {"displacement", "force"}
+        Which of the two that was.
+    displacement_unit, force_unit : str
+        Such as ``mm`` and ``kN``, or ``-`` and ``Pa`` for strain and stress.
+    temperature : float, optional
+        In degC.
+    name : str
+        Shown in reports.
+    provenance : mapping of str to str
+        Where the data come from.
+
+    Raises
+    ------
+    DataError
+        If the columns do not fit each other or hold what cannot be measured, with the sample and what to do.
+
+    Examples
+    --------
+    >>> test = TimeTest.of_relaxation([0.1, 1.0, 10.0], [30.0, 20.0, 15.0], "kPa")
+    >>> test.kind, test.units.stiffness
+    ('relaxation', 'kPa')
+    """
+
+    time: Real
+    response: Real
+    loading: Loading
+    control: str = "displacement"
+    displacement_unit: str = "-"
+    force_unit: str = "Pa"
+    temperature: float | None = None
+    name: str = "test"
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        for name in ("time", "response"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
+        if self.control not in CONTROLS:
+            raise DataError(f"{self.name}: control is displacement or force, not '{self.control}'")
+        self._check()
+
+    def _check(self) -> None:
+        n = len(self.time)
+        if self.time.ndim != 1 or self.response.shape != self.time.shape:
+            raise DataError(f"{self.name}: {n} times for {self.response.size} values: each sample has one of both")
+        if n < 2:
+            raise DataError(f"{self.name}: {n} sample is no test in time")
+        for what, values in (("time", self.time), (self.answered, self.response)):
+            bad = np.flatnonzero(~np.isfinite(values))
+            if len(bad):
+                raise DataError(f"{self.name}: the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+        back = np.flatnonzero(np.diff(self.time) <= 0.0)
+        if len(back):
+            raise DataError(
+                f"{self.name}: the time does not rise after sample {back[0] + 1} (t = {self.time[back[0]]:g} s): "
+                "sort the samples, or open one part at a time"
+            )
+        if self.time[0] < self.loading.time[0]:
+            raise DataError(
+                f"{self.name}: the first sample at t = {self.time[0]:g} s lies before the load, which begins at "
+                f"{self.loading.time[0]:g} s: count the time from there"
+            )
+        if np.ptp(self.loading.value) == 0.0:
+            raise DataError(f"{self.name}: the {self.control} never moves: nothing was tested")
+        stiffness_unit(self.displacement_unit, self.force_unit)
+
+    @classmethod
+    def of_relaxation(
+        cls,
+        time: ArrayLike,
+        modulus: ArrayLike,
+        unit: str = "Pa",
+        *,
+        rise: float = 0.0,
+        temperature: float | None = None,
+        name: str = "relaxation",
+        provenance: Mapping[str, str] | None = None,
+    ) -> TimeTest:
+        """A test of which the relaxation modulus (or stiffness, such as in ``kN/m``) was noted.
+
+        Parameters
+        ----------
+        time, modulus : array_like, shape (n,)
+            In s since the step began, and in `unit`.
+        unit : str
+            Of the modulus or stiffness.
+        rise : float
+            Seconds that the step took.
+        temperature, name, provenance
+            As in `TimeTest`.
+        """
+        force, displacement = _split(unit)
+        return cls(
+            np.asarray(time, dtype=float),
+            np.asarray(modulus, dtype=float),
+            Loading.step(1.0, rise),
+            "displacement",
+            displacement,
+            force,
+            temperature,
+            name,
+            provenance or {},
+        )
+
+    @classmethod
+    def of_compliance(
+        cls,
+        time: ArrayLike,
+        compliance: ArrayLike,
+        unit: str = "Pa",
+        *,
+        rise: float = 0.0,
+        temperature: float | None = None,
+        name: str = "creep",
+        provenance: Mapping[str, str] | None = None,
+    ) -> TimeTest:
+        """A test of which the creep compliance was noted, in 1 over `unit`; see `of_relaxation`."""
+        force, displacement = _split(unit)
+        return cls(
+            np.asarray(time, dtype=float),
+            np.asarray(compliance, dtype=float),
+            Loading.step(1.0, rise),
+            "force",
+            displacement,
+            force,
+            temperature,
+            name,
+            provenance or {},
+        )
+
+    @classmethod
+    def of_history(
+        cls,
+        time: ArrayLike,
+        displacement: ArrayLike,
+        force: ArrayLike,
+        displacement_unit: str,
+        force_unit: str,
+        *,
+        control: str | None = None,
+        rise: float = 0.0,
+        temperature: float | None = None,
+        name: str = "history",
+        provenance: Mapping[str, str] | None = None,
+    ) -> TimeTest:
+        """A test of which displacement and force were recorded.
+
+        Parameters
+        ----------
+        time, displacement, force : array_like, shape (n,)
+            The record. A displacement in ``%`` is taken as a share. Where it begins later than t = 0 with what was
+            imposed there already, that is taken to have risen from nothing at t = 0, in a straight line.
+        displacement_unit, force_unit : str
+            Their units.
+        control : {"displacement", "force"}, optional
+            Which of the two was imposed; by default the one that is held, or else the displacement.
+        rise : float
+            Seconds that the load took from nothing to where the record begins, if that is known.
+        temperature, name, provenance
+            As in `TimeTest`.
+        """
+        clock, moved, pulled = (np.asarray(column, dtype=float) for column in (time, displacement, force))
+        if not clock.shape == moved.shape == pulled.shape or clock.ndim != 1:
+            raise DataError(
+                f"{name}: {clock.size} times, {moved.size} displacements and {pulled.size} forces: "
+                "each sample has one of all"
+            )
+        if displacement_unit == "%":
+            moved, displacement_unit = 0.01 * moved, "-"
+        chosen = _held(moved, pulled) if control is None else control
+        imposed, response = (pulled, moved) if chosen == "force" else (moved, pulled)
+        _require_numbers(clock, imposed, name, chosen)
+        return cls(
+            clock,
+            response,
+            _from_rest(clock, imposed, rise),
+            chosen,
+            displacement_unit,
+            force_unit,
+            temperature,
+            name,
+            provenance or {},
+        )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        reach = f"{self.time[0]:.3g} to {self.time[-1]:.3g} s"
+        return f"<TimeTest {plain(self.name)}: {self.kind}, {len(self)} samples, {reach}>"
+
+    @property
+    def answered(self) -> str:
+        """Which of displacement and force is the response."""
+        return "force" if self.control == "displacement" else "displacement"
+
+    @property
+    def response_unit(self) -> str:
+        """Its unit."""
+        return self.force_unit if self.control == "displacement" else self.displacement_unit
+
+    @property
+    def loading_unit(self) -> str:
+        """Unit of what was imposed."""
+        return self.displacement_unit if self.control == "displacement" else self.force_unit
+
+    @cached_property
+    def units(self) -> Units:
+        """In which the parameters of a model of it are."""
+        return Units(stiffness_unit(self.displacement_unit, self.force_unit)[1], self.displacement_unit)
+
+    @property
+    def kelvin(self) -> float | None:
+        """The temperature in kelvin."""
+        return None if self.temperature is None else self.temperature + 273.15
+
+    @cached_property
+    def duration(self) -> float:
+        """Seconds from the first motion of the load to the last sample."""
+        return float(self.time[-1] - self.start)
+
+    @cached_property
+    def start(self) -> float:
+        """When the load first moves, in s."""
+        moving = np.flatnonzero(np.diff(self.loading.value) != 0.0)
+        return float(self.loading.time[moving[0]])
+
+    @cached_property
+    def rise(self) -> float:
+        """Seconds that the load takes to its largest value."""
+        size = np.abs(self.loading.value)
+        there = np.flatnonzero(size >= (1.0 - STEADY) * size.max())[0]
+        return max(float(self.loading.time[there]) - self.start, 0.0)
+
+    @cached_property
+    def kind(self) -> str:
+        """``relaxation``, ``creep``, ``recovery``, ``startup`` or ``history``."""
+        value, clock = self.loading.value, self.loading.time
+        largest = np.abs(value).max()
+        after = value[clock > self.start + self.rise]
+        held = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
+        if held and self.rise <= SHORT * self.duration:
+            released = len(after) > 0 and abs(after[-1]) < STEADY * largest
+            if not released:
+                return "relaxation" if self.control == "displacement" else "creep"
+        if _is_released(value, largest):
+            return "recovery"
+        line = (clock - self.start) / max(clock[-1] - self.start, 1e-300) * value[-1]
+        if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STRAIGHT * largest:
+            return "startup"
+        return "history"
+
+    def in_units(self, units: Units) -> TimeTest:
+        """The same test in the units of another one.
+
+        Parameters
+        ----------
+        units : Units
+            Whose amplitude is that of its stiffness, as in every `TimeTest`.
+
+        Raises
+        ------
+        DataError
+            If one is of a stiffness and the other of a modulus.
+        """
+        if units == self.units:
+            return self
+        pressures = {self.units.stiffness in PRESSURE_UNITS, units.stiffness in PRESSURE_UNITS}
+        if len(pressures) > 1:
+            raise DataError(
+                f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}: "
+                "a stiffness is no modulus; convert one of them by its geometry"
+            )
+        stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
+        longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+        moved, pulled = (longer, stiffer * longer)
+        by_load, by_response = (moved, pulled) if self.control == "displacement" else (pulled, moved)
+        force, displacement = _split(units.stiffness)
+        return replace(
+            self,
+            response=self.response * by_response,
+            loading=self.loading.scaled(by_load),
+            displacement_unit=displacement,
+            force_unit=force,
+        )
+
+
+def _split(unit: str) -> tuple[str, str]:
+    """Units of force and displacement of a stiffness, or of stress and strain of a modulus."""
+    if unit in PRESSURE_UNITS:
+        return unit, "-"
+    if unit not in MODULUS_UNITS:
+        raise DataError(f"[{unit}] is no unit of a modulus or stiffness: write Pa, MPa, kN/m or N/mm")
+    force, _, displacement = unit.partition("/")
+    return force, displacement
+
+
+def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
+    for said, values in (("time", clock), (what, imposed)):
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise DataError(f"{name}: the {said} of sample {bad[0] + 1} is no number: leave that sample out")
+    back = np.flatnonzero(np.diff(clock) < 0.0)
+    if len(back):
+        raise DataError(
+            f"{name}: the time does not rise after sample {back[0] + 1} (t = {clock[back[0]]:g} s): "
+            "sort the samples, or open one part at a time"
+        )
+
+
+def _held(moved: Real, pulled: Real) -> str:
+    """The channel that stands still for most of the record, and more so than the other; else the displacement."""
+    late = slice(len(moved) // 4, None)
+    unrest = [np.ptp(x[late]) / max(np.abs(x).max(), 1e-300) for x in (moved, pulled)]
+    return "force" if unrest[1] <= STEADY and unrest[1] < unrest[0] else "displacement"
+
+
+def _from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
+    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing."""
+    if rise > 0.0:
+        later = clock > rise
+        held = imposed[later][:1] if later.any() else imposed[-1:]
+        start, size = np.array([0.0, rise]), np.concatenate([[0.0], held])
+        return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
+    largest = np.abs(imposed).max()
+    if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:
+        # Held from the first sample on: it was stepped to just then.
+        return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
+    if clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and clock[0] < SHORT * clock[-1]:
+        return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
+    return Loading(clock, imposed)
+
+
+def _is_released(value: Real, largest: float) -> bool:
+    """Whether a load went up, was held, and came back to nothing, and no more."""
+    high = np.abs(value) >= (1.0 - STEADY) * largest
+    low = np.abs(value) <= STEADY * largest
+    changes = int(np.count_nonzero(np.diff(high.astype(int)) != 0))
+    return bool(low[-1]) and changes <= 2 and bool(np.count_nonzero(low[len(low) // 2 :]) > 0)

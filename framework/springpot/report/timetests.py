@@ -1,0 +1,110 @@
+"""Pictures of tests in time: measured and computed, over logarithmic and linear time, with what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.measurement import Measurement, TimeTest
+from springpot.rheology import Model, Real
+from springpot.timetests import Test, TimeIdentification, predicted
+from springpot.timetests.parts import InTimePart, parts_of_specimen
+
+from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SMOOTH = 300
+"""Points of a drawn curve."""
+DRAWN = 2000
+"""Samples that are drawn of a test: more make a picture large and no clearer."""
+DECADE = 10.0
+"""Values that differ by more than this are drawn on a logarithmic axis."""
+
+
+def figure_tests(found: TimeIdentification, tests: Sequence[Test], path: str | Path | None = None) -> Figure:
+    """Each test with its fit: over logarithmic time, over linear time, and the residual over its noise.
+
+    Parameters
+    ----------
+    found : TimeIdentification
+        The fit.
+    tests : sequence of TimeTest or Measurement
+        What it was fitted to.
+    path : str or Path, optional
+        Where to write it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    parts = parts_of_specimen(tests)
+    with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
+        grid = figure.subplots(len(parts), 3, squeeze=False)
+        for row, part in zip(grid, parts, strict=True):
+            if isinstance(part, InTimePart):
+                _draw_test(row, part, found.model, found.theta, found.reference)
+            else:
+                _draw_sweep(row, part.test, found.model, found.theta)
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def _draw_test(row: Sequence[Axes], part: InTimePart, model: Model, theta: Real, reference: float) -> None:
+    test = part.test
+    shown = np.unique(np.linspace(0, len(test) - 1, min(DRAWN, len(test))).astype(int))
+    curves = _curve_times(test)
+    for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
+        axes.plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured")
+        drawn = predicted(model, theta, test, reference, clock).value
+        axes.plot(clock, drawn, color=COLOURS[0], label=model.name)
+        axes.set_xlabel("t [s]")
+        if scale == "log":
+            logarithmic(axes, "x")
+            if test.response.min() > 0.0 and test.response.max() > DECADE * test.response.min():
+                logarithmic(axes, "y")
+    row[0].set_ylabel(f"{test.answered} [{test.response_unit}]")
+    row[0].set_title(f"{test.name}: {test.kind}")
+    row[0].legend()
+    residual = -part.with_scale(1.0).residual(model, theta, reference).value
+    row[2].axhspan(-2.0, 2.0, color="#EEEEEE")
+    row[2].plot(test.time[shown], residual[shown], ".", color=COLOURS[1], ms=2.5)
+    row[2].set(xlabel="t [s]", ylabel="residual / noise")
+    if test.time[0] > 0.0:
+        logarithmic(row[2], "x")
+
+
+def _curve_times(test: TimeTest) -> tuple[Real, Real]:
+    """Times of a smooth curve over the logarithm of time and over time."""
+    positive = test.time[test.time > 0.0]
+    log = np.geomspace(positive[0], positive[-1], SMOOTH)
+    if test.kind == "history":
+        return log, test.time
+    return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
+
+
+def _draw_sweep(row: Sequence[Axes], sweep: Measurement, model: Model, theta: Real) -> None:
+    order = np.argsort(sweep.omega)
+    computed = model.stiffness(theta, sweep.points)
+    unit = sweep.units.stiffness
+    for axes, name, of in ((row[0], "storage", np.real), (row[1], "loss", np.imag)):
+        axes.plot(sweep.frequency, of(sweep.stiffness), ".", color=QUIET, label="measured")
+        axes.plot(sweep.frequency[order], of(computed)[order], color=COLOURS[0], label=model.name)
+        axes.set(xlabel="f [Hz]", ylabel=f"{name} [{unit}]")
+        logarithmic(axes, "x")
+        if np.all(of(sweep.stiffness) > 0.0):
+            logarithmic(axes, "y")
+    row[0].set_title(f"{sweep.name}: sweep")
+    row[0].legend()
+    missed = 100.0 * np.abs(computed - sweep.stiffness) / sweep.magnitude
+    row[2].plot(sweep.frequency, missed, ".", color=COLOURS[1])
+    row[2].set(xlabel="f [Hz]", ylabel="error [% of |K|]")
+    row[2].axhline(0.0, color=INK, lw=0.5)
+    logarithmic(row[2], "x")

@@ -1,0 +1,274 @@
+"""Identification from tests in time, alone or together with sweeps at frequencies of the same specimen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from time import perf_counter
+
+import numpy as np
+
+from springpot.errors import ModelError, SpringpotError
+from springpot.identification import Solution, is_material, levenberg_marquardt
+from springpot.identification.coordinates import Coordinates
+from springpot.identification.leastsquares import Rows
+from springpot.measurement import Measurement, TimeTest, Units
+from springpot.rheology import Model, Real
+
+from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests
+from .result import PartResult, TimeIdentification, sampled_scatter
+from .start import start_of
+
+QUICK = 25
+"""Steps with some of the samples."""
+LAST = 30
+"""Steps with all of them."""
+LEAST_INFORMATION = 1e-12
+"""Of a coordinate: its standard deviation would be a million natural sizes."""
+ORDERS = (0.3, 0.5, 0.8)
+FAR = 5.0
+"""Logarithm by which a start may differ from a natural size: beyond a factor of 150 it leaves no trace to follow."""
+EDGE = 0.05
+"""Share of its range by which a parameter with two ends begins away from them."""
+DOUBTFUL = 1.5
+"""Error over the noise from which other starts are tried too."""
+FLAT = 1e-10
+"""A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
+
+
+def identify(tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real] = ()) -> TimeIdentification:
+    """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
+
+    Parameters
+    ----------
+    tests : TimeTest, Measurement, or a sequence of them
+        At least one in time.
+    model : Model
+        Any model whose parts have a meaning in time.
+    seeds : sequence of ndarray, shape (p,)
+        Further starts, in the units of the first test in time.
+
+    Returns
+    -------
+    TimeIdentification
+        Parameters with intervals, and each test's error beside its noise floor, together and alone.
+
+    Raises
+    ------
+    SpringpotError
+        If model and tests do not fit each other.
+
+    Notes
+    -----
+    A test that the model misses by more than noise, when fitted alone, weighs as if its noise were that large, and
+    samples whose misses are alike count once: so no test outvotes another by a precision that the model cannot use.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> from springpot.measurement import TimeTest
+    >>> model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.01, 100.0, 60)
+    >>> exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t)
+    >>> identify(TimeTest.of_relaxation(t, exact, "kPa"), model).theta.round(3)
+    array([400. ,  60. ,   0.5])
+    """
+    began = perf_counter()
+    given = [tests] if isinstance(tests, TimeTest | Measurement) else list(tests)
+    if not given:
+        raise ModelError("there is no test to identify a model from")
+    if is_material(model):
+        raise ModelError(f"{model.name} is not identified in time yet: name a model, such as prony-5")
+    require_tests(model, given)
+    parts = parts_of_specimen(given)
+    reference = reference_of(given)
+    search = Search(model, parts, reference, seeds)
+    u, evaluations, converged = search.solved(parts, search.starts())
+    alone = [search.ratio(part, u) for part in parts]
+    if len(parts) > 1:
+        scales = []
+        for i, part in enumerate(parts):
+            own, spent, _ = search.solved([part], [u])
+            evaluations += spent
+            alone[i] = min(alone[i], search.ratio(part, own))
+            scales.append(search.scale(part, own))
+        parts = [part.with_scale(scale) for part, scale in zip(parts, scales, strict=True)]
+        u, spent, converged = search.solved(parts, [u])
+        evaluations += spent
+    return search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
+
+
+class Search:
+    """A model and the tests of a specimen, in the coordinates of the native solver.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    parts : sequence of Part
+        To what.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    seeds : sequence of ndarray, shape (p,)
+        Further starts.
+    """
+
+    def __init__(self, model: Model, parts: Sequence[Part], reference: float, seeds: Sequence[Real] = ()) -> None:
+        self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
+        self._followed = False
+        middle = float(np.mean([part.log_omega for part in parts]))
+        size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
+        amplitude = max(_reach(part) for part in parts)
+        self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
+        self.size = self.coordinates.size[0]
+
+    def starts(self) -> list[Real]:
+        """Search points (p,) to begin at."""
+        in_time = [part for part in self.parts if isinstance(part, InTimePart)]
+        sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
+        found = start_of(self.model, [part.test for part in in_time], [part.sd for part in in_time], sweeps)
+        begin = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in (*self.seeds, *found)]
+        return [self._inside(u) for u in begin] or self.natural()
+
+    def natural(self) -> list[Real]:
+        """Starts at the natural sizes, for each of a few orders."""
+        return [self._inside(np.where(self.coordinates.log, 0.0, order)) for order in ORDERS]
+
+    def _inside(self, u: Real) -> Real:
+        """A start away from the ends, where nothing would tell the way back."""
+        low, high = (bound[0] for bound in self.coordinates.bounds())
+        ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
+        width = np.where(np.isfinite(high - low), high - low, 0.0)
+        linear = ~self.coordinates.log & (width > 0.0)
+        return np.where(linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary)
+
+    def theta(self, u: Real) -> Real:
+        """Parameters (p,) at u (p,), within their bounds."""
+        theta = self.coordinates.theta(u, self.size)
+        lower = np.array([p.lower for p in self.model.parameters])
+        upper = np.array([p.upper for p in self.model.parameters])
+        return np.clip(theta, lower, upper)
+
+    def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
+        """Residuals (m,) of all parts and their derivative (p, m) by u."""
+        theta = self.theta(u)
+        found = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
+        by_theta = np.concatenate([each.by_theta for each in found]).T.copy()
+        return np.concatenate([each.value for each in found]), self.coordinates.carry(by_theta, theta, self.size)
+
+    def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+        """The best search point (p,), evaluations spent, and whether the search came to rest."""
+        quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
+        found, spent = quick.u[int(np.argmin(quick.cost))], quick.evaluations
+        count = sum(part.count(coarse=True) for part in parts)
+        if quick.cost.min() > DOUBTFUL**2 * count:
+            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
+            found, spent = more.u[int(np.argmin(more.cost))], spent + more.evaluations
+        last = self._descend(parts, found[None], False, LAST, 1e-6)
+        return last.u[0], spent + last.evaluations, bool(last.converged[0])
+
+    def _descend(
+        self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
+    ) -> Solution:
+        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
+            found = [self._guarded(parts, one, coarse) for one in u]
+            return np.stack([value for value, _ in found]), np.stack([slopes for _, slopes in found])
+
+        low, high = self.coordinates.bounds()
+        shape = starts.shape
+        return levenberg_marquardt(
+            evaluate,
+            starts,
+            np.broadcast_to(low, shape),
+            np.broadcast_to(high, shape),
+            iterations=iterations,
+            damping=damping,
+            flat=FLAT,
+        )
+
+    def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
+        """The residual, endless where the model cannot be followed at these parameters, as it could at others."""
+        try:
+            with np.errstate(all="ignore"):
+                value, slopes = self.residual(parts, u, coarse)
+        except SpringpotError:
+            if not self._followed:
+                raise
+            count = sum(part.count(coarse) for part in parts)
+            return np.full(count, np.inf), np.zeros((len(u), count))
+        self._followed = True
+        return value, np.nan_to_num(slopes)
+
+    def ratio(self, part: Part, u: Real) -> float:
+        """Root mean square of a part's residuals over its noise."""
+        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        return float(np.sqrt(np.mean(value**2)))
+
+    def scale(self, part: Part, u: Real) -> float:
+        """By how much the misfit of a part exceeds its noise, samples that repeat one another counted once."""
+        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
+
+    def result(
+        self,
+        u: Real,
+        parts: Sequence[Part],
+        alone: Sequence[float],
+        evaluations: int,
+        converged: bool,
+        seconds: float,
+    ) -> TimeIdentification:
+        """The answer at u."""
+        theta = self.theta(u)
+        covariance = self._covariance(u, parts)
+        rows = [
+            PartResult.of(part, self.model, theta, self.reference, ratio)
+            for part, ratio in zip(parts, alone, strict=True)
+        ]
+        return TimeIdentification(
+            self.model,
+            theta,
+            covariance,
+            self.coordinates,
+            tuple(rows),
+            self.reference,
+            evaluations,
+            converged,
+            seconds,
+            _units(parts),
+        )
+
+    def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
+        """Of the search coordinates (p, p): each part weighs as its misfit and the likeness of neighbours allow."""
+        information = np.zeros((len(u), len(u)))
+        for part in parts:
+            value, slopes = self.residual([part], u)
+            scatter = max(1.0, sampled_scatter(value, part)) if len(value) > len(u) else 1.0
+            information += slopes @ slopes.T / scatter
+        # A direction that no test sees is left with next to no information, and so with endless variance.
+        scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
+        scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
+        covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
+        return covariance
+
+
+def _units(parts: Sequence[Part]) -> Units:
+    return parts[0].test.units
+
+
+def _typical(part: Part) -> float:
+    """Typical size of K."""
+    if isinstance(part, InTimePart):
+        test = part.test
+        moved, pulled = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
+        share = float(pulled / moved) if test.control == "displacement" else float(moved / max(pulled, 1e-300))
+        return max(share, 1e-300)
+    return float(np.exp(np.mean(np.log(part.test.magnitude))))
+
+
+def _reach(part: Part) -> float:
+    """Largest displacement."""
+    if isinstance(part, InTimePart):
+        test = part.test
+        moved = test.loading.value if test.control == "displacement" else test.response
+        return max(float(np.abs(moved).max()), 1e-300)
+    column = part.test.conditions.get("amplitude")
+    return 1e-300 if column is None else max(float(column.max()), 1e-300)

@@ -1,0 +1,256 @@
+"""What an identification from tests in time found: parameters, intervals, and each test beside its noise floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from springpot.identification.coordinates import Coordinates
+from springpot.identification.uncertainty import ends, spread_of, student
+from springpot.measurement import TimeTest, Units
+from springpot.rheology import Model, Real
+
+if TYPE_CHECKING:
+    from .parts import Part
+
+SCHEMA = "springpot.identification/1"
+LEVEL = 0.95
+AGREE = 1.5
+"""A test that the common parameters miss by this many times what its own would leave does not agree with the others:
+with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
+LOOSE = 100.0
+"""Ratio of the ends of an interval from which a parameter is hardly determined: a factor of ten either way."""
+LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed: beyond, a test would be worth no sample at all."""
+
+
+def sampled_scatter(residual: Real, part: Part) -> float:
+    """Mean square of residuals times the number of samples that make up one independent one.
+
+    For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
+    (Bayley & Hammersley 1946, doi:10.2307/2983560).
+    """
+    rows = residual if hasattr(part.test, "response") else residual[: len(residual) // 2]
+    power = float(np.mean(rows**2))
+    if len(rows) < 4 or power == 0.0:
+        return float(np.mean(residual**2))
+    likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
+    return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
+
+
+@dataclass(frozen=True)
+class PartResult:
+    """One test of an identification.
+
+    Attributes
+    ----------
+    name, kind : str
+        Of the test; ``sweep`` for one at frequencies.
+    points : int
+        Its samples.
+    error, floor : float
+        Root mean square of the residual and of the noise, each over that of the signal.
+    ratio : float
+        Root mean square of the residuals over their noise.
+    alone : float
+        The same with parameters of its own.
+    """
+
+    name: str
+    kind: str
+    points: int
+    error: float
+    floor: float
+    ratio: float
+    alone: float
+
+    @classmethod
+    def of(cls, part: Part, model: Model, theta: Real, reference: float, alone: float) -> PartResult:
+        """Judge one part at theta."""
+        plain = part.with_scale(1.0)
+        weighted = plain.residual(model, theta, reference).value
+        ratio = float(np.sqrt(np.mean(weighted**2)))
+        test = part.test
+        if isinstance(test, TimeTest):
+            size = float(np.sqrt(np.mean(test.response**2)))
+            sd = np.asarray(part.sd, dtype=float)
+            error = float(np.sqrt(np.mean((weighted * sd) ** 2))) / size
+            floor = float(np.sqrt(np.mean(sd**2))) / size
+            return cls(test.name, test.kind, len(test), error, floor, ratio, alone)
+        sd = np.concatenate([part.sd.real, part.sd.imag])
+        size_of_each = np.tile(test.magnitude, 2)
+        error = float(np.sqrt(2.0 * np.mean((weighted * sd / size_of_each) ** 2)))
+        floor = float(np.sqrt(2.0 * np.mean((sd / size_of_each) ** 2)))
+        return cls(test.name, "sweep", len(test), error, floor, ratio, alone)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the common parameters serve this test nearly as well as its own would."""
+        return self.ratio <= AGREE * max(self.alone, 1.0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "data": self.name,
+            "kind": self.kind,
+            "points": self.points,
+            "relative_rms": self.error,
+            "noise_floor": self.floor,
+            "over_floor": self.ratio,
+            "over_floor_alone": self.alone,
+            "agrees": self.agrees,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class TimeIdentification:
+    """Parameters identified from tests in time, alone or beside sweeps.
+
+    Attributes
+    ----------
+    model : Model
+        What was fitted.
+    theta : ndarray, shape (p,)
+        The parameters, in the units of the first test in time.
+    covariance : ndarray, shape (p, p)
+        Of the search coordinates.
+    coordinates : Coordinates
+        These coordinates.
+    tests : tuple of PartResult
+        Each test beside its noise floor.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    evaluations : int
+        Of the model, with derivatives.
+    converged : bool
+        Whether the search came to rest.
+    seconds : float
+        Time taken.
+    units : Units
+        Those of the parameters.
+    """
+
+    model: Model
+    theta: Real
+    covariance: Real
+    coordinates: Coordinates
+    tests: tuple[PartResult, ...]
+    reference: float
+    evaluations: int
+    converged: bool
+    seconds: float
+    units: Units
+
+    @cached_property
+    def quantile(self) -> float:
+        """Student's factor of a 95 % interval."""
+        points = sum(test.points for test in self.tests)
+        return student(LEVEL, max(points - len(self.theta), 1))
+
+    @cached_property
+    def slopes(self) -> Real:
+        """Derivative of theta by the search coordinates, shape (p, p)."""
+        return self.coordinates.slopes(self.theta, self.coordinates.size[0])
+
+    @cached_property
+    def interval(self) -> tuple[Real, Real]:
+        """Ends (p,) of the 95 % intervals: by factors for what is searched by its logarithm."""
+        reach = self.quantile * spread_of(self.slopes, self.covariance)
+        log = self.coordinates.log
+        with np.errstate(all="ignore"):
+            reach = np.where(log, reach / np.where(log, self.theta, 1.0), reach)
+        reach = np.where(np.isfinite(reach), reach, np.inf)
+        bounds = (
+            np.array([p.lower for p in self.model.parameters]),
+            np.array([p.upper for p in self.model.parameters]),
+        )
+        return ends(self.theta, reach, log, bounds)
+
+    @property
+    def relative_rms(self) -> float:
+        """Error of the worst test: root mean square of the residual over that of the signal."""
+        return max(test.error for test in self.tests)
+
+    @cached_property
+    def printed(self) -> list[tuple[float, str]]:
+        """Factor and unit in which each parameter is printed."""
+        values = dict(zip(self.model.names, self.theta.tolist(), strict=True))
+        found = []
+        for parameter in self.model.parameters:
+            time = parameter.unit.time
+            found.append(self.units.of(parameter.unit, values.get(time) if isinstance(time, str) else None))
+        return found
+
+    @cached_property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Each parameter with value, interval and unit, as printed."""
+        low, high = self.interval
+        return {
+            name: {
+                "value": _finite(value * factor),
+                "low": _finite(below * factor),
+                "high": _finite(above * factor),
+                "unit": unit,
+            }
+            for name, value, below, above, (factor, unit) in zip(
+                self.model.names, self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True
+            )
+        }
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What the numbers do not say, the gravest first."""
+        said = []
+        if not self.converged:
+            said.append("the search did not come to rest: the parameters may be improved by more data")
+        for test in self.tests:
+            if not test.agrees:
+                said.append(
+                    f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise floor with "
+                    f"common parameters, {test.alone:.2g} x with its own"
+                )
+        low, high = self.interval
+        for parameter, value, below, above in zip(self.model.parameters, self.theta, low, high, strict=True):
+            if value in (parameter.lower, parameter.upper):
+                said.append(f"{parameter.name} ends at its bound {value:g}")
+            elif not np.isfinite(above) or (parameter.scale == "log" and above > LOOSE * max(below, 1e-300)):
+                said.append(f"{parameter.name} is hardly determined by these tests")
+        return tuple(said)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data, schema ``springpot.identification/1``; an interval without an end has None."""
+        return {
+            "schema": SCHEMA,
+            "model": self.model.name,
+            "data": " + ".join(test.name for test in self.tests),
+            "parameters": self.parameters,
+            "search_parameters": {},
+            "objective": {"name": "noise", "value": float(sum(test.points * test.ratio**2 for test in self.tests))},
+            "relative_rms": self.relative_rms,
+            "tests": [test.to_dict() for test in self.tests],
+            "covariance": self.in_printed_units().tolist(),
+            "reference_temperature": self.reference,
+            "evaluations": self.evaluations,
+            "seconds": self.seconds,
+            "optimiser": "native",
+            "status": "converged" if self.converged else "not converged",
+            "notes": list(self.notes),
+        }
+
+    def in_printed_units(self) -> Real:
+        """Covariance (p, p) of the parameters as printed."""
+        turn = self.slopes * np.array([factor for factor, _ in self.printed])[:, None]
+        covariance: Real = turn @ self.covariance @ turn.T
+        return covariance
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{n} {row['value']:.4g} {row['unit']}".rstrip() for n, row in self.parameters.items())
+        tests = ", ".join(f"{test.name} {test.ratio:.2g} x floor" for test in self.tests)
+        return f"<TimeIdentification {self.model.name}: {values}; {tests}>"
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

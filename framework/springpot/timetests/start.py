@@ -1,0 +1,150 @@
+"""Where to begin: a test in time as a sum of exponentials, and so as a sweep that the native solver fits at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import SpringpotError
+from springpot.identification import fit
+from springpot.measurement import Measurement, TimeTest
+from springpot.rheology import Complex, Model, Real
+from springpot.rheology.recursion import Modes, driven
+
+PER_DECADE = 2
+"""Exponentials a decade: half a per cent of a springpot, enough for a start."""
+FREQUENCIES = 5
+"""Frequencies a decade at which the sum is looked at."""
+MOST = 400
+"""Samples that the sum is fitted to."""
+
+
+def start_of(
+    model: Model, tests: Sequence[TimeTest], noise: Sequence[Real], sweeps: Sequence[Measurement]
+) -> list[Real]:
+    """Parameters near those that fit tests in time, from sweeps that say about the same.
+
+    Parameters
+    ----------
+    model : Model
+        What is to be fitted.
+    tests : sequence of TimeTest
+        In the same units.
+    noise : sequence of ndarray
+        Standard deviation of each sample of each test.
+    sweeps : sequence of Measurement
+        Tests at frequencies, in these units too.
+
+    Returns
+    -------
+    list of ndarray, shape (p,)
+        Starts, best first; none where no sweep can be made.
+    """
+    made = [apparent(test, sd) for test, sd in zip(tests, noise, strict=True)]
+    together = [each for each in (*made, *(_bare(sweep) for sweep in sweeps)) if each is not None]
+    starts = []
+    for data in [_stacked(together)] if together else []:
+        try:
+            starts.append(fit(model, data).theta)
+        except SpringpotError:
+            # A model with a condition that a sweep made of time lacks begins at its typical values instead.
+            continue
+    return starts
+
+
+def apparent(test: TimeTest, sd: Real) -> Measurement | None:
+    """The sweep that a test in time amounts to, between the frequencies that it saw.
+
+    The response is fitted by non-negative exponentials (Prony in relaxation, Kelvin elements in creep), whose complex
+    stiffness is known in closed form.
+    """
+    from scipy.optimize import nnls
+
+    picked = _picked(len(test))
+    clock = test.time - test.start
+    shortest = max(float(np.min(clock[clock > 0.0], initial=np.inf)), 1e-6 * test.duration, 1e-12)
+    longest = max(test.duration, 3.0 * shortest)
+    decades = np.log10(longest / shortest) + 2.0
+    times = np.geomspace(0.3 * shortest, 3.0 * longest, max(3, int(PER_DECADE * decades)))
+    columns = _answers(test, times)[picked] / sd[picked, None]
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0.0] = 1.0
+    try:
+        amounts = nnls(columns / size, (test.response / sd)[picked])[0] / size
+    except RuntimeError:
+        return None
+    omega = np.geomspace(1.0 / longest, 1.0 / shortest, max(4, int(FREQUENCIES * np.log10(longest / shortest))))
+    stiffness = _sum_at(omega, times, amounts, test.control)
+    good = np.isfinite(stiffness) & (np.abs(stiffness) > 0.0)
+    if np.count_nonzero(good) < 2:
+        return None
+    moved = test.loading.value if test.control == "displacement" else test.response
+    amplitude = max(float(np.abs(moved).max()), 1e-300)
+    conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
+    if test.temperature is not None:
+        conditions["temperature"] = np.full(int(good.sum()), test.temperature)
+    return Measurement(omega[good], stiffness[good], conditions=conditions, units=test.units, name=test.name)
+
+
+def _picked(count: int) -> NDArray[np.intp]:
+    return np.unique(np.linspace(0, count - 1, min(count, MOST)).astype(int))
+
+
+def _answers(test: TimeTest, times: Real) -> Real:
+    """The responses (n, 2 + m) of a spring, a dashpot and an exponential of each time, all of amount one."""
+    t, loading = test.time, test.loading
+    faded: Modes = np.zeros((len(t), len(times)))
+    followed, moving = np.zeros(len(t)), np.zeros(len(t))
+    for when, size in zip(*loading.jumps, strict=True):
+        since = np.maximum(t - when, 0.0)
+        after = t >= when
+        faded += size * after[:, None] * np.exp(-since[:, None] / times)
+        followed += size * after
+        moving += size * since * (test.control == "force")
+    if loading.smooth is not None:
+        grid = np.union1d(loading.smooth.time, t)
+        imposed = np.interp(grid, loading.smooth.time, loading.smooth.value)
+        one = np.eye(len(times))
+        steps, changes = np.diff(grid, prepend=grid[0]), np.diff(imposed, prepend=imposed[0])
+        place = np.searchsorted(grid, t)
+        faded = faded + driven(1.0 / times, steps, changes, one, 0.0 * one)[place]
+        followed += imposed[place]
+        if test.control == "force":
+            mean = 0.5 * (imposed[1:] + imposed[:-1])
+            moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
+        else:
+            moving += np.gradient(imposed, grid)[place]
+    # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.
+    modes = faded if test.control == "displacement" else followed[:, None] - faded
+    return np.column_stack([followed, moving, modes])
+
+
+def _sum_at(omega: Real, times: Real, amounts: Real, control: str) -> Complex:
+    """K of spring, dashpot and exponentials; of creep the amounts are compliances, in series."""
+    s = 1j * omega
+    turned = np.outer(s, times)
+    if control == "displacement":
+        stiffness: Complex = amounts[0] + amounts[1] * s + (turned / (1.0 + turned)) @ amounts[2:]
+        return stiffness
+    compliance: Complex = amounts[0] + amounts[1] / s + (1.0 / (1.0 + turned)) @ amounts[2:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(1.0 / compliance)
+
+
+def _bare(sweep: Measurement) -> Measurement:
+    """The columns that all of them may have."""
+    kept = {name: column for name, column in sweep.conditions.items() if name in ("amplitude", "temperature")}
+    return Measurement(sweep.omega, sweep.stiffness, conditions=kept, units=sweep.units, name=sweep.name)
+
+
+def _stacked(sweeps: Sequence[Measurement]) -> Measurement:
+    common = set.intersection(*(set(sweep.conditions) for sweep in sweeps))
+    return Measurement(
+        np.concatenate([sweep.omega for sweep in sweeps]),
+        np.concatenate([sweep.stiffness for sweep in sweeps]),
+        conditions={name: np.concatenate([sweep.conditions[name] for sweep in sweeps]) for name in common},
+        units=sweeps[0].units,
+        name=sweeps[0].name,
+    )

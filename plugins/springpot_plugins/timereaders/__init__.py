@@ -1,0 +1,1 @@
+"""Readers of tests in time: tables in many layouts, RepTate's files."""

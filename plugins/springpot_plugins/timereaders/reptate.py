@@ -1,0 +1,84 @@
+"""RepTate's files of tests in time: keys in the first line, then two columns.
+
+``.gt`` holds t and G(t); ``.shear`` has the key ``gdot`` and holds t and the growth of the viscosity, which times the
+rate is the stress of a startup; ``.creep`` has the key ``stress`` and holds t and the strain. All in s, Pa and Pa s.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Loading, TimeReader, TimeTest
+from springpot.rheology import Real
+
+from ..readers.grid import is_number
+from ..readers.reptate import CLOCKS, first_line
+from ..readers.text import head_text, text_of
+
+STEPS = {"gt", "g(t)"}
+"""Names that may stand above the second column of a relaxation."""
+
+
+def recognises(head: bytes) -> float:
+    """High for a first line of keys above two columns of numbers."""
+    text = head_text(head)
+    said = first_line(text)
+    if not said or said.keys() & CLOCKS:
+        return 0.0
+    widths = {len(line.split()) for line in text.split("\n")[1:40] if _is_row(line)}
+    return 0.96 if widths == {2} else 0.0
+
+
+def read(path: Path, choice: Choice) -> list[TimeTest]:
+    """The test in a file.
+
+    Raises
+    ------
+    DataError
+        If a row is none, or the rate or stress is no number.
+    """
+    if choice.columns or choice.part:
+        raise DataError(
+            f"{path}: RepTate's columns have their meaning by the format; leave out what follows the name"
+        )
+    text = text_of(path)
+    said, rows = first_line(text), _rows(text, path)
+    t, y = rows[:, 0], rows[:, 1]
+    temperature = _number(said, "T", path) if "T" in said else None
+    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in said.items()}}
+    given = {"temperature": temperature, "name": path.stem, "provenance": origin}
+    if "gdot" in said:
+        rate = _number(said, "gdot", path)
+        ramp = Loading(np.array([0.0, t[-1]]), np.array([0.0, rate * t[-1]]))
+        return [TimeTest(t, y * rate, ramp, **given)]  # type: ignore[arg-type]
+    if "stress" in said:
+        step = Loading.step(_number(said, "stress", path))
+        return [TimeTest(t, y, step, "force", **given)]  # type: ignore[arg-type]
+    return [TimeTest.of_relaxation(t, y, "Pa", **given)]  # type: ignore[arg-type]
+
+
+def _is_row(line: str) -> bool:
+    cells = line.split()
+    return len(cells) > 1 and all(map(is_number, cells))
+
+
+def _rows(text: str, path: Path) -> Real:
+    lines = [line for line in text.split("\n")[1:] if _is_row(line)]
+    found = np.array([[float(cell) for cell in line.split()[:2]] for line in lines])
+    if len(found) < 2:
+        raise DataError(f"{path}: a RepTate file without two columns of numbers")
+    # A step at t = 0 has no value there that a finite sum could have.
+    return found[found[:, 0] > 0.0]
+
+
+def _number(said: dict[str, str], key: str, path: Path) -> float:
+    try:
+        return float(said[key])
+    except ValueError:
+        raise DataError(f"{path}: {key}={said[key]:.20} in the first line is no number") from None
+
+
+READER = TimeReader("time-reptate", "RepTate .gt, .shear and .creep: relaxation, startup, creep", recognises, read)

@@ -1,0 +1,271 @@
+"""Any table of a test in time: CSV, RheoCompass, TRIOS, MTS, with names and units in many languages.
+
+What was tested is read off the columns: ``time [s]`` with ``relaxation [kPa]``, ``compliance [1/kPa]``, or
+displacement and force (strain and stress, angle and torque), of which the record is then taken as it is, its real
+ramp included. What a file leaves open is said behind it:
+``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import (
+    TEMPERATURE_UNITS,
+    TIME_UNITS,
+    Choice,
+    TimeReader,
+    TimeTest,
+    known_unit,
+    temperature_in_celsius,
+)
+from springpot.measurement.signals import stiffness_unit
+from springpot.measurement.timetest import CONTROLS
+from springpot.rheology import Real
+
+from ..readers.text import head_text, text_of
+from ..readers.titles import is_unit, tidy
+from .sections import Section, Title, sections_of, title_of
+
+EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
+"""What to write in a hint."""
+STEADY = 0.5
+"""Kelvin by which a temperature may wander and still be one."""
+_CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
+_MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
+
+
+@dataclass(frozen=True)
+class Manner:
+    """What a user says of a test as a whole.
+
+    Parameters
+    ----------
+    control : str, optional
+        Which channel was imposed.
+    ramp : float
+        Seconds that a step took.
+    temperature : float, optional
+        In degC.
+    """
+
+    control: str | None = None
+    ramp: float = 0.0
+    temperature: float | None = None
+
+
+def recognises(head: bytes) -> float:
+    """High for a table that names a time and what was measured, unless it names frequencies too."""
+    found = sections_of(head_text(head))
+    usable = [section for section in found if _is_test(section)]
+    if not usable or any("dynamic" in section.roles for section in found):
+        return 0.0
+    return 0.9
+
+
+def _is_test(section: Section) -> bool:
+    return bool(section.roles & {"relaxation", "compliance", "displacement", "force"})
+
+
+def read(path: Path, choice: Choice) -> list[TimeTest]:
+    """The tests in a file, or the chosen one.
+
+    Raises
+    ------
+    DataError
+        One line that says what is missing and how to say it.
+    """
+    manner, columns = _manner(choice, path)
+    found = [section for section in sections_of(text_of(path)) if _is_test(section)]
+    tests = []
+    for number, section in enumerate(found, 1):
+        if choice.part and not _is_meant(choice.part, number, section.name):
+            continue
+        name = f"{path.stem}#{number}" if len(found) > 1 else path.stem
+        try:
+            tests.append(_test(_told(section, columns, path), manner, name, path))
+        except DataError as error:
+            shown = str(error)
+            raise DataError(shown if str(path) in shown else f"{path}: {shown.removeprefix(f'{name}: ')}") from None
+    if not tests:
+        raise DataError(f"{path}: there is no part '{choice.part:.40}'; it has {len(found)}")
+    return tests
+
+
+def _is_meant(part: str, number: int, name: str) -> bool:
+    if match := re.fullmatch(r"(\d{1,6})(?:-(\d{1,6}))?", part):
+        return int(match[1]) <= number <= int(match[2] or match[1])
+    return part.casefold() in name.casefold()
+
+
+def _manner(choice: Choice, path: Path) -> tuple[Manner, dict[str, str]]:
+    """What is said of the whole test, and the rest, which is of columns."""
+    columns = dict(choice.columns)
+    control = columns.pop("control", None)
+    if control is not None and control not in CONTROLS:
+        raise DataError(f"{path}: control is displacement or force, not '{control:.20}'")
+    ramp = _constant(columns, "ramp", TIME_UNITS, "0.05[s]", path)
+    warm = _constant(columns, "temperature", TEMPERATURE_UNITS, "25[degC]", path)
+    seconds = 0.0 if ramp is None else ramp[0] * TIME_UNITS[ramp[1]]
+    return Manner(control, seconds, None if warm is None else temperature_in_celsius(*warm)), columns
+
+
+def _constant(
+    columns: dict[str, str], name: str, units: dict[str, float], example: str, path: Path
+) -> tuple[float, str] | None:
+    if name not in columns or not _CONSTANT.match(columns[name]):
+        if name == "ramp" and name in columns:
+            raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write '{path}?ramp={example}'")
+        return None
+    match = _CONSTANT.match(columns.pop(name))
+    assert match is not None
+    return float(match[1]), known_unit(tidy(match[2]), units, name)
+
+
+def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
+    """The section with the units and meanings that a user gives."""
+    titles = list(section.titles)
+    for key, meaning in columns.items():
+        place = _place(titles, key)
+        if place is None:
+            shown = ", ".join(title.text for title in titles[:12])
+            raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
+        match = _MEANING.match(meaning)
+        if match is None and is_unit(meaning):
+            titles[place] = replace(titles[place], unit=tidy(meaning))
+            continue
+        made = title_of(meaning)
+        if not made.role:
+            raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}")
+        # Of two columns that seem to be one thing, the one that was named is meant.
+        titles = [replace(title, role="") if title.role == made.role else title for title in titles]
+        titles[place] = Title(titles[place].text, made.role, made.unit or titles[place].unit)
+    return replace(section, titles=tuple(titles))
+
+
+def _place(titles: Sequence[Title], key: str) -> int | None:
+    if key.isdigit() and 1 <= int(key) <= len(titles):
+        return int(key) - 1
+    role = title_of(key).role
+    exact = [i for i, title in enumerate(titles) if title.text.casefold() == key.casefold()]
+    alike = [i for i, title in enumerate(titles) if role and title.role == role]
+    return next(iter([*exact, *alike]), None)
+
+
+def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
+    origin = {"file": path.name, **({"part": section.name} if section.name else {})}
+    temperature = manner.temperature
+    if temperature is None and (place := _first(section, "temperature")) is not None:
+        temperature = _temperature(section, place, origin)
+    said = {"temperature": temperature, "name": name, "provenance": origin}
+    _require_units(section, path)
+    clock = _clock(section)
+    pair = _pair(section)
+    if pair is not None:
+        moved, pulled = (section.titles[place] for place in pair)
+        return TimeTest.of_history(
+            clock,
+            section.column(pair[0]),
+            section.column(pair[1]),
+            moved.unit,
+            pulled.unit,
+            control=manner.control,
+            rise=manner.ramp,
+            **said,  # type: ignore[arg-type]
+        )
+    for role, make in (("relaxation", TimeTest.of_relaxation), ("compliance", TimeTest.of_compliance)):
+        if (place := _first(section, role)) is not None:
+            unit = section.titles[place].unit
+            whole = unit if role == "relaxation" else _inverse(unit, path)
+            return make(clock, section.column(place), whole, rise=manner.ramp, **said)  # type: ignore[arg-type]
+    raise _lacking(section, path)
+
+
+def _first(section: Section, role: str) -> int | None:
+    return next((i for i, title in enumerate(section.titles) if title.role == role), None)
+
+
+def _clock(section: Section) -> Real:
+    place = _first(section, "time")
+    assert place is not None
+    unit = known_unit(section.titles[place].unit, TIME_UNITS, "time")
+    return section.column(place) * TIME_UNITS[unit]
+
+
+def _require_units(section: Section, path: Path) -> None:
+    """Ask for all units that are missing at once."""
+    has_pair = _pair(section) is not None
+    noted = section.roles & {"relaxation", "compliance"}
+    wanted = {"time"} | (set() if has_pair else noted or set(EXAMPLES))
+    bare = [title for title in section.titles if title.role in wanted and not title.unit]
+    if not bare:
+        return
+    names = ", ".join(f"'{title.text}'" for title in bare)
+    said = ",".join(f"{title.role}={EXAMPLES[title.role]}" for title in bare)
+    raise DataError(
+        f"{path}, column {names}: there is no unit; write {bare[0].text} [{EXAMPLES[bare[0].role]}], "
+        f"or say it by '{path}?{said}'"
+    )
+
+
+def _pair(section: Section) -> tuple[int, int] | None:
+    """The columns of displacement and force that make a stiffness or modulus; strain and stress before others."""
+    moved = [i for i, title in enumerate(section.titles) if title.role == "displacement"]
+    pulled = [i for i, title in enumerate(section.titles) if title.role == "force"]
+    found = []
+    for i in moved:
+        for j in pulled:
+            try:
+                stiffness_unit(section.titles[i].unit, section.titles[j].unit)
+            except (DataError, KeyError):
+                continue
+            found.append((section.titles[i].unit not in ("-", "%"), i, j))
+    return min(found)[1:] if found else None
+
+
+def _lacking(section: Section, path: Path) -> DataError:
+    """What a table with a time needs to be a test."""
+    there = ", ".join(title.text for title in section.titles[:12])
+    if section.roles >= {"displacement", "force"}:
+        return DataError(f"{path}: displacement and force are in units that make no stiffness (columns: {there})")
+    lacks, has = ("displacement", "force") if "force" in section.roles else ("force", "displacement")
+    return DataError(
+        f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
+        f"the relaxation modulus: '{path}?2=relaxation[Pa]' (columns: {there})"
+    )
+
+
+def _inverse(unit: str, path: Path) -> str:
+    """The stiffness that a compliance in this unit is one over: ``1/Pa`` and ``mm/N`` give ``Pa`` and ``N/mm``."""
+    text = unit.removesuffix("^-1")
+    if text != unit:
+        return text.strip()
+    over, slash, under = unit.partition("/")
+    if not slash:
+        raise DataError(f"{path}: [{unit}] is no unit of a compliance: write 1/Pa or mm/N")
+    return under if over == "1" else f"{under}/{over}"
+
+
+def _temperature(section: Section, place: int, origin: dict[str, str]) -> float | None:
+    column = section.column(place)
+    column = column[np.isfinite(column)]
+    if not len(column) or section.titles[place].unit not in TEMPERATURE_UNITS:
+        return None
+    warm = temperature_in_celsius(column, section.titles[place].unit)
+    if np.ptp(warm) > STEADY:
+        origin["note temperature"] = f"it moves by {np.ptp(warm):.2g} K during the test; its mean is used"
+    return float(np.mean(warm))
+
+
+READER = TimeReader(
+    "time-table",
+    "relaxation, compliance, or displacement and force against time: CSV, RheoCompass, TRIOS, MTS",
+    recognises,
+    read,
+)

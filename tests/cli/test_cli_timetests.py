@@ -1,0 +1,79 @@
+"""Tests in time on the command line: inspect and identify."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.registry import parse_model
+
+MODEL = parse_model("fractional-maxwell")
+THETA = MODEL.theta(k=400.0, c=60.0, alpha=0.5)
+T = np.geomspace(0.02, 50.0, 120)
+
+
+def table(header, values, seed):
+    scatter = 1.0 + 0.01 * np.random.default_rng(seed).normal(size=len(T))
+    return (
+        header
+        + "\n"
+        + "".join(f"{t!r},{v!r}\n" for t, v in zip(T.tolist(), (values * scatter).tolist(), strict=True))
+    )
+
+
+@pytest.fixture
+def relaxed(write):
+    return write(table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T), 1), "relaxation.csv")
+
+
+@pytest.fixture
+def crept(write):
+    return write(table("time [s],compliance [1/MPa]", 1e3 * MODEL.creep(THETA, T), 2), "creep.csv")
+
+
+@pytest.fixture
+def swept(write):
+    omega = np.geomspace(0.1, 30.0, 20)
+    k = MODEL.stiffness(THETA, omega)
+    rows = "".join(f"{w},{a.real},{a.imag}\n" for w, a in zip(omega, k, strict=True))
+    return write(f"omega [rad/s],storage [kPa],loss [kPa]\n{rows}", "sweep.csv")
+
+
+def test_inspect_says_what_was_understood(springpot, relaxed):
+    answer = springpot("inspect", relaxed, "--json").json
+    [test] = answer["tests"]
+    assert (test["kind"], test["points"], test["imposed"]) == ("relaxation", 120, "displacement")
+    assert test["noise"]["relative"] == pytest.approx(0.01, rel=0.4)
+    shown = springpot("inspect", relaxed).out
+    assert "relaxation: relaxation, 120 points" in shown
+    assert "kPa" in shown
+
+
+def test_identify_from_one_test(springpot, relaxed):
+    answer = springpot("identify", relaxed, "--model", "fractional-maxwell", "--json").json
+    assert answer["schema"] == "springpot.identification/1"
+    assert answer["parameters"]["k"]["low"] < 400.0 < answer["parameters"]["k"]["high"]
+    assert answer["tests"][0]["over_floor"] == pytest.approx(1.0, abs=0.25)
+    assert np.array(answer["covariance"]).shape == (3, 3)
+
+
+def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept, tmp_path):
+    figure = tmp_path / "tests.png"
+    answer = springpot("identify", swept, relaxed, crept, "-m", "fractional-maxwell", "--figure", figure)
+    assert answer.code == 0, answer.err
+    for word in ("3 tests", "sweep", "relaxation", "creep", "x floor alone"):
+        assert word in answer.out
+    assert figure.stat().st_size > 10_000
+
+
+def test_what_is_for_sweeps_is_refused(springpot, relaxed):
+    springpot("identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es").is_one_line("for sweeps")
+    springpot(
+        "identify", relaxed, "-m", "fractional-maxwell", "--geometry", "shear-pads area=1cm^2 gap=1mm"
+    ).is_one_line("geometry")
+
+
+def test_bad_input_is_one_line(springpot, write, swept):
+    bad = write("time [s],force [N]\n1,2\n2,3\n", "bad.csv")
+    springpot("identify", bad, "-m", "fractional-maxwell").is_one_line("a force without a displacement", "bad.csv")
+    springpot("identify", swept, swept, "-m", "fractional-maxwell").is_one_line("a second sweep")

@@ -1,0 +1,173 @@
+"""Files of tests in time: the layouts of tables, RheoCompass, TRIOS, MTS and RepTate, and how they are refused."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot.registry import open_in_time, open_measurement
+
+SHARED = Path(os.environ.get("SPRINGPOT_DATA", "").split(os.pathsep)[0] or "absent")
+ROWS = "".join(f"{t},{3 - t},{t * t}\n" for t in (0.5, 1.0, 1.5, 2.0))
+
+
+def shared(*parts):
+    path = SHARED.joinpath(*parts)
+    if not path.exists():
+        pytest.skip("the shared data are not here")
+    return path
+
+
+def put(folder, text, name="test.csv", encoding="utf-8"):
+    path = folder / name
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("header", "kind", "unit"),
+    [
+        ("time [s],relaxation [kPa],x", "relaxation", "kPa"),
+        ("t [ms],Relaxation Modulus [MPa],x", "relaxation", "MPa"),
+        ("time [s],compliance [1/kPa],x", "creep", "kPa"),
+        ("Zeit [s],Kriechnachgiebigkeit [1/Pa],x", "creep", "Pa"),
+        ("time [s],compliance [mm/N],x", "creep", "N/mm"),
+        ("time [s],displacement [mm],force [kN]", "history", "kN/mm"),
+        ("time [s],shear strain [%],shear stress [Pa]", "history", "Pa"),
+        ("temps [s],angle [rad],couple [N m]", "history", "N m/rad"),
+    ],
+)
+def test_columns_tell_what_was_tested(tmp_path, header, kind, unit):
+    [test] = open_in_time(put(tmp_path, f"{header}\n{ROWS}"))
+    assert (test.kind, test.units.stiffness, len(test)) == (kind, unit, 4)
+
+
+def test_time_is_read_in_its_unit_and_decimals_may_have_commas(tmp_path):
+    text = "Zeit / min;Relaxationsmodul / kPa\n0,5;3,25\n1,0;2,5\n2,0;2,0\n"
+    [test] = open_in_time(put(tmp_path, text))
+    assert test.time == pytest.approx([30.0, 60.0, 120.0])
+    assert test.response == pytest.approx([3.25, 2.5, 2.0])
+
+
+def test_what_the_file_leaves_open_is_said_behind_it(tmp_path):
+    path = put(tmp_path, "Time\tRelaxation Modulus\n0.2\t30\n0.4\t20\n1\t10\n")
+    with pytest.raises(DataError, match=r"no unit; write Time \[s\], or say it by '.*\?time=s,relaxation=Pa'"):
+        open_in_time(path)
+    [test] = open_in_time(f"{path}?time=s,relaxation=kPa,temperature=320[K],ramp=50[ms]")
+    assert (test.units.stiffness, test.rise) == ("kPa", 0.05)
+    assert test.temperature == pytest.approx(46.85)
+    [same] = open_in_time(f"{path}?1=time[s],2=relaxation[kPa]")
+    assert np.array_equal(same.response, test.response)
+
+
+def test_control_can_be_said(tmp_path):
+    path = put(tmp_path, f"time [s],displacement [mm],force [kN]\n{ROWS}")
+    [test] = open_in_time(f"{path}?control=force")
+    assert test.answered == "displacement"
+    with pytest.raises(DataError, match="control is displacement or force, not 'stress'"):
+        open_in_time(f"{path}?control=stress")
+
+
+REFUSED = {
+    "time [s],relaxation [Pa]\n1,2\n1,3\n": "does not rise after sample 1",
+    "time [s],relaxation [Pa]\n1,2\n2,nan\n3,1\n": "of sample 2 is no number",
+    "time [s],relaxation [Pa]\n1,2\n2,\n3,1\n": "of sample 2 is no number",
+    "time [s],relaxation [Pa]\n1,2\n2,two\n": "line 3, column 'relaxation",
+    "time [s],relaxation [Pa]\n-1,2\n1,3\n": "lies before the load",
+    "time [s],relaxation [N]\n1,2\n2,3\n": "no unit of a modulus",
+    "time [s],force [N]\n1,2\n2,3\n": "a force without a displacement",
+    "time [s],displacement [mm]\n1,2\n2,3\n": "a displacement without a force",
+    "time [s],displacement [mm],force [Pa]\n1,2,1\n2,3,1\n": "units that make no stiffness",
+    "time [s],compliance [Pa]\n1,2\n2,3\n": "no unit of a compliance",
+    "time [kg],relaxation [Pa]\n1,2\n2,3\n": r"unknown unit \[kg\] for time",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_bad_input_is_one_line_that_names_the_file(tmp_path, text):
+    path = put(tmp_path, text)
+    with pytest.raises(DataError, match=REFUSED[text]) as caught:
+        open_in_time(path)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).count(str(path)) >= 1
+
+
+def test_a_part_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(DataError, match="there is no part '7'; it has 1"):
+        open_in_time(f"{put(tmp_path, f'time [s],relaxation [kPa],x{chr(10)}{ROWS}')}#7")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "frequency [Hz],storage [Pa],loss [Pa],time [s]\n1,2,1,0\n2,3,1,5\n",
+        "omega,G',G''\n1,2,3\n",
+        "some words\n",
+        "time [s],temperature [degC]\n1,2\n",
+    ],
+)
+def test_what_is_no_test_in_time_is_left_to_others(tmp_path, text):
+    assert open_in_time(put(tmp_path, text)) == ()
+
+
+def test_names_of_data_sets_are_no_files():
+    assert open_in_time("nist-srm2491@temperature=20") == ()
+
+
+def test_reptate_layouts(tmp_path):
+    head = "Mw=23.4;T=-35;chem=PI;"
+    [gt] = open_in_time(put(tmp_path, f"{head}\nt G\n0 5\n0.1 3\n1 2\n", "x.gt"))
+    assert (gt.kind, gt.temperature, len(gt)) == ("relaxation", -35.0, 2)
+    [shear] = open_in_time(put(tmp_path, f"{head}gdot=2;\nt eta\n0.1 1\n1 4\n2 5\n", "x.shear"))
+    assert shear.kind == "startup"
+    assert shear.response == pytest.approx([2.0, 8.0, 10.0])
+    assert shear.loading.value[-1] == pytest.approx(4.0)
+    [creep] = open_in_time(put(tmp_path, f"{head}stress=10;\nt strain\n0.1 1\n1 4\n2 5\n", "x.creep"))
+    assert (creep.kind, creep.loading.value[-1]) == ("creep", 10.0)
+
+
+TRIOS = """Filename,relax.tri
+Instrument name,DHR
+
+[step]
+Stress relaxation - 1
+Step time,Shear stress,Shear strain,Temperature,Relaxation modulus
+s,Pa,%,°C,Pa
+0.05,80,1.0,25.0,8000
+0.1,70,1.0,25.0,7000
+1,50,1.0,25.1,5000
+10,30,1.0,25.1,3000
+"""
+
+
+def test_a_trios_step(tmp_path):
+    [test] = open_in_time(put(tmp_path, TRIOS))
+    assert (test.kind, test.units.stiffness) == ("relaxation", "Pa")
+    assert test.temperature == pytest.approx(25.05)
+    assert test.loading.value.max() == pytest.approx(0.01)
+    assert test.provenance["part"] == "Stress relaxation - 1"
+
+
+def test_rheocompass_intervals_are_tests_with_their_real_ramp():
+    tests = open_in_time(shared("rheocompass-flags", "multiple relaxation.csv"))
+    assert [(test.kind, len(test)) for test in tests] == [("relaxation", 451), ("relaxation", 155)]
+    assert tests[0].rise == pytest.approx(0.1)
+    assert tests[0].loading.value.max() == pytest.approx(0.03)
+    path = shared("rheocompass-flags", "multiple relaxation.csv")
+    assert len(open_in_time(f"{path}#2")) == 1
+
+
+def test_an_mts_record_with_numbers_for_names():
+    [test] = open_in_time(shared("mts-cylinder", "specimen.dat"))
+    assert (len(test), test.units.stiffness) == (572, "kN/mm")
+
+
+def test_sweeps_of_real_instruments_stay_sweeps():
+    for parts in (("rheowin-starch-gel", "stress-sweep_500Pa.csv"), ("hermes-multi-technique", "normalized.csv")):
+        path = shared(*parts)
+        assert open_in_time(path) == ()
+        assert len(open_measurement(path)) > 10
