@@ -197,7 +197,10 @@ def fit(
     objective = default_objective(measurement) if objective is None else objective
     if is_material(model):
         return _fit_material(model, measurement, objective, starts, seeds_theta)
-    if starts and any(effect.by_levels for effect in model.effects):
+    if model.constrained:
+        # The scan of shapes needs gains that scale a whole branch; here some are held or end at a bound.
+        seeds_theta, starts = [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
+    elif starts and any(effect.by_levels for effect in model.effects):
         # A scan of one dimension for each level would find nothing; the data say where its factor lies.
         seeds_theta, starts = [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
     task = _task(model, measurement, objective)
@@ -205,7 +208,11 @@ def fit(
     size = task.coordinates.size[0]
     seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
     coarse = task.thin(COARSE_POINTS)
-    solution, evaluations = _search(coarse, seeds, starts, offset)
+    if model.constrained:
+        solution = coarse.solve(seeds[None])
+        evaluations = solution.evaluations
+    else:
+        solution, evaluations = _search(coarse, seeds, starts, offset)
     if coarse is not task:
         solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
         evaluations += solution.evaluations
@@ -242,6 +249,19 @@ def _superposed_start(model: Model, measurement: Measurement, objective: Objecti
     found = fit(rest, reduced, objective, starts=starts)
     values |= dict(zip(rest.names, found.theta.tolist(), strict=True))
     return np.array([values[name] for name in model.names])
+
+
+def _released_starts(model: Model, measurement: Measurement, objective: Objective, starts: int) -> list[Real]:
+    """Starts (p,) of a model with held or bounded parameters: those of the free one, where it may go."""
+    if not starts:
+        return []
+    free = model.released()
+    known = _task(free, measurement, objective)
+    u = known.starts(starts)[1][0]
+    best = fit(free, measurement, objective, starts=starts).theta
+    full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
+    kept = [free.names.index(name) for name in model.names]
+    return list(_within(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
 def _search(task: Task, seeds: Real, starts: int, offset: float) -> tuple[Solution, int]:

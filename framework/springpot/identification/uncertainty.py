@@ -85,11 +85,11 @@ class Uncertainty:
         """-1 where a parameter rests on its lower bound or is as good as zero, 1 on its upper, 0 elsewhere (p,)."""
         low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
         log, u = self.fit.task.coordinates.log, self.fit.u
-        slack = np.where(log, 0.5, 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0))
+        linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
         traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= 1e-6 * np.linalg.norm(self._data_size)
-        below = (u <= low + slack) | (free & traceless & (u < 0))
-        above = (u >= high - slack) | (log & traceless & (u > 0))
+        below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
+        above = (u >= high - np.where(log, _slack(high), linear)) | (log & traceless & (u > 0))
         return np.where(below, -1, np.where(above, 1, 0))
 
     @cached_property
@@ -160,6 +160,15 @@ class Uncertainty:
             inverse = 1.0 / value + reach / value**2
             return max(1.0 / inverse, float(lower[i])) if np.isfinite(inverse) else float(lower[i]), float("inf")
         return max(value - reach, float(lower[i])), float(upper[i])
+
+
+def _slack(bound: Real) -> Real:
+    """How near to its bound a logarithm counts as resting there.
+
+    Zero and infinity are no places: whatever comes near the end of the range has gone there. A bound that a user
+    gives is one.
+    """
+    return np.where(np.abs(bound) >= WIDEST, 0.5, 1e-6)
 
 
 def uses_sd(fit: Fit) -> bool:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,12 +16,16 @@ from .effect import Effect, Layer
 from .elements import KnownMass
 from .forms import SearchForm
 from .history import InTime
+from .holding import Bounds, Held, held_values, hold, released
+from .levels import Levels
 from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
 from .parameters import Parameter
 from .points import Complex, Points, Real
 from .spectrum import Spectrum, spectrum_of
 from .twice import same_twice
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +142,67 @@ class Model:
         if wrong:
             raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
         return np.array([values[name] for name in self.names], dtype=float)
+
+    def holding(self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None) -> Model:
+        """The model with some parameters held at a value and others within narrower bounds.
+
+        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are those of the rest.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            By name, in the unit of theta: ``{"alpha": 0.5}``.
+        bounds : mapping of str to (float, float), optional
+            Lower and upper end, by name.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown or stands in both, a value cannot be, or nothing is left to be fitted.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, series, spring, springpot
+        >>> model = Model("maxwell", series(spring(), springpot())).holding({"alpha": 0.5})
+        >>> model.names, model.held
+        (('k', 'c'), {'alpha': 0.5})
+        """
+        bounds = {} if bounds is None else bounds
+        if not (values or bounds):
+            return self
+        for name in (*values, *bounds):
+            if name not in self.names:
+                raise ModelError(f"{self.name} has no free parameter '{name}': it has {', '.join(self.names)}")
+        if both := sorted(set(values) & set(bounds)):
+            raise ModelError(f"{', '.join(both)}: a parameter is held or has bounds, not both")
+        if set(values) == set(self.names):
+            raise ModelError(f"{self.name}: all parameters are held, nothing is left to be fitted")
+        effects = []
+        for effect, prefix in self.named_effects():
+            mine = _own(values, prefix), _own(bounds, prefix)
+            if isinstance(effect.element, Levels) and any(mine):
+                raise ModelError(f"{effect.name} has a factor for each level of the data: none of them can be held")
+            effects.append(replace(effect, element=hold(effect.element, *mine)) if any(mine) else effect)
+        material = hold(self.material, values, bounds)
+        return replace(self, material=material, effects=tuple(effects), search=None)
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Parameters that are held, by name, in the unit of theta."""
+        found = held_values(self.material)
+        for effect, prefix in self.named_effects():
+            found |= {f"{prefix}.{name}": value for name, value in held_values(effect.element).items()}
+        return found
+
+    @property
+    def constrained(self) -> bool:
+        """Whether a parameter is held or has narrower bounds than physics gives."""
+        return any(isinstance(node, Held) for node in (self.material, *(each.element for each in self.effects)))
+
+    def released(self) -> Model:
+        """The same model with all its parameters free, within the bounds of physics."""
+        effects = tuple(replace(effect, element=released(effect.element)) for effect in self.effects)
+        return replace(self, material=released(self.material), effects=effects)
 
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """Third harmonic of the force over the first, by the describing functions of the effects.
@@ -421,6 +488,11 @@ class Model:
             if self.effects[i].name == name:
                 return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])
         raise ModelError(f"{self.name} has no effect '{name}'")
+
+
+def _own(given: Mapping[str, T], prefix: str) -> dict[str, T]:
+    """What is given for the parameters of one effect, by their own names."""
+    return {name.rpartition(".")[2]: value for name, value in given.items() if name.rpartition(".")[0] == prefix}
 
 
 def _loaded(specimen: Node, factor: float, mass: float) -> Node:

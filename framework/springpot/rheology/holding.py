@@ -1,0 +1,132 @@
+"""Parameters that a user knows: some are held at a value, others are kept within narrower bounds.
+
+What is held leaves theta, so that degrees of freedom, uncertainty and every test of a residual count only what the
+data decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import ModelError
+
+from .nodes import Mapped, Node
+from .parameters import Parameter
+from .points import Complex, Points, Real
+
+Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Inserted:
+    """The map from the parameters that are left to all of them.
+
+    Parameters
+    ----------
+    values : tuple of (float or None)
+        For each parameter of the inner node the value it is held at, or None where it is free.
+    """
+
+    values: tuple[float | None, ...]
+
+    @property
+    def free(self) -> NDArray[np.intp]:
+        """Positions of the free parameters."""
+        return np.array([i for i, value in enumerate(self.values) if value is None], dtype=np.intp)
+
+    def __call__(self, theta: Real) -> Real:
+        """All parameters (..., p) of the free ones (..., q)."""
+        full: Real = np.empty((*theta.shape[:-1], len(self.values)), dtype=theta.dtype)
+        full[...] = [0.0 if value is None else value for value in self.values]
+        full[..., self.free] = theta
+        return full
+
+    def jacobian(self, theta: Real) -> Real:
+        """Its derivative (..., p, q): ones where a free parameter stands."""
+        slopes: Real = np.eye(len(self.values))[:, self.free]
+        return np.broadcast_to(slopes, (*theta.shape[:-1], *slopes.shape))
+
+
+@dataclass(frozen=True)
+class Held(Mapped):
+    """A node some of whose parameters are held or bounded; see `hold`."""
+
+    forward: Inserted
+
+    @property
+    def scaled_alone(self) -> bool:
+        """Whether no stiffness is held, so that the free ones still scale the whole."""
+        pairs = zip(self.node.parameters, self.forward.values, strict=True)
+        return all(value is None or not parameter.unit.stiffness for parameter, value in pairs)
+
+    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
+        """That of the inner node, where it knows one."""
+        predict = getattr(self.node, "third_harmonic", None)
+        found: Complex | None = None if predict is None else predict(self.forward(theta), at)
+        return found
+
+
+def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) -> Node:
+    """The node with parameters held at `values` and others within `bounds`; itself where neither names one of its own.
+
+    Parameters
+    ----------
+    node : Node
+        Its parameters.
+    values, bounds : mapping of str
+        By name, in the unit of theta.
+
+    Raises
+    ------
+    ModelError
+        If a value or bound is none that the parameter can take.
+    """
+    names = {parameter.name for parameter in node.parameters}
+    if not names & (set(values) | set(bounds)):
+        return node
+    inner = node.node if isinstance(node, Held) else node
+    before = dict(zip((p.name for p in inner.parameters), node.forward.values, strict=True)) if inner is not node else {}
+    known = {name: value for name, value in before.items() if value is not None}
+    known |= {name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
+    free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
+    inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))
+    return Held(inner, tuple(free), inserted, inserted.jacobian)
+
+
+def released(node: Node) -> Node:
+    """The node with all its parameters free, within the bounds of physics."""
+    return node.node if isinstance(node, Held) else node
+
+
+def held_values(node: Node) -> dict[str, float]:
+    """Parameters that are held, by name."""
+    if not isinstance(node, Held):
+        return {}
+    pairs = zip(node.node.parameters, node.forward.values, strict=True)
+    return {parameter.name: value for parameter, value in pairs if value is not None}
+
+
+def _allowed(parameter: Parameter, value: float) -> float:
+    if not (isfinite(value) and parameter.lower <= value <= parameter.upper):
+        room = f"[{parameter.lower:g}, {parameter.upper:g}]"
+        raise ModelError(f"{parameter.name} cannot be {value:g}: it lies in {room}")
+    return float(value)
+
+
+def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, float]) -> Parameter:
+    """The parameter in its narrower bounds; an order that is held becomes a number in the unit."""
+    time = parameter.unit.time
+    if isinstance(time, str) and time in known:
+        parameter = replace(parameter, unit=replace(parameter.unit, time=known[time]))
+    if bounds is None:
+        return parameter
+    low, high = max(bounds[0], parameter.lower), min(bounds[1], parameter.upper)
+    if not low < high:
+        room = f"[{parameter.lower:g}, {parameter.upper:g}]"
+        raise ModelError(f"{parameter.name} has no room between {bounds[0]:g} and {bounds[1]:g}: it lies in {room}")
+    return replace(parameter, lower=low, upper=high)
