@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
@@ -15,7 +16,7 @@ from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.display import use_drawing
 from springpot.diagnosis.header import with_header
 from springpot.errors import DataError, ModelError, OptionError
-from springpot.identification import Identification, Objective, Optimiser
+from springpot.identification import Identification, Objective, Optimiser, Standing
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
 from springpot.registry import open_measurement, parse_model, plugins
@@ -26,6 +27,8 @@ from springpot.superposition import mastercurve as mastercurve_of
 T = TypeVar("T", Model, Effect)
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
+FEWEST_SPARE = 4
+"""Degrees of freedom from which the scatter about a model says how large the noise is."""
 
 
 def read(spec: str | Path) -> Measurement:
@@ -76,7 +79,7 @@ def identify(
     """
     if intervals not in INTERVALS:
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
-    return identify_objects(
+    found = identify_objects(
         _measurement(measurement),
         _model(model),
         optimiser=_optimiser(optimiser),
@@ -87,6 +90,25 @@ def identify(
         intervals=intervals,
         simpler=[_model(part) for part in simpler],
     )
+    return replace(found, judge=standing_of)
+
+
+def standing_of(found: Identification) -> Standing | None:
+    """How the error of a fit stands against noise and any material; None where the data are too few to tell.
+
+    Parameters
+    ----------
+    found : Identification
+        The fit. Only its model and data count: the floors are those of `compare`.
+    """
+    if found.fit.dof < FEWEST_SPARE:
+        return None
+    try:
+        [judged] = compare_objects(found.measurement, [found.model], np.random.default_rng(found.seed)).judgements
+    except DataError:
+        return None
+    error = judged.error
+    return Standing(error.noise_floor, error.noise_source, error.material_floor, not judged.fails, judged.says)
 
 
 def diagnose(

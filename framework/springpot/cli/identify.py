@@ -120,18 +120,14 @@ def show(found: Identification, figure: Path | None) -> None:
 
 def _beside_floors(found: Identification) -> str:
     """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
-    from springpot.diagnosis.floor import fitted_to_floor
-    from springpot.diagnosis.material import of_any_material
-    from springpot.diagnosis.thinning import thinned
-    from springpot.diagnosis.verdict import FEWEST_SPARE
     from springpot.report.numbers import number, percent
 
-    fitted = fitted_to_floor(found.model, thinned(found.measurement), [found.theta])
-    if fitted.fit.dof < FEWEST_SPARE or not fitted.floor > 0.0:
+    standing = found.standing
+    if standing is None or not standing.noise_floor > 0.0:
         return ""
-    ratio = number(found.relative_rms / fitted.floor, 2)
-    noise = f"{ratio} x the noise floor of {percent(fitted.floor, 2)} ({fitted.noise.source})"
-    return f", {noise}; material floor {percent(of_any_material(fitted).relative_rms, 2)}"
+    ratio = number(found.relative_rms / standing.noise_floor, 2)
+    noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
+    return f", {noise}; material floor {percent(standing.material_floor, 2)}"
 
 
 def _show_parameters(heading: str, parameters: dict[str, dict[str, Any]]) -> None:

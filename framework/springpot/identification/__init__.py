@@ -1,20 +1,23 @@
 """Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
 
 from .bounded import BoundedDescent, minima_in_box
-from .identify import Identification, identify
+from .identify import identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
 from .native import Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
+from .prediction import Prediction
 from .problem import Problem
 from .recorder import Recorder, RecorderGroup
 from .regularised import Spectrum, regularised
+from .result import Identification, Standing
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, paper_box, require_conditions
 from .uncertainty import Uncertainty, bootstrap, held_costs, profile
+from .value import Value
 
 __all__ = [
     "BatchedOptimiser",
@@ -26,6 +29,7 @@ __all__ = [
     "Identification",
     "Objective",
     "Optimiser",
+    "Prediction",
     "Problem",
     "Recorder",
     "RecorderGroup",
@@ -33,7 +37,9 @@ __all__ = [
     "SearchSpace",
     "Solution",
     "Spectrum",
+    "Standing",
     "Uncertainty",
+    "Value",
     "Window",
     "all_points",
     "bootstrap",

@@ -10,8 +10,9 @@ from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .measurement import CONDITIONS, HELD, KELVIN, Measurement, misspelt
 from .noise import with_noise
-from .opening import open_measurement, parts_of, pick_reader, select
+from .opening import open_measurement, parts_of, pick_reader
 from .reader import Choice, Part, Reader
+from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
@@ -69,6 +70,7 @@ __all__ = [
     "as_modulus",
     "as_stiffness",
     "budget_of",
+    "conditions",
     "geometry",
     "guarded",
     "guarded_line",
@@ -95,4 +97,5 @@ __all__ = [
     "unguarded_line",
     "with_noise",
     "within_budget",
+    "without",
 ]

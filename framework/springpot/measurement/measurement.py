@@ -6,12 +6,14 @@ from collections.abc import Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.plain import plain
 from springpot.rheology import Complex, Points, Real
@@ -234,6 +236,53 @@ class Measurement:
             name=self.name if name is None else name,
             reference=self.reference_temperature if keeps else None,
         )
+
+    def excluding(self, **unwanted: float | str) -> Measurement:
+        """The data without some rows.
+
+        Parameters
+        ----------
+        **unwanted : float or str
+            Conditions that the rows to be left out have together, such as ``frequency="40..60"`` (Hz) or ``row=3``
+            (the first row is 1); see `springpot.measurement.select`.
+
+        Raises
+        ------
+        DataError
+            If there is no such column or value, or nothing would be left.
+
+        Examples
+        --------
+        >>> import springpot
+        >>> data = springpot.read("artificial-hidden")
+        >>> len(data), len(data.excluding(frequency="..1"))
+        (40, 36)
+        """
+        from .selection import without
+
+        return without(self, {name: str(value) for name, value in unwanted.items()})
+
+    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+        """Storage and loss against frequency, or against amplitude or temperature where only these vary.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+        ax : matplotlib.axes.Axes, optional
+            Draw there instead.
+
+        Returns
+        -------
+        Figure, Path or Axes
+            A figure that shows itself in a notebook; the file that was written; or the axes that were given.
+
+        Raises
+        ------
+        OutputError
+            If matplotlib is missing or the file cannot be written.
+        """
+        return draw(self, path, ax)
 
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
         """The material that a specimen or damper of this geometry is made of; see `interface.as_modulus`."""

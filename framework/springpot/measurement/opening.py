@@ -6,34 +6,26 @@ Of a file, ``#`` chooses a part and ``?`` says what it leaves open: ``FILE#2?fre
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from springpot.errors import DataError, SpringpotError
-from springpot.rheology import Real
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
 from .naming import file_and_choice, is_file, short
 from .reader import Choice, Part, Reader
+from .selection import conditions, select
 from .signals import Signals, measurement_from_signals
 
 T = TypeVar("T")
 
 HEAD = 1 << 16
 """Bytes by which a reader recognises its format."""
-KELVINS = 0.5
-"""Temperatures that agree to this belong to one choice."""
-CLOSE = {"amplitude": 0.05}
-"""Relative agreement of a condition, where it is coarser than one per cent."""
-SHOWN = 12
 
 
 def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Iterable[Reader]) -> Measurement:
@@ -60,7 +52,7 @@ def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Ite
     name, at, wanted = text.rpartition("@")
     if not at:
         return _named(text, datasets, readers)
-    return select(_named(name, datasets, readers), _conditions(wanted, text))
+    return select(_named(name, datasets, readers), conditions(wanted, short(text)))
 
 
 def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) -> Measurement:
@@ -276,85 +268,3 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
         )
         raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}")
     return _guarded(reader, path, lambda: load(path, choice))
-
-
-def _conditions(text: str, spec: str) -> dict[str, str]:
-    wanted = {}
-    for part in text.split(","):
-        key, equals, value = (piece.strip() for piece in part.partition("="))
-        if not (key and equals and value):
-            raise DataError(f"'{short(spec)}': write conditions as NAME@temperature=20,amplitude=1")
-        wanted[key] = value
-    return wanted
-
-
-def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
-    """The rows that have all the wanted conditions.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The data.
-    wanted : mapping of str to str
-        Condition, label or ``repeat``, and its value. Numbers match within 0.5 K for ``temperature``, 5 % for
-        ``amplitude`` and 1 % otherwise; words match whole, or by their beginning.
-
-    Raises
-    ------
-    DataError
-        If there is no such column or value, with those that there are.
-    """
-    rows = np.ones(len(measurement), dtype=bool)
-    for key, value in wanted.items():
-        rows &= _matching(measurement, key, value)
-    if not rows.any():
-        chosen = ", ".join(f"{key}={value}" for key, value in wanted.items())
-        raise DataError(f"{measurement.name}: no row has {chosen} together")
-    chosen = ",".join(f"{key}={value}" for key, value in wanted.items())
-    return measurement.subset(rows, f"{measurement.name}@{chosen}")
-
-
-def _matching(measurement: Measurement, key: str, value: str) -> NDArray[np.bool_]:
-    if key in measurement.labels:
-        return _matching_words(measurement, key, value)
-    column: Real | None = measurement.conditions.get(key)
-    if key == "repeat" and measurement.repeat is not None:
-        column = measurement.repeat.astype(float)
-    if column is None:
-        there = [
-            *measurement.conditions,
-            *measurement.labels,
-            *(["repeat"] if measurement.repeat is not None else []),
-        ]
-        raise DataError(f"{measurement.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})")
-    try:
-        number = float(value)
-    except ValueError:
-        raise DataError(f"{measurement.name}: {key}={value} is no number") from None
-    reach = KELVINS if key == "temperature" else CLOSE.get(key, 0.01) * abs(number)
-    rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
-    if not rows.any():
-        known = np.unique([float(f"{v:.3g}") for v in np.unique(column[np.isfinite(column)])])
-        raise DataError(
-            f"{measurement.name}: no {key} near {value} (there are: {_listed([f'{v:g}' for v in known])})"
-        )
-    return rows
-
-
-def _matching_words(measurement: Measurement, key: str, value: str) -> NDArray[np.bool_]:
-    column = measurement.labels[key]
-    known = [str(word) for word in np.unique(column)]
-    low = value.lower()
-    exact = [word for word in known if word.lower() == low]
-    begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
-    within = [word for word in known if low in word.lower()]
-    found = exact or begins or within
-    if len(found) != 1:
-        many = f"several values of {key} match '{value}'" if found else f"no {key} '{value}'"
-        raise DataError(f"{measurement.name}: {many} (there are: {_listed(found or known)})")
-    return np.asarray(column == found[0])
-
-
-def _listed(values: list[str]) -> str:
-    shown = values if len(values) <= SHOWN else [*values[: SHOWN - 2], "...", values[-1]]
-    return ", ".join(shown)

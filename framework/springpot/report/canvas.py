@@ -91,10 +91,11 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
     """An empty figure of that size in inches, in the house style, without matplotlib's global state."""
     require_matplotlib()
     from matplotlib import rc_context
-    from matplotlib.figure import Figure
+
+    from .picture import Picture
 
     with rc_context(STYLE):
-        yield Figure(figsize=(width, height), layout="constrained")
+        yield Picture(figsize=(width, height), layout="constrained")
 
 
 def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
@@ -110,6 +111,11 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
     powers = LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(inf, inf))
     axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}") if plain else powers)
     axis.set_minor_formatter(NullFormatter())
+
+
+def finished(figure: Figure, path: str | Path | None) -> Figure | Path:
+    """The figure itself, or where it was written if there is a path; see `save`."""
+    return figure if path is None else save(figure, path)
 
 
 def save(figure: Figure, path: str | Path) -> Path:

@@ -11,7 +11,7 @@ import numpy as np
 from springpot.measurement import Measurement
 
 from . import views
-from .canvas import INK, blank, save
+from .canvas import INK, blank, finished, save
 from .curves import Fit
 from .floors import DASHES
 from .numbers import percent
@@ -30,7 +30,9 @@ TITLE_WIDTH = 78
 """Characters of a title before it is cut."""
 
 
-def figure_identification(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
+def figure_identification(
+    measurement: Measurement, fits: Sequence[Fit], path: str | Path | None = None
+) -> Figure | Path:
     """Storage and loss with the models' curves, and the residuals below.
 
     Parameters
@@ -39,8 +41,13 @@ def figure_identification(measurement: Measurement, fits: Sequence[Fit], path: s
         The data.
     fits : sequence of Fit
         The models with their parameters.
-    path : str or Path
+    path : str or Path, optional
         Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
 
     Raises
     ------
@@ -54,7 +61,7 @@ def figure_identification(measurement: Measurement, fits: Sequence[Fit], path: s
         views.residual(below, scene)
         above.set_xlabel("")
         headed(figure, scene)
-        return save(figure, path)
+        return finished(figure, path)
 
 
 def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str | Path) -> Path:
@@ -109,7 +116,7 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
     floors : bool
         Whether the material floor is drawn beside residuals.
     """
-    marks = _marks(scene)
+    marks = marks_of(scene)
     if floors:
         marks.append(_mark("± material floor", **DASHES))
     # A legend's own title is the one headline that the layout keeps clear of the legend.
@@ -124,10 +131,10 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
     )
     above.get_title().set_color(INK)
     if scene.by_sweep:
-        figure.legend(handles=_sweep_marks(scene), loc="outside right upper", handlelength=1.0)
+        figure.legend(handles=sweep_marks(scene), loc="outside right upper", handlelength=1.0)
     elif below is not None and below.by_sweep:
         title = "residuals of"
-        figure.legend(handles=_sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
+        figure.legend(handles=sweep_marks(below), title=title, loc="outside right center", handlelength=1.0)
 
 
 def _width(marks: Sequence[Line2D]) -> float:
@@ -135,7 +142,8 @@ def _width(marks: Sequence[Line2D]) -> float:
     return max(MARK_WIDTH, *(LINE_WIDTH + LETTER_WIDTH * len(str(mark.get_label())) for mark in marks))
 
 
-def _marks(scene: Scene) -> list[Line2D]:
+def marks_of(scene: Scene) -> list[Line2D]:
+    """What the marks and lines of a scene mean, for a legend."""
     plain = not scene.by_sweep and not scene.by_fit
     first, second = (scene.data_colour(0, 0), scene.data_colour(0, 1)) if plain else (INK, INK)
     lines = ("-", "--") if scene.fits else ("none", "none")
@@ -152,7 +160,8 @@ def _marks(scene: Scene) -> list[Line2D]:
     return marks
 
 
-def _sweep_marks(scene: Scene) -> list[Line2D]:
+def sweep_marks(scene: Scene) -> list[Line2D]:
+    """The colours of the sweeps, for a legend."""
     return [
         _mark(sweep.label, scene.data_colour(i), marker="s", linestyle="none") for i, sweep in enumerate(scene.sweeps)
     ]

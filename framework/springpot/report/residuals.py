@@ -23,7 +23,7 @@ from springpot.rheology.nodes import FULL
 
 from . import views
 from .bands import draw_bands
-from .canvas import QUIET, blank, logarithmic, save
+from .canvas import QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
 from .floors import DASHES
@@ -32,6 +32,7 @@ from .views import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 TITLE = 44
 """Letters of a model's name above a panel before it is cut."""
@@ -135,15 +136,20 @@ def fits_of(comparison: Comparison) -> list[Fit]:
     return [Fit(judgement.model, judgement.refit.theta) for judgement in comparison.shown]
 
 
-def figure_compared(comparison: Comparison, path: str | Path) -> Path:
+def figure_compared(comparison: Comparison, path: str | Path | None = None) -> Figure | Path:
     """The views that rheologists use, of data and all models, and below them the residual planes of each model.
 
     Parameters
     ----------
     comparison : Comparison
         What to draw.
-    path : str or Path
+    path : str or Path, optional
         Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
 
     Raises
     ------
@@ -162,7 +168,7 @@ def figure_compared(comparison: Comparison, path: str | Path) -> Path:
         for row, fit, judged in zip(grid[1:], fits, comparison.shown, strict=True):
             _row_of_residuals(row, Scene(measurement, [fit]), judged.error, len(fits) > 1)
         headed(figure, everything, Scene(measurement, fits[:1]), floors=True)
-        return save(figure, path)
+        return finished(figure, path)
 
 
 def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bool) -> None:

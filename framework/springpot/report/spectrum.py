@@ -10,7 +10,7 @@ import numpy as np
 from springpot.identification import Identification, Spectrum
 
 from . import views
-from .canvas import COLOURS, QUIET, blank, logarithmic, save
+from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
 from .numbers import number
@@ -18,21 +18,27 @@ from .views import WIDE_RANGE, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 DECADES = 4.0
 """Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing."""
 MOST_PEAKS = 4
 
 
-def figure_material(found: Identification, path: str | Path) -> Path:
+def figure_material(found: Identification, path: str | Path | None = None) -> Figure | Path:
     """Data and fit, the residuals, and the regularised spectrum with its band below.
 
     Parameters
     ----------
     found : Identification
         Of a model whose spectrum the data choose.
-    path : str or Path
+    path : str or Path, optional
         Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
 
     Raises
     ------
@@ -49,7 +55,7 @@ def figure_material(found: Identification, path: str | Path) -> Path:
         if found.spectrum is not None:
             draw_spectrum(below, found.spectrum, found.measurement.units.stiffness)
         headed(figure, scene)
-        return save(figure, path)
+        return finished(figure, path)
 
 
 def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:

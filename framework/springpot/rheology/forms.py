@@ -76,87 +76,99 @@ def rows(*parts: Real) -> Real:
     return np.stack(np.broadcast_arrays(*parts), axis=-2)
 
 
-def _time_form() -> SearchForm:
-    """(k, tau, alpha) of the three-parameter models, tau^alpha = c / k; eq. (20), (21), (33)."""
-
-    def to_elements(x: Real) -> Real:
-        k, tau, alpha = components(x)
-        return columns(k, k * tau**alpha, alpha)
-
-    def jacobian(x: Real) -> Real:
-        k, tau, alpha = components(x)
-        power = tau**alpha
-        c = k * power
-        one, nil = np.ones_like(k), np.zeros_like(k)
-        return rows(
-            columns(one, nil, nil),
-            columns(power, alpha * c / tau, c * np.log(tau)),
-            columns(nil, nil, one),
-        )
-
-    def from_elements(theta: Real) -> Real:
-        k, c, alpha = components(theta)
-        return columns(k, (c / k) ** (1.0 / alpha), alpha)
-
-    return SearchForm((stiffness("k"), relaxation_time(), order()), to_elements, jacobian, from_elements)
+# The maps are functions of the module, so that a fit of a model that has one can be pickled.
 
 
-def _maxwell_form() -> SearchForm:
-    """(k0, kinf, tau, alpha) of the Maxwell type: k1 = k0, k2 = kinf - k0, c = tau^alpha k2; eq. (9), (35)."""
-
-    def to_elements(x: Real) -> Real:
-        k0, kinf, tau, alpha = components(x)
-        return columns(k0, kinf - k0, tau**alpha * (kinf - k0), alpha)
-
-    def jacobian(x: Real) -> Real:
-        k0, kinf, tau, alpha = components(x)
-        power = tau**alpha
-        c = power * (kinf - k0)
-        one, nil = np.ones_like(k0), np.zeros_like(k0)
-        return rows(
-            columns(one, nil, nil, nil),
-            columns(-one, one, nil, nil),
-            columns(-power, power, alpha * c / tau, c * np.log(tau)),
-            columns(nil, nil, nil, one),
-        )
-
-    def from_elements(theta: Real) -> Real:
-        k1, k2, c, alpha = components(theta)
-        return columns(k1, k1 + k2, (c / k2) ** (1.0 / alpha), alpha)
-
-    return SearchForm(_limits(), to_elements, jacobian, from_elements, ordered=(0, 1))
+def _time_to_elements(x: Real) -> Real:
+    k, tau, alpha = components(x)
+    return columns(k, k * tau**alpha, alpha)
 
 
-def _kelvin_form() -> SearchForm:
-    """(k0, kinf, tau, alpha) of the Kelvin type, inverse of eq. (6), (34)."""
+def _time_jacobian(x: Real) -> Real:
+    k, tau, alpha = components(x)
+    power = tau**alpha
+    c = k * power
+    one, nil = np.ones_like(k), np.zeros_like(k)
+    return rows(
+        columns(one, nil, nil),
+        columns(power, alpha * c / tau, c * np.log(tau)),
+        columns(nil, nil, one),
+    )
 
-    def to_elements(x: Real) -> Real:
-        k0, kinf, tau, alpha = components(x)
-        gap = kinf - k0
-        return columns(kinf, k0 * kinf / gap, tau**alpha * kinf**2 / gap, alpha)
 
-    def jacobian(x: Real) -> Real:
-        k0, kinf, tau, alpha = components(x)
-        gap = kinf - k0
-        power = tau**alpha
-        c = power * kinf**2 / gap
-        one, nil = np.ones_like(k0), np.zeros_like(k0)
-        return rows(
-            columns(nil, one, nil, nil),
-            columns((kinf / gap) ** 2, -((k0 / gap) ** 2), nil, nil),
-            columns(c / gap, power * kinf * (kinf - 2 * k0) / gap**2, alpha * c / tau, c * np.log(tau)),
-            columns(nil, nil, nil, one),
-        )
+def _time_from_elements(theta: Real) -> Real:
+    k, c, alpha = components(theta)
+    return columns(k, (c / k) ** (1.0 / alpha), alpha)
 
-    def from_elements(theta: Real) -> Real:
-        k1, k2, c, alpha = components(theta)
-        return columns(k1 * k2 / (k1 + k2), k1, (c / (k1 + k2)) ** (1.0 / alpha), alpha)
 
-    return SearchForm(_limits(), to_elements, jacobian, from_elements, ordered=(0, 1))
+def _maxwell_to_elements(x: Real) -> Real:
+    k0, kinf, tau, alpha = components(x)
+    return columns(k0, kinf - k0, tau**alpha * (kinf - k0), alpha)
+
+
+def _maxwell_jacobian(x: Real) -> Real:
+    k0, kinf, tau, alpha = components(x)
+    power = tau**alpha
+    c = power * (kinf - k0)
+    one, nil = np.ones_like(k0), np.zeros_like(k0)
+    return rows(
+        columns(one, nil, nil, nil),
+        columns(-one, one, nil, nil),
+        columns(-power, power, alpha * c / tau, c * np.log(tau)),
+        columns(nil, nil, nil, one),
+    )
+
+
+def _maxwell_from_elements(theta: Real) -> Real:
+    k1, k2, c, alpha = components(theta)
+    return columns(k1, k1 + k2, (c / k2) ** (1.0 / alpha), alpha)
+
+
+def _kelvin_to_elements(x: Real) -> Real:
+    k0, kinf, tau, alpha = components(x)
+    gap = kinf - k0
+    return columns(kinf, k0 * kinf / gap, tau**alpha * kinf**2 / gap, alpha)
+
+
+def _kelvin_jacobian(x: Real) -> Real:
+    k0, kinf, tau, alpha = components(x)
+    gap = kinf - k0
+    power = tau**alpha
+    c = power * kinf**2 / gap
+    one, nil = np.ones_like(k0), np.zeros_like(k0)
+    return rows(
+        columns(nil, one, nil, nil),
+        columns((kinf / gap) ** 2, -((k0 / gap) ** 2), nil, nil),
+        columns(c / gap, power * kinf * (kinf - 2 * k0) / gap**2, alpha * c / tau, c * np.log(tau)),
+        columns(nil, nil, nil, one),
+    )
+
+
+def _kelvin_from_elements(theta: Real) -> Real:
+    k1, k2, c, alpha = components(theta)
+    return columns(k1 * k2 / (k1 + k2), k1, (c / (k1 + k2)) ** (1.0 / alpha), alpha)
 
 
 def _limits() -> tuple[Parameter, ...]:
     return (stiffness("k0", "k₀"), stiffness("kinf", "k∞"), relaxation_time(), order())
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """The maps of `limits_form` for p parameters."""
+
+    count: int
+
+    def to_elements(self, x: Real) -> Real:
+        return columns(x[..., 0], x[..., 1] - x[..., 0], *np.moveaxis(x[..., 2:], -1, 0))
+
+    def jacobian(self, x: Real) -> Real:
+        step = np.eye(self.count)
+        step[1, 0] = -1.0
+        return np.broadcast_to(step, (*x.shape[:-1], *step.shape))
+
+    def from_elements(self, theta: Real) -> Real:
+        return columns(theta[..., 0], theta[..., 0] + theta[..., 1], *np.moveaxis(theta[..., 2:], -1, 0))
 
 
 def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
@@ -168,21 +180,15 @@ def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
         The model's; all but the second are searched as they are.
     """
     searched = (*_limits()[:2], *parameters[2:])
-    step = np.eye(len(parameters))
-    step[1, 0] = -1.0
-
-    def to_elements(x: Real) -> Real:
-        return columns(x[..., 0], x[..., 1] - x[..., 0], *np.moveaxis(x[..., 2:], -1, 0))
-
-    def jacobian(x: Real) -> Real:
-        return np.broadcast_to(step, (*x.shape[:-1], *step.shape))
-
-    def from_elements(theta: Real) -> Real:
-        return columns(theta[..., 0], theta[..., 0] + theta[..., 1], *np.moveaxis(theta[..., 2:], -1, 0))
-
-    return SearchForm(searched, to_elements, jacobian, from_elements, ordered=(0, 1))
+    maps = _Limits(len(parameters))
+    return SearchForm(searched, maps.to_elements, maps.jacobian, maps.from_elements, ordered=(0, 1))
 
 
-TIME_FORM = _time_form()
-MAXWELL_FORM = _maxwell_form()
-KELVIN_FORM = _kelvin_form()
+TIME_FORM = SearchForm(
+    (stiffness("k"), relaxation_time(), order()), _time_to_elements, _time_jacobian, _time_from_elements
+)
+"""(k, tau, alpha) of the three-parameter models, tau^alpha = c / k; eq. (20), (21), (33)."""
+MAXWELL_FORM = SearchForm(_limits(), _maxwell_to_elements, _maxwell_jacobian, _maxwell_from_elements, ordered=(0, 1))
+"""(k0, kinf, tau, alpha) of the Maxwell type: k1 = k0, k2 = kinf - k0, c = tau^alpha k2; eq. (9), (35)."""
+KELVIN_FORM = SearchForm(_limits(), _kelvin_to_elements, _kelvin_jacobian, _kelvin_from_elements, ordered=(0, 1))
+"""(k0, kinf, tau, alpha) of the Kelvin type, inverse of eq. (6), (34)."""

@@ -72,7 +72,7 @@ class Held(Mapped):
 
 
 def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) -> Node:
-    """The node with parameters held at `values` and others within `bounds`; itself where neither names one of its own.
+    """The node with parameters held at `values` and others within `bounds`; itself where neither names its own.
 
     Parameters
     ----------
@@ -89,9 +89,7 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     names = {parameter.name for parameter in node.parameters}
     if not names & (set(values) | set(bounds)):
         return node
-    inner = node.node if isinstance(node, Held) else node
-    before = dict(zip((p.name for p in inner.parameters), node.forward.values, strict=True)) if inner is not node else {}
-    known = {name: value for name, value in before.items() if value is not None}
+    inner, known = released(node), held_values(node)
     known |= {name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
     inserted = Inserted(tuple(known.get(parameter.name) for parameter in inner.parameters))

@@ -146,7 +146,7 @@ class Model:
     def holding(self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None) -> Model:
         """The model with some parameters held at a value and others within narrower bounds.
 
-        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are those of the rest.
+        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are of the rest.
 
         Parameters
         ----------

@@ -5,6 +5,8 @@ In their literature the orders alpha and beta are called k and h, and the factor
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from springpot.rheology import (
@@ -31,29 +33,32 @@ HUET = "Huet (1963), thesis, Paris"
 SAYEGH = "Sayegh (1967), 2nd Int. Conf. Structural Design of Asphalt Pavements; " + OLARD
 
 
+def _branch_elements(theta: Real, with_dashpot: bool) -> Real:
+    k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
+    parts = [k, k * tau**alpha / delta, alpha, k * tau**beta, beta]
+    return columns(*parts, theta[..., 5] * k * tau) if with_dashpot else columns(*parts)
+
+
+def _branch_jacobian(theta: Real, with_dashpot: bool) -> Real:
+    k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
+    nu = theta[..., 5] if with_dashpot else np.zeros_like(k)
+    one, log_tau = np.ones_like(k), np.log(tau)
+    c1, c2 = k * tau**alpha / delta, k * tau**beta
+    full = rows(
+        columns(one, 0.0, 0.0, 0.0, 0.0, 0.0),
+        columns(c1 / k, -c1 / delta, alpha * c1 / tau, c1 * log_tau, 0.0, 0.0),
+        columns(0.0, 0.0, 0.0, one, 0.0, 0.0),
+        columns(c2 / k, 0.0, beta * c2 / tau, 0.0, c2 * log_tau, 0.0),
+        columns(0.0, 0.0, 0.0, 0.0, one, 0.0),
+        columns(nu * tau, 0.0, nu * k, 0.0, 0.0, k * tau),
+    )
+    return full if with_dashpot else full[..., :5, :5]
+
+
 def _branch(with_dashpot: bool) -> Node:
     """K = k1 / (1 + delta (s tau)^-alpha + (s tau)^-beta [+ (s nu tau)^-1])."""
-
-    def forward(theta: Real) -> Real:
-        k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
-        parts = [k, k * tau**alpha / delta, alpha, k * tau**beta, beta]
-        return columns(*parts, theta[..., 5] * k * tau) if with_dashpot else columns(*parts)
-
-    def jacobian(theta: Real) -> Real:
-        k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
-        nu = theta[..., 5] if with_dashpot else np.zeros_like(k)
-        one, log_tau = np.ones_like(k), np.log(tau)
-        c1, c2 = k * tau**alpha / delta, k * tau**beta
-        full = rows(
-            columns(one, 0.0, 0.0, 0.0, 0.0, 0.0),
-            columns(c1 / k, -c1 / delta, alpha * c1 / tau, c1 * log_tau, 0.0, 0.0),
-            columns(0.0, 0.0, 0.0, one, 0.0, 0.0),
-            columns(c2 / k, 0.0, beta * c2 / tau, 0.0, c2 * log_tau, 0.0),
-            columns(0.0, 0.0, 0.0, 0.0, one, 0.0),
-            columns(nu * tau, 0.0, nu * k, 0.0, 0.0, k * tau),
-        )
-        return full if with_dashpot else full[..., :5, :5]
-
+    forward = partial(_branch_elements, with_dashpot=with_dashpot)
+    jacobian = partial(_branch_jacobian, with_dashpot=with_dashpot)
     pots = [springpot("k1 tau^alpha/delta", "alpha"), springpot("k1 tau^beta", "beta")]
     own = (
         stiffness("k1", "k₁"),

@@ -33,135 +33,152 @@ from springpot.rheology import (
 LARGEST_LOG = 600.0
 
 
+def _ab_forward(theta: Real) -> Real:
+    k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
+    gap = beta * (1.0 - ratio)
+    return columns(k * tau**beta, beta, k * tau**gap, gap)
+
+
+def _ab_jacobian(theta: Real) -> Real:
+    k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
+    rest = 1.0 - ratio
+    gap, log_tau = beta * rest, np.log(tau)
+    c1, c2 = k * tau**beta, k * tau**gap
+    return rows(
+        columns(tau**beta, beta * c1 / tau, 0.0, c1 * log_tau),
+        columns(0.0, 0.0, 0.0, np.ones_like(k)),
+        columns(tau**gap, gap * c2 / tau, -beta * c2 * log_tau, rest * c2 * log_tau),
+        columns(0.0, 0.0, -beta, rest),
+    )
+
+
 def _unequal_orders() -> Node:
     """K = k (s tau)^beta / (1 + (s tau)^alpha), alpha = ratio beta: two springpots in series."""
-
-    def forward(theta: Real) -> Real:
-        k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
-        gap = beta * (1.0 - ratio)
-        return columns(k * tau**beta, beta, k * tau**gap, gap)
-
-    def jacobian(theta: Real) -> Real:
-        k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
-        rest = 1.0 - ratio
-        gap, log_tau = beta * rest, np.log(tau)
-        c1, c2 = k * tau**beta, k * tau**gap
-        return rows(
-            columns(tau**beta, beta * c1 / tau, 0.0, c1 * log_tau),
-            columns(0.0, 0.0, 0.0, np.ones_like(k)),
-            columns(tau**gap, gap * c2 / tau, -beta * c2 * log_tau, rest * c2 * log_tau),
-            columns(0.0, 0.0, -beta, rest),
-        )
-
     network = series(springpot("k tau^beta", "beta"), springpot("k tau^(beta-alpha)", "beta-alpha"))
     own = (stiffness(), relaxation_time(), order("ratio", "α/β"), order("beta", "β"))
-    return Mapped(network, own, forward, jacobian)
+    return Mapped(network, own, _ab_forward, _ab_jacobian)
+
+
+def _ab_form_to_elements(x: Real) -> Real:
+    k, tau, alpha, beta = np.moveaxis(x, -1, 0)
+    return columns(k, tau, alpha / beta, beta)
+
+
+def _ab_form_jacobian(x: Real) -> Real:
+    one = np.ones_like(x[..., 0])
+    alpha, beta = x[..., 2], x[..., 3]
+    return rows(
+        columns(one, 0.0, 0.0, 0.0),
+        columns(0.0, one, 0.0, 0.0),
+        columns(0.0, 0.0, 1.0 / beta, -alpha / beta**2),
+        columns(0.0, 0.0, 0.0, one),
+    )
+
+
+def _ab_form_from_elements(theta: Real) -> Real:
+    k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
+    return columns(k, tau, ratio * beta, beta)
 
 
 def _unequal_orders_form() -> SearchForm:
     """(k, tau, alpha, beta) of eq. (27), alpha <= beta."""
-
-    def to_elements(x: Real) -> Real:
-        k, tau, alpha, beta = np.moveaxis(x, -1, 0)
-        return columns(k, tau, alpha / beta, beta)
-
-    def jacobian(x: Real) -> Real:
-        one = np.ones_like(x[..., 0])
-        alpha, beta = x[..., 2], x[..., 3]
-        return rows(
-            columns(one, 0.0, 0.0, 0.0),
-            columns(0.0, one, 0.0, 0.0),
-            columns(0.0, 0.0, 1.0 / beta, -alpha / beta**2),
-            columns(0.0, 0.0, 0.0, one),
-        )
-
-    def from_elements(theta: Real) -> Real:
-        k, tau, ratio, beta = np.moveaxis(theta, -1, 0)
-        return columns(k, tau, ratio * beta, beta)
-
     searched = (stiffness(), relaxation_time(), order(), order("beta", "β"))
-    return SearchForm(searched, to_elements, jacobian, from_elements, ordered=(2, 3), margin=1.0)
+    return SearchForm(
+        searched, _ab_form_to_elements, _ab_form_jacobian, _ab_form_from_elements, ordered=(2, 3), margin=1.0
+    )
+
+
+def _makris_forward(theta: Real) -> Real:
+    c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
+    return columns(c0, q, c0 * tau ** (-ratio * q), q * (1.0 - ratio))
+
+
+def _makris_jacobian(theta: Real) -> Real:
+    c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
+    r, log_tau = ratio * q, np.log(tau)
+    c = c0 * tau**-r
+    one = np.ones_like(c0)
+    return rows(
+        columns(one, 0.0, 0.0, 0.0),
+        columns(0.0, 0.0, 0.0, one),
+        columns(tau**-r, -r * c / tau, -q * c * log_tau, -ratio * c * log_tau),
+        columns(0.0, 0.0, -q, 1.0 - ratio),
+    )
 
 
 def _makris() -> Node:
     """K = c0 s^q / (1 + (s tau)^r), r = ratio q, tau^r = lambda: two springpots in series."""
-
-    def forward(theta: Real) -> Real:
-        c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
-        return columns(c0, q, c0 * tau ** (-ratio * q), q * (1.0 - ratio))
-
-    def jacobian(theta: Real) -> Real:
-        c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
-        r, log_tau = ratio * q, np.log(tau)
-        c = c0 * tau**-r
-        one = np.ones_like(c0)
-        return rows(
-            columns(one, 0.0, 0.0, 0.0),
-            columns(0.0, 0.0, 0.0, one),
-            columns(tau**-r, -r * c / tau, -q * c * log_tau, -ratio * c * log_tau),
-            columns(0.0, 0.0, -q, 1.0 - ratio),
-        )
-
     network = series(springpot("c0", "q"), springpot("c0/lambda", "q-r"))
     own = (quasi_property("c0", "q", "c₀"), relaxation_time(), order("ratio", "r/q"), order("q", "q"))
-    return Mapped(network, own, forward, jacobian)
+    return Mapped(network, own, _makris_forward, _makris_jacobian)
+
+
+def _makris_form_log_time(lam: Real, r: Real) -> Real:
+    # As r goes to 0 the time leaves the range of floating point long before K changes.
+    return np.clip(np.log(lam) / r, -LARGEST_LOG, LARGEST_LOG)
+
+
+def _makris_form_to_elements(x: Real) -> Real:
+    lam, c0, r, q = np.moveaxis(x, -1, 0)
+    return columns(c0, np.exp(_makris_form_log_time(lam, r)), r / q, q)
+
+
+def _makris_form_jacobian(x: Real) -> Real:
+    lam, _, r, q = np.moveaxis(x, -1, 0)
+    tau = np.exp(_makris_form_log_time(lam, r)) * (np.abs(np.log(lam)) < LARGEST_LOG * r)
+    one = np.ones_like(lam)
+    return rows(
+        columns(0.0, one, 0.0, 0.0),
+        columns(tau / (r * lam), 0.0, -tau * np.log(lam) / r**2, 0.0),
+        columns(0.0, 0.0, 1.0 / q, -r / q**2),
+        columns(0.0, 0.0, 0.0, one),
+    )
+
+
+def _makris_form_from_elements(theta: Real) -> Real:
+    c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
+    r = ratio * q
+    return columns(tau**r, c0, r, q)
 
 
 def _makris_form() -> SearchForm:
     """(lambda, c0, r, q) of eq. (54), r <= q, lambda = tau^r."""
-
-    def log_time(lam: Real, r: Real) -> Real:
-        # As r goes to 0 the time leaves the range of floating point long before K changes.
-        return np.clip(np.log(lam) / r, -LARGEST_LOG, LARGEST_LOG)
-
-    def to_elements(x: Real) -> Real:
-        lam, c0, r, q = np.moveaxis(x, -1, 0)
-        return columns(c0, np.exp(log_time(lam, r)), r / q, q)
-
-    def jacobian(x: Real) -> Real:
-        lam, _, r, q = np.moveaxis(x, -1, 0)
-        tau = np.exp(log_time(lam, r)) * (np.abs(np.log(lam)) < LARGEST_LOG * r)
-        one = np.ones_like(lam)
-        return rows(
-            columns(0.0, one, 0.0, 0.0),
-            columns(tau / (r * lam), 0.0, -tau * np.log(lam) / r**2, 0.0),
-            columns(0.0, 0.0, 1.0 / q, -r / q**2),
-            columns(0.0, 0.0, 0.0, one),
-        )
-
-    def from_elements(theta: Real) -> Real:
-        c0, tau, ratio, q = np.moveaxis(theta, -1, 0)
-        r = ratio * q
-        return columns(tau**r, c0, r, q)
-
     searched = (
         Parameter("lambda", "λ", Dimension(time="r")),
         quasi_property("c0", "q", "c₀"),
         order("r", "r"),
         order("q", "q"),
     )
-    return SearchForm(searched, to_elements, jacobian, from_elements, ordered=(2, 3), margin=1.0)
+    return SearchForm(
+        searched,
+        _makris_form_to_elements,
+        _makris_form_jacobian,
+        _makris_form_from_elements,
+        ordered=(2, 3),
+        margin=1.0,
+    )
+
+
+def _relaxing_forward(theta: Real) -> Real:
+    k, tau, alpha = np.moveaxis(theta, -1, 0)
+    return columns(k, k * tau**alpha, alpha)
+
+
+def _relaxing_jacobian(theta: Real) -> Real:
+    k, tau, alpha = np.moveaxis(theta, -1, 0)
+    c = k * tau**alpha
+    one = np.ones_like(k)
+    return rows(
+        columns(one, 0.0, 0.0),
+        columns(tau**alpha, alpha * c / tau, c * np.log(tau)),
+        columns(0.0, 0.0, one),
+    )
 
 
 def _relaxing_springpot(k: str, tau: str, alpha: str = "alpha") -> Node:
     """K = k (s tau)^alpha / (1 + (s tau)^alpha): spring in series with the springpot k tau^alpha."""
-
-    def forward(theta: Real) -> Real:
-        k, tau, alpha = np.moveaxis(theta, -1, 0)
-        return columns(k, k * tau**alpha, alpha)
-
-    def jacobian(theta: Real) -> Real:
-        k, tau, alpha = np.moveaxis(theta, -1, 0)
-        c = k * tau**alpha
-        one = np.ones_like(k)
-        return rows(
-            columns(one, 0.0, 0.0),
-            columns(tau**alpha, alpha * c / tau, c * np.log(tau)),
-            columns(0.0, 0.0, one),
-        )
-
     network = series(spring(k), springpot(f"{k} {tau}^{alpha}", alpha))
-    return Mapped(network, (stiffness(k), relaxation_time(tau), order(alpha)), forward, jacobian)
+    return Mapped(network, (stiffness(k), relaxation_time(tau), order(alpha)), _relaxing_forward, _relaxing_jacobian)
 
 
 _oldroyd = parallel(spring("k0"), _relaxing_springpot("k1", "tau"))

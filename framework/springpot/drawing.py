@@ -1,0 +1,38 @@
+"""``result.plot()``: a result asks to be drawn, and the room above all that draws is loaded only then.
+
+Results live below the room that makes pictures, and must not import it: the name here is the only thread upwards, and
+whoever draws nothing never loads a library of pictures.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+DRAWS = "springpot.report.drawings"
+
+
+def draw(result: object, path: str | Path | None = None, axes: Any = None) -> Any:
+    """Draw a result on axes that are given, into a file, or on a figure of its own.
+
+    Parameters
+    ----------
+    result : object
+        Anything that `springpot.report.drawings` knows.
+    path : str or Path, optional
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; the figure is then the caller's.
+
+    Returns
+    -------
+    Axes, Path or Figure
+        The axes that were given, the file that was written, or a figure that shows itself in a notebook.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing, the file cannot be written, or both places are given.
+    """
+    return import_module(DRAWS).drawn(result, path, axes)

@@ -1,0 +1,122 @@
+"""What the JSON of a fit keeps beside what people read, so that it can be taken up again: theta and the data."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from springpot.measurement import Measurement, Units
+from springpot.rheology import Continuum, Model, Real
+
+from .material import is_material
+from .native import Fit
+from .objective import Objective
+from .uncertainty import Uncertainty
+
+if TYPE_CHECKING:
+    from .result import Identification
+
+
+def kept(found: Identification) -> dict[str, Any]:
+    """Theta with its intervals in the units of the measurement, what was held and bounded, and the measurement."""
+    model = found.model
+    material = model.material
+    return {
+        "theta": found.theta.tolist(),
+        "low": _finite(found.low),
+        "high": _finite(found.high),
+        "held": model.held,
+        "bounds": _bounds(model),
+        "rates": list(material.rates) if isinstance(material, Continuum) else None,
+        "absolute": found.uncertainty.absolute,
+        "converged": found.fit.converged,
+        "seed": found.seed,
+        "measurement": measurement_to_dict(found.measurement),
+    }
+
+
+def _finite(ends: Real) -> list[float | None]:
+    return [float(end) if np.isfinite(end) else None for end in ends]
+
+
+def _bounds(model: Model) -> dict[str, list[float | None]]:
+    """Bounds that are narrower than those of physics."""
+    if not model.constrained:
+        return {}
+    wide = {p.name: (p.lower, p.upper) for p in model.released().parameters}
+    narrow = [p for p in model.parameters if (p.lower, p.upper) != wide[p.name]]
+    return {p.name: _finite(np.array([p.lower, p.upper])) for p in narrow}
+
+
+def measurement_to_dict(data: Measurement) -> dict[str, Any]:
+    """A measurement as plain data."""
+    sd = data.sd
+    return {
+        "name": data.name,
+        "units": {"stiffness": data.units.stiffness, "amplitude": data.units.amplitude},
+        "omega": data.omega.tolist(),
+        "storage": data.storage.tolist(),
+        "loss": data.loss.tolist(),
+        "storage_sd": None if sd is None else sd.real.tolist(),
+        "loss_sd": None if sd is None else sd.imag.tolist(),
+        "conditions": {name: _finite(column) for name, column in data.conditions.items()},
+        "repeat": None if data.repeat is None else data.repeat.tolist(),
+        "reference": data.reference,
+    }
+
+
+def measurement_of(kept: dict[str, Any]) -> Measurement:
+    """The measurement that `measurement_to_dict` gave; labels, harmonics and provenance are not kept."""
+    sd = None
+    if kept["storage_sd"] is not None:
+        sd = np.array(kept["storage_sd"]) + 1j * np.array(kept["loss_sd"])
+    conditions = {name: np.array(column, dtype=float) for name, column in kept["conditions"].items()}
+    return Measurement(
+        np.array(kept["omega"], dtype=float),
+        np.array(kept["storage"], dtype=float) + 1j * np.array(kept["loss"], dtype=float),
+        sd=sd,
+        conditions=conditions,
+        repeat=None if kept["repeat"] is None else np.array(kept["repeat"]),
+        units=Units(str(kept["units"]["stiffness"]), str(kept["units"]["amplitude"])),
+        name=str(kept["name"]),
+        reference=kept["reference"],
+    )
+
+
+def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float, evaluations: int) -> Fit:
+    """The fit as it was, from what was kept.
+
+    Parameters
+    ----------
+    kept : dict
+        What `kept` gave.
+    model : Model
+        The model that its expression names.
+    objective : Objective
+        How the misfit was measured.
+    cost : float
+        The objective at the end.
+    evaluations : int
+        Spent on it.
+    """
+    data = measurement_of(kept["measurement"])
+    if is_material(model):
+        model = replace(model, material=Continuum(tuple(kept["rates"])))
+    bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
+    model = model.holding(kept["held"], bounds).bound_to(data.points)
+    theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
+    return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
+
+
+def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:
+    """What is known of a fit, and the ends of its intervals, from what was kept."""
+    low = np.array([-np.inf if end is None else end for end in kept["low"]])
+    high = np.array([np.inf if end is None else end for end in kept["high"]])
+    return Uncertainty(fit, bool(kept["absolute"])), low, high
+
+
+def _ends(pair: list[float | None]) -> tuple[float, float]:
+    low, high = pair
+    return -np.inf if low is None else low, np.inf if high is None else high

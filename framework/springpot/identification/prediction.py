@@ -1,0 +1,297 @@
+"""Another test than the measured one: what a fitted model says of it, and how surely."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from springpot.drawing import draw
+from springpot.errors import DataError, ModelError
+from springpot.markup import table, tag
+from springpot.measurement import CONDITIONS, HELD, KELVIN, Measurement, Units
+from springpot.rheology import Complex, Points, Real
+
+from .uncertainty import Uncertainty
+
+if TYPE_CHECKING:
+    from .native import Fit
+
+SCHEMA = "springpot.prediction/1"
+AT_REST = (-80.0, -160.0, -320.0, -640.0)
+"""Logarithms of the angular frequency on the way to rest: a springpot of order 0.05 has fallen by 14 decades at the
+last, and beyond -700 the frequency itself is no number."""
+NOTHING = 1e-12
+"""Share of the measured stiffness that is no more than rounding."""
+SEEN = 1e-6
+"""Share of K by which a parameter that the data do not determine may move a prediction before it has no band."""
+FAR_KELVIN = 150.0
+"""Further than this above all measured temperatures, a number is rather one in kelvin: the laws of temperature hold
+for about 100 K above the glass transition (Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008)."""
+BEYOND = 1.001
+"""Factor outside the measured frequencies from which a prediction is told to be beyond them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a fitted model says of a test, with a band; its columns are named as those of a `Measurement`.
+
+    Attributes
+    ----------
+    model : str
+        The model expression.
+    omega : ndarray, shape (n,)
+        Angular frequency in rad/s; may be zero.
+    stiffness : ndarray of complex, shape (n,)
+        K' + i K'' in ``units.stiffness``.
+    low, high : ndarray of complex, shape (n,)
+        Ends of the bands of K' (real part) and of K'' (imaginary part); infinite where the data say nothing. The band
+        is that of the model's curve: it holds the uncertainty of the parameters, not the scatter of a new test.
+    conditions : mapping of str to ndarray, shape (n,)
+        ``temperature`` in degC, ``amplitude`` in ``units.amplitude``, others by name.
+    units : Units
+        Those of the measurement that was fitted.
+    level : float
+        Probability of the band.
+    notes : tuple of str
+        What else one should know.
+    """
+
+    model: str
+    omega: Real
+    stiffness: Complex
+    low: Complex
+    high: Complex
+    conditions: Mapping[str, Real] = field(default_factory=dict)
+    units: Units = field(default_factory=Units)
+    level: float = 0.95
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "conditions", dict(self.conditions))
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    @property
+    def frequency(self) -> Real:
+        """Frequency f = omega / 2 pi in Hz, shape (n,)."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def storage(self) -> Real:
+        """Storage modulus K', shape (n,)."""
+        return self.stiffness.real
+
+    @property
+    def loss(self) -> Real:
+        """Loss modulus K'', shape (n,)."""
+        return self.stiffness.imag
+
+    @property
+    def magnitude(self) -> Real:
+        """|K|, shape (n,)."""
+        return np.abs(self.stiffness)
+
+    @property
+    def loss_factor(self) -> Real:
+        """Tan delta = K'' / K', shape (n,)."""
+        with np.errstate(all="ignore"):
+            return self.loss / self.storage
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.prediction/1``; a band without an end has None."""
+        return {
+            "schema": SCHEMA,
+            "model": self.model,
+            "level": self.level,
+            "unit": self.units.stiffness,
+            "points": [dict(zip(self._headers(), row, strict=True)) for row in self.rows()],
+            "notes": list(self.notes),
+        }
+
+    def _headers(self) -> tuple[str, ...]:
+        ends = ("storage_low", "storage_high", "loss_low", "loss_high")
+        return ("frequency", "omega", *self.conditions, "storage", "loss", *ends)
+
+    def rows(self) -> Iterator[tuple[float, ...]]:
+        """Frequency, omega, conditions, K', K'' and the ends of their bands, point by point."""
+        columns = [self.frequency, self.omega, *self.conditions.values(), self.storage, self.loss]
+        columns += [self.low.real, self.high.real, self.low.imag, self.high.imag]
+        yield from zip(*(column.tolist() for column in columns), strict=True)
+
+    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+        """K' and K'' with their bands; see `Measurement.plot`."""
+        return draw(self, path, ax)
+
+    def __repr__(self) -> str:
+        return f"<Prediction of {self.model}: {len(self)} points, [{self.units.stiffness}]>"
+
+    def _repr_html_(self) -> str:
+        rows = [[f"{cell:.4g}" for cell in row] for row in self.rows()]
+        title = f"{self.model}, [{self.units.stiffness}], band of {100 * self.level:.0f} %"
+        notes = tag("ul", *(tag("li", note) for note in self.notes))
+        return tag("div", tag("p", tag("b", title)), table(self._headers(), rows), notes)
+
+
+def predict(
+    known: Uncertainty,
+    frequency: ArrayLike | None = None,
+    omega: ArrayLike | None = None,
+    level: float = 0.95,
+    **given: ArrayLike | None,
+) -> Prediction:
+    """What the model of a fit says of another test; see `Identification.predict`."""
+    fit = known.fit
+    wanted = {name: column for name, column in given.items() if column is not None}
+    rate = _rate(fit.measurement, frequency, omega)
+    conditions = _conditions(fit, wanted, rate)
+    count = max([len(rate), *(len(column) for column in conditions.values())])
+    try:
+        rate = np.broadcast_to(rate, count)
+        conditions = {name: np.broadcast_to(column, count) for name, column in conditions.items()}
+    except ValueError:
+        lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
+        raise DataError(f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}") from None
+    value, sd = _value_and_sd(known, rate, conditions)
+    reach = Uncertainty(fit, known.absolute, level).quantile * sd
+    with np.errstate(invalid="ignore"):
+        low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))
+    units, notes = fit.measurement.units, tuple(_notes(fit.measurement, rate, conditions))
+    return Prediction(fit.model.name, rate, value, low, high, conditions, units, level, notes)
+
+
+def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:
+    """Angular frequencies (n,) that are asked for; the measured ones where none are."""
+    if frequency is not None and omega is not None:
+        raise DataError("give frequency [Hz] or omega [rad/s], not both")
+    if frequency is None and omega is None:
+        return data.omega
+    try:
+        column = np.atleast_1d(np.asarray(frequency if omega is None else omega, dtype=float))
+    except (TypeError, ValueError):
+        raise DataError("frequency [Hz] and omega [rad/s] are numbers") from None
+    if column.ndim != 1 or not (np.all(np.isfinite(column)) and np.all(column >= 0.0)):
+        raise DataError("frequencies are a list of numbers, finite and not negative")
+    return column * 2.0 * np.pi if omega is None else column
+
+
+def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
+    """Conditions that are asked for, each as a column of one value or one for each point."""
+    model, data = fit.model, fit.measurement
+    own = {name: np.atleast_1d(np.asarray(column, dtype=float)) for name, column in given.items()}
+    for name, column in own.items():
+        if not np.all(np.isfinite(column)):
+            raise DataError(f"{name} must be finite numbers")
+        _check_condition(fit, name, column)
+    for name in sorted(model.needs - set(own)):
+        measured = data.conditions[name]
+        if len(rate) == len(data) and np.array_equal(rate, data.omega):
+            own[name] = measured
+        elif float(np.ptp(measured)) <= _held(name, measured):
+            own[name] = np.array([float(np.mean(measured))])
+        else:
+            unit = "degC" if name == "temperature" else data.units.amplitude if name == "amplitude" else "-"
+            span = f"{measured.min():.4g} to {measured.max():.4g} [{unit}]"
+            raise DataError(f"{model.name} depends on {name}, which was {span}: say {name}=...")
+    return own
+
+
+def _held(name: str, column: Real) -> float:
+    """How far values of one level may lie apart."""
+    share = HELD.get(name, 0.0)
+    return share * float(np.max(np.abs(column))) if name == "amplitude" else share
+
+
+def _check_condition(fit: Fit, name: str, column: Real) -> None:
+    """Refuse what would give a wrong number without a word."""
+    data, model = fit.measurement, fit.model
+    measured = data.conditions.get(name)
+    if name == "temperature":
+        warmest = data.reference_temperature - KELVIN if measured is None else float(measured.max())
+        if np.any(column < -KELVIN):
+            raise DataError(f"temperature={column.min():g} is below the absolute zero of -273.15 degC")
+        if np.any(column > warmest + FAR_KELVIN):
+            raise DataError(f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data")
+    if name in model.needs:
+        return
+    low, high = (np.nan, np.nan) if measured is None else (float(measured.min()), float(measured.max()))
+    slack = 0.0 if measured is None else _held(name, measured)
+    if measured is None or np.any(column < low - slack) or np.any(column > high + slack):
+        effect = {"temperature": "arrhenius-shift or wlf-shift", "amplitude": "payne or friction"}.get(name)
+        hint = f", such as {effect}" if effect else ""
+        span = "was not measured" if measured is None else f"was {low:.4g} to {high:.4g}"
+        raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
+
+
+def _points(data: Measurement, log_omega: Real, conditions: Mapping[str, Real]) -> Points:
+    temperature = conditions.get("temperature")
+    return Points(
+        log_omega,
+        conditions.get("amplitude"),
+        None if temperature is None else temperature + KELVIN,
+        data.reference_temperature,
+        {name: column for name, column in conditions.items() if name not in CONDITIONS},
+    )
+
+
+def _value_and_sd(known: Uncertainty, rate: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
+    """K (n,) and the standard deviations of its parts (n,); at rest both are limits."""
+    with np.errstate(divide="ignore"):
+        log_omega = np.log(rate)
+    still = ~np.isfinite(log_omega)
+    value, sd = _at(known, np.where(still, AT_REST[0], log_omega), conditions)
+    if not np.any(still):
+        return value, sd
+    tiny = NOTHING * float(np.min(known.fit.measurement.magnitude))
+    for place in AT_REST:
+        nearer, spread = _at(known, np.where(still, place, log_omega), conditions)
+        good = still & np.isfinite(nearer)
+        value, sd = np.where(good, nearer, value), np.where(good, spread, sd)
+    return _without_rounding(value, still, tiny), _without_rounding(sd, still, tiny)
+
+
+def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) -> Complex:
+    """Parts at rest that are no more than rounding are zero."""
+    parts = [np.where(still & (np.abs(part) < tiny), 0.0, part) for part in (values.real, values.imag)]
+    return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+
+
+def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
+    fit = known.fit
+    points = _points(fit.measurement, log_omega, conditions)
+    with np.errstate(all="ignore"):
+        value = fit.model.stiffness(fit.theta, points)
+        slopes = np.nan_to_num(fit.model.jacobian(fit.theta, points))
+        by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
+    sd = np.array([_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)])
+    return value, sd[0] + 1j * sd[1]
+
+
+def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
+    """Standard deviations (n,) of what depends on the search coordinates by `by_u` (n, p)."""
+    lost = np.isinf(np.diag(covariance))
+    known = np.where(lost[:, None] | lost[None, :], 0.0, covariance)
+    variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
+    open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)
+    return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))
+
+
+def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Iterator[str]:
+    low, high = float(data.frequency.min()), float(data.frequency.max())
+    asked = rate / (2.0 * np.pi)
+    if np.any(asked < low / BEYOND) or np.any(asked > high * BEYOND):
+        yield f"beyond the measured {low:.3g} to {high:.3g} Hz the band holds only if the model does"
+    for name, column in conditions.items():
+        measured = data.conditions.get(name)
+        if measured is None:
+            continue
+        slack = _held(name, measured)
+        if np.any(column < measured.min() - slack) or np.any(column > measured.max() + slack):
+            unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
+            span = f"{measured.min():.4g} to {measured.max():.4g}"
+            yield f"beyond the measured {name} of {span} [{unit}] the band holds only if the model does"

@@ -1,0 +1,113 @@
+"""Parameters in the units in which they are printed, in the model's own form and in its published search form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springpot.measurement import Units
+from springpot.rheology import Parameter, Real, SearchForm
+
+from .uncertainty import ends, spread_of
+from .value import Value
+
+if TYPE_CHECKING:
+    from .result import Identification
+
+
+def printed(parameters: Sequence[Parameter], values: Real, low: Real, high: Real, units: Units) -> dict[str, Value]:
+    """Parameters with their intervals in printed units; lines of a spectrum are told as a whole and left out.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        Length p.
+    values, low, high : ndarray, shape (p,)
+        In the units of the measurement.
+    units : Units
+        Those of the measurement.
+    """
+    rows = {}
+    for i, parameter in enumerate(parameters):
+        if parameter.detail:
+            continue
+        factor, label = units.of(parameter.unit)
+        value, below, above = (factor * float(column[i]) for column in (values, low, high))
+        rows[parameter.name] = Value(value, below, above, label)
+    return rows
+
+
+def all_parameters(found: Identification) -> dict[str, Value]:
+    """All parameters of a fit, those that were held in their places."""
+    units = found.measurement.units
+    free = printed(found.model.parameters, found.theta, found.low, found.high, units)
+    held = found.model.held
+    if not held:
+        return free
+    rows = {}
+    for parameter in found.model.released().parameters:
+        name = parameter.name
+        if name in held:
+            factor, label = units.of(parameter.unit)
+            value = factor * held[name]
+            rows[name] = Value(value, value, value, label, fixed=True)
+        elif name in free:
+            rows[name] = free[name]
+    return rows
+
+
+def search_parameters(found: Identification) -> dict[str, Value]:
+    """The parameters in the model's published search form, by linear propagation; none where it has no such form."""
+    form = found.model.search
+    if form is None:
+        return {}
+    q = len(form.parameters)
+    with np.errstate(all="ignore"):
+        x = form.from_elements(found.theta[:q])
+        reach = _reach(found, form, x)
+        log = np.array([p.scale == "log" for p in form.parameters])
+        bounds = np.array([p.lower for p in form.parameters]), np.array([p.upper for p in form.parameters])
+        low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
+        for moved in _at_ends(found, q):
+            other = np.nan_to_num(form.from_elements(moved), nan=np.inf)
+            low, high = np.fmax(np.fmin(low, other), bounds[0]), np.fmin(np.fmax(high, other), bounds[1])
+    for i, j in _shared(found, form, x):
+        low[i], high[i] = found.low[j], found.high[j]
+    return printed(form.parameters, x, low, high, found.measurement.units)
+
+
+def _at_ends(found: Identification, q: int) -> list[Real]:
+    """The parameters of the form, those at a bound moved in turn to the ends of their one-sided interval."""
+    moved = []
+    at_bound = found.uncertainty.at_bound[:q]
+    for i in np.flatnonzero(at_bound).tolist():
+        # An upper end is often infinite, where the form has limits that its formulas do not reach.
+        places = (found.low[i], found.high[i]) if at_bound[i] < 0 else (found.low[i],)
+        for place in places:
+            theta = found.theta[:q].copy()
+            theta[i] = place
+            moved.append(theta)
+    return moved
+
+
+def _shared(found: Identification, form: SearchForm, x: Real) -> list[tuple[int, int]]:
+    """Places (in the form, in the model) of parameters that both have: these have one interval, not two."""
+    names = found.model.names[: len(form.parameters)]
+    places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
+    return [(i, j) for i, j in places if np.isclose(x[i], found.theta[j], rtol=1e-12)]
+
+
+def _reach(found: Identification, form: SearchForm, x: Real) -> Real:
+    """Half the width of the intervals of ln x (logarithmic parameters) or x."""
+    known, coordinates = found.uncertainty, found.fit.task.coordinates
+    q = len(form.parameters)
+    turn = coordinates.slopes(found.theta, coordinates.size[0])[:q]
+    by_theta = form.jacobian(x)
+    if not np.all(np.isfinite(by_theta)) or np.linalg.matrix_rank(by_theta) < q:
+        return np.full(q, np.inf)
+    by_u: Real = np.asarray(np.linalg.solve(by_theta, turn), dtype=float)
+    log = np.array([p.scale == "log" for p in form.parameters])
+    by_u /= np.where(log, x, 1.0)[:, None]
+    return known.quantile * spread_of(by_u, known.covariance)

@@ -1,0 +1,303 @@
+"""The answer of an identification: parameters as they are printed, residuals, predictions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from springpot.drawing import draw
+from springpot.errors import ModelError
+from springpot.markup import table, tag
+from springpot.measurement import Measurement
+from springpot.rheology import Complex, Model, Real
+from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
+
+from .kept import kept
+from .material import is_material
+from .native import Fit
+from .prediction import Prediction, predict
+from .printed import all_parameters, search_parameters
+from .regularised import Spectrum, regularised
+from .uncertainty import Uncertainty
+from .value import Value
+
+SCHEMA = "springpot.identification/1"
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How the error of a model stands against what noise alone leaves and what any material reaches.
+
+    Attributes
+    ----------
+    noise_floor : float
+        Relative error that noise alone leaves.
+    noise_source : {"given", "repeats", "estimated"}
+        Where the noise comes from.
+    material_floor : float
+        The least relative error that any linear passive material reaches beside the model's effects.
+    good_enough : bool
+        Whether nothing but noise is left.
+    says : str
+        The same in one sentence.
+    """
+
+    noise_floor: float
+    noise_source: str
+    material_floor: float
+    good_enough: bool
+    says: str
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """The parameters of a model identified from a measurement.
+
+    Attributes
+    ----------
+    fit : Fit
+        The fit, in the units of the measurement.
+    low, high : ndarray, shape (p,)
+        Ends of the 95 % intervals of theta; infinite where the data give none.
+    uncertainty : Uncertainty
+        What the Jacobian says.
+    optimiser, status : str
+        Who searched, and how it ended.
+    evaluations : int
+        Model evaluations of the search.
+    seconds : float
+        Time taken in all.
+    notes : tuple of str
+        Plain sentences on what the numbers do not say.
+    seed : int
+        Of the noise behind the band of a spectrum.
+    judge : callable, optional
+        Finds the noise floor and the material floor when they are first asked for.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> fit = springpot.identify("artificial-hidden", "fractional-maxwell + inertia + time-delay")
+    >>> print(fit["inertia.m"])
+    0.5985 [0.5912, 0.6059] kg
+    >>> fit.predict(frequency=[0.0, 10.0]).storage.round(1)
+    array([  0. , 219.1])
+    """
+
+    fit: Fit
+    low: Real
+    high: Real
+    uncertainty: Uncertainty
+    optimiser: str
+    status: str
+    evaluations: int
+    seconds: float
+    notes: tuple[str, ...] = ()
+    seed: int = 0
+    judge: Callable[[Identification], Standing | None] | None = None
+
+    @property
+    def model(self) -> Model:
+        """The model; parameters that were held are none of its own."""
+        return self.fit.model
+
+    @property
+    def measurement(self) -> Measurement:
+        """The measurement."""
+        return self.fit.measurement
+
+    @property
+    def theta(self) -> Real:
+        """The free parameters, shape (p,), in the units of the measurement: a mass of data in kN/m is in Mg.
+
+        `parameters` has them as they are printed.
+        """
+        return self.fit.theta
+
+    @cached_property
+    def parameters(self) -> Mapping[str, Value]:
+        """All parameters by name, with value, low, high and unit as they are printed; those that were held too."""
+        return all_parameters(self)
+
+    @cached_property
+    def search_parameters(self) -> Mapping[str, Value]:
+        """The same in the model's published search form, if it has one."""
+        return search_parameters(self)
+
+    def __getitem__(self, name: str) -> Value:
+        """One parameter, of the model or of its search form.
+
+        Raises
+        ------
+        ModelError
+            If there is none of that name, with those that there are.
+        """
+        for known in (self.parameters, self.search_parameters):
+            if name in known:
+                return known[name]
+        raise ModelError(f"{self.model.name} has no parameter '{name}': it has {', '.join(self.parameters)}")
+
+    @cached_property
+    def covariance(self) -> Real:
+        """Covariance (p, p) of the free parameters in printed units, in the order of ``model.names``.
+
+        Infinite where the data do not determine a parameter, zero where it rests on a bound.
+        """
+        fit, known = self.fit, self.uncertainty.covariance
+        turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
+        factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
+        lost = np.isinf(np.diag(known))
+        finite = np.where(lost[:, None] | lost[None, :], 0.0, known)
+        covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
+        touched = np.any(np.abs(turn[:, lost]) > 0.0, axis=1)
+        covariance[touched, touched] = np.inf
+        return covariance
+
+    @property
+    def residuals(self) -> Complex:
+        """Measured minus fitted complex stiffness, shape (n,), in the unit of the data."""
+        return self.measurement.stiffness - self.model.stiffness(self.theta, self.measurement.points)
+
+    @property
+    def relative_rms(self) -> float:
+        """Root mean square of |K - K_m| / |K_m|."""
+        data = self.measurement
+        share = np.abs(self.residuals) / np.maximum(data.magnitude, 1e-9 * data.magnitude.max())
+        return float(np.sqrt(np.mean(share**2)))
+
+    @cached_property
+    def standing(self) -> Standing | None:
+        """How the error stands against noise and any material; None where the data are too few to tell."""
+        return None if self.judge is None else self.judge(self)
+
+    @property
+    def noise_floor(self) -> float:
+        """Relative error that noise alone leaves; nan where the data are too few to tell."""
+        return float("nan") if self.standing is None else self.standing.noise_floor
+
+    @cached_property
+    def spectrum(self) -> Spectrum | None:
+        """The smoothest spectrum that the data allow, where these choose it; None for a network of elements."""
+        return regularised(self.fit, np.random.default_rng(self.seed)) if is_material(self.model) else None
+
+    def predict(
+        self,
+        frequency: ArrayLike | None = None,
+        *,
+        omega: ArrayLike | None = None,
+        temperature: ArrayLike | None = None,
+        amplitude: ArrayLike | None = None,
+        level: float = 0.95,
+        **columns: ArrayLike,
+    ) -> Prediction:
+        """What the model says of another test, with a band.
+
+        Parameters
+        ----------
+        frequency : array_like, shape (n,), optional
+            In Hz; zero gives the limit at rest. Without it and `omega` the measured ones.
+        omega : array_like, shape (n,), optional
+            Angular frequency in rad/s instead.
+        temperature : array_like, one or (n,), optional
+            In degC; constants of shifts refer to the reference temperature of the fit.
+        amplitude : array_like, one or (n,), optional
+            In the amplitude unit of the data.
+        level : float
+            Probability of the band.
+        **columns : array_like, one or (n,)
+            Other conditions by name.
+
+        Returns
+        -------
+        Prediction
+            With omega, storage, loss, low and high, in the unit of the data.
+
+        Raises
+        ------
+        DataError
+            If the columns cannot be, or one that the model needs is missing.
+        ModelError
+            If the model knows nothing of a condition whose change is asked for.
+        """
+        return predict(
+            self.uncertainty, frequency, omega, level, temperature=temperature, amplitude=amplitude, **columns
+        )
+
+    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+        """Data and fit, and the residuals below; see `Measurement.plot` for the arguments and what is returned."""
+        return draw(self, path, ax)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items())
+        error = f"error {100 * self.relative_rms:.3g} %"
+        return f"<Identification {self.model.name} of {self.measurement.name}: {values}; {error}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, f"{row.value:.4g}", *_interval(row), row.unit + (" (fixed)" if row.fixed else ""))
+            for name, row in self.parameters.items()
+        ]
+        error = f"error {100 * self.relative_rms:.3g} % of |K|"
+        if self.standing is not None:
+            error += f", noise floor {100 * self.standing.noise_floor:.3g} % ({self.standing.noise_source})"
+        return tag(
+            "div",
+            tag("p", tag("b", f"{self.model.name} of {self.measurement.name}")),
+            table(("parameter", "value", "low", "high", "unit"), rows),
+            tag("p", f"{error}, {self.optimiser}, {self.status}"),
+            tag("ul", *(tag("li", note) for note in self.notes)),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data, schema ``springpot.identification/1``, with all that `springpot.load` needs."""
+        spectrum = {} if self.spectrum is None else {"spectrum": self._spectrum(self.spectrum)}
+        standing = self.standing
+        floors = {} if standing is None else {"error": {"relative_rms": self.relative_rms, **vars(standing)}}
+        return {
+            "schema": SCHEMA,
+            "model": self.model.name,
+            "data": self.measurement.name,
+            "parameters": {name: value.to_dict() for name, value in self.parameters.items()},
+            "search_parameters": {name: value.to_dict() for name, value in self.search_parameters.items()},
+            "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
+            "relative_rms": self.relative_rms,
+            **floors,
+            "evaluations": self.evaluations,
+            "seconds": self.seconds,
+            "optimiser": self.optimiser,
+            "status": self.status,
+            "notes": list(self.notes),
+            **spectrum,
+            "kept": kept(self),
+        }
+
+    def _spectrum(self, found: Spectrum) -> dict[str, Any]:
+        """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band."""
+        units = self.measurement.units
+        (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
+        weight = size * found.step
+        return {
+            "rates": found.rates.tolist(),
+            "weights": (weight * found.density).tolist(),
+            "low": (weight * found.low).tolist(),
+            "high": (weight * found.high).tolist(),
+            "unit": unit,
+            "equilibrium": {"value": size * found.equilibrium, "unit": unit},
+            "viscosity": {"value": flow * found.viscosity, "unit": flow_unit},
+            "seen": list(found.seen),
+        }
+
+
+def _interval(row: Value) -> tuple[str, str]:
+    """The ends of an interval, or that there is none."""
+    if row.fixed:
+        return "-", "-"
+    if not row.determined:
+        return "not", "determined"
+    return f"{row.low:.4g}", f"{row.high:.4g}"

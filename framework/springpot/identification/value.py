@@ -1,0 +1,54 @@
+"""A parameter as it is printed: value, interval and unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+LOST = 1000.0
+"""An interval of more than this many times the value, three decades, says nothing of it."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter with its 95 % interval, in the unit in which it is printed.
+
+    Attributes
+    ----------
+    value : float
+        The value.
+    low, high : float
+        Ends of the interval; infinite where the data give none.
+    unit : str
+        Such as ``kN/m`` or ``kg``; ``-`` for a pure number.
+    fixed : bool
+        Whether it was given rather than identified.
+    """
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    fixed: bool = False
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data say anything of it: its interval is finite and no thousand times its value."""
+        width = self.high - self.low
+        return isfinite(width) and width < LOST * max(abs(self.value), 1e-300)
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "-" else f" {self.unit}"
+        if self.fixed:
+            return f"{self.value:.4g}{unit} (fixed)"
+        return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}"
+
+    def to_dict(self) -> dict[str, float | str | bool | None]:
+        """As in the schemas, where an interval without an end has None."""
+        ends = {"value": finite(self.value), "low": finite(self.low), "high": finite(self.high), "unit": self.unit}
+        return {**ends, "fixed": True} if self.fixed else dict(ends)
+
+
+def finite(value: float) -> float | None:
+    """The number, or None where it is none that JSON has."""
+    return float(value) if isfinite(value) else None

@@ -1,0 +1,123 @@
+"""What ``plot()`` of each result draws: whole figures, or one pair of axes of the caller's."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.diagnosis import Comparison, Ladder
+from springpot.errors import OutputError
+from springpot.identification import Identification, Prediction, is_material
+from springpot.measurement import Measurement
+
+from . import views
+from .canvas import COLOURS, blank, finished, logarithmic
+from .curves import Fit
+from .figures import figure_identification, marks_of, sweep_marks
+from .ladder import draw_ladder, figure_ladder
+from .residuals import figure_compared, fits_of
+from .spectrum import figure_material
+from .views import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def drawn(result: object, path: str | Path | None = None, axes: Axes | None = None) -> Axes | Figure | Path:
+    """Draw a result; see `springpot.drawing.draw`.
+
+    Raises
+    ------
+    OutputError
+        If there is no picture of such a thing, matplotlib is missing, or a path and axes are given.
+    """
+    if axes is None:
+        return whole(result, path)
+    if path is not None:
+        raise OutputError("give ax= or a file to plot into, not both: save the figure of the axes")
+    onto(result, axes)
+    return axes
+
+
+@singledispatch
+def whole(result: object, path: str | Path | None) -> Figure | Path:
+    """The figure of a result, written to `path` if there is one."""
+    raise OutputError(f"there is no picture of a {type(result).__name__}")
+
+
+@singledispatch
+def onto(result: object, axes: Axes) -> None:
+    """Draw a result on one pair of axes."""
+    raise OutputError(f"there is no picture of a {type(result).__name__} on one pair of axes")
+
+
+@whole.register
+def _measured(result: Measurement, path: Any) -> Any:
+    return figure_identification(result, [], path)
+
+
+@onto.register
+def _measured_onto(result: Measurement, axes: Any) -> None:
+    _scene(axes, Scene(result))
+
+
+@whole.register
+def _fitted(result: Identification, path: Any) -> Any:
+    if is_material(result.model):
+        return figure_material(result, path)
+    return figure_identification(result.measurement, [Fit(result.model, result.theta)], path)
+
+
+@onto.register
+def _fitted_onto(result: Identification, axes: Any) -> None:
+    _scene(axes, Scene(result.measurement, [Fit(result.model, result.theta)]))
+
+
+@whole.register
+def _predicted(result: Prediction, path: Any) -> Any:
+    with blank() as figure:
+        _predicted_onto(result, figure.subplots())
+        return finished(figure, path)
+
+
+@onto.register
+def _predicted_onto(result: Prediction, axes: Any) -> None:
+    order = result.frequency.argsort(kind="stable")
+    x = result.frequency[order]
+    parts = ((result.storage, result.low.real, result.high.real), (result.loss, result.low.imag, result.high.imag))
+    for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
+        axes.plot(x, value[order], color=colour, label=label, marker="o" if len(result) < 3 else "")
+        axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
+    if x[0] > 0.0 and len(x) > 1:
+        logarithmic(axes, "x")
+    axes.set(xlabel="frequency f [Hz]", ylabel=f"storage, loss [{result.units.stiffness}]")
+    axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
+
+
+@whole.register
+def _found(result: Ladder, path: Any) -> Any:
+    return figure_ladder(result, path)
+
+
+@onto.register
+def _found_onto(result: Ladder, axes: Any) -> None:
+    draw_ladder(axes, result)
+
+
+@whole.register
+def _compared(result: Comparison, path: Any) -> Any:
+    return figure_compared(result, path)
+
+
+@onto.register
+def _compared_onto(result: Comparison, axes: Any) -> None:
+    _scene(axes, Scene(result.measurement, fits_of(result)))
+
+
+def _scene(axes: Axes, scene: Scene) -> None:
+    """Storage and loss with what the marks mean."""
+    views.storage_and_loss(axes, scene)
+    sweeps = sweep_marks(scene) if scene.by_sweep else []
+    axes.legend(handles=[*marks_of(scene), *sweeps])
