@@ -6,11 +6,30 @@ The names here are loaded when first used, so that the command line starts at on
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
+    from springpot.api import compare, diagnose, discover, identify, mastercurve, read
+    from springpot.diagnosis import Comparison, Diagnosis, Ladder
+    from springpot.identification import Identification, Prediction
+    from springpot.loading import load
+    from springpot.measurement import Measurement, Units, geometry
+    from springpot.registry import (
+        open_measurement,
+        parse_model,
+        plugins,
+        signals_to_measurement,
+        write_measurement,
+    )
+    from springpot.rheology import Effect, Model
 
 __version__ = "0.1.0"
 
 _WHERE = {
+    "Comparison": "springpot.diagnosis",
+    "Diagnosis": "springpot.diagnosis",
+    "Identification": "springpot.identification",
+    "Ladder": "springpot.diagnosis",
     "Measurement": "springpot.measurement",
     "Units": "springpot.measurement",
     "TimeTest": "springpot.measurement",
@@ -18,6 +37,8 @@ _WHERE = {
     "geometry": "springpot.measurement",
     "Model": "springpot.rheology",
     "Effect": "springpot.rheology",
+    "Prediction": "springpot.identification",
+    "load": "springpot.loading",
     "open_measurement": "springpot.registry",
     "parse_model": "springpot.registry",
     "plugins": "springpot.registry",
@@ -31,10 +52,34 @@ _WHERE = {
     "write_measurement": "springpot.registry",
 }
 
-__all__ = ["__version__", *_WHERE]
+__all__ = [
+    "__version__",
+    "Comparison",
+    "Diagnosis",
+    "Effect",
+    "Identification",
+    "Ladder",
+    "Measurement",
+    "Model",
+    "Prediction",
+    "Units",
+    "compare",
+    "diagnose",
+    "discover",
+    "geometry",
+    "identify",
+    "load",
+    "mastercurve",
+    "open_measurement",
+    "parse_model",
+    "plugins",
+    "read",
+    "signals_to_measurement",
+    "write_measurement",
+]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)
     raise AttributeError(f"module 'springpot' has no attribute '{name}'")

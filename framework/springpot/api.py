@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 import numpy as np
 
+from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_value
 from springpot.diagnosis import Comparison, Diagnosis, Ladder, any_material, rank
 from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
@@ -58,10 +59,38 @@ def identify(
     seed: int | None = None,
     intervals: str = "jacobian",
     simpler: Sequence[Model | str] = (),
+    fix: Mapping[str, float] | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
+    start: Mapping[str, float] | None = None,
+    exclude: str | Sequence[str] = (),
 ) -> Identification:
     """Identify the parameters of a model; data, model, optimiser and objective may be given by name.
 
-    See `springpot.identification.identify` for the arguments.
+    Parameters
+    ----------
+    measurement : Measurement, str or Path
+        The data, or their name as for `read`.
+    model : Model or str
+        The model, or an expression such as ``"fractional-maxwell + inertia"``.
+    optimiser : Optimiser or str, optional
+        Who searches, with options as in ``"pso-paper:particles=40"``; the native solver by default.
+    objective : Objective or str, optional
+        How the misfit is measured; by default weighted by given standard deviations, else relative.
+    budget, restarts, seed, intervals, simpler
+        As in `springpot.identification.identify`.
+    fix : mapping of str to float, optional
+        Parameters that are held, in printed units: ``{"alpha": 0.5}``.
+    bounds : mapping of str to (float, float), optional
+        Ends between which parameters are sought, in printed units: ``{"k": (0.0, 200.0)}``.
+    start : mapping of str to float, optional
+        Where the native solver begins too, in printed units.
+    exclude : str or sequence of str
+        Rows to leave out: ``"frequency=40..60"`` or ``["row=3", "temperature=20,frequency=1..2"]``.
+
+    Returns
+    -------
+    Identification
+        Parameters with their intervals, residuals, predictions.
 
     Raises
     ------
@@ -79,9 +108,11 @@ def identify(
     """
     if intervals not in INTERVALS:
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
+    data = excluded(_measurement(measurement), exclude)
+    judged = constrained(_model(model), data.units, fix, bounds)
     found = identify_objects(
-        _measurement(measurement),
-        _model(model),
+        data,
+        judged,
         optimiser=_optimiser(optimiser),
         objective=plugins().find("objective", objective) if isinstance(objective, str) else objective,
         budget=budget,
@@ -89,6 +120,7 @@ def identify(
         seed=seed,
         intervals=intervals,
         simpler=[_model(part) for part in simpler],
+        start={name: own_value(judged, data.units, name, value) for name, value in (start or {}).items()},
     )
     return replace(found, judge=standing_of)
 
@@ -117,6 +149,9 @@ def diagnose(
     *,
     effects: Sequence[Effect | str] | None = None,
     seed: int = 0,
+    fix: Mapping[str, float] | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
+    exclude: str | Sequence[str] = (),
 ) -> Diagnosis:
     """Find which physical effect is missing from a model.
 
@@ -131,6 +166,8 @@ def diagnose(
         Effects to look for beside the installed ones; one of the same name takes the installed one's place.
     seed : int
         Of simulated noise; the same seed gives the same bits.
+    fix, bounds, exclude
+        What is known beforehand, and rows to leave out; see `identify`.
 
     Raises
     ------
@@ -148,8 +185,9 @@ def diagnose(
     >>> springpot.diagnose(data, "fractional-maxwell").best.effect
     'inertia'
     """
-    data = _measurement(measurement)
-    found = diagnose_objects(data, _judged(model), library(effects), np.random.default_rng(seed))
+    data = excluded(_measurement(measurement), exclude)
+    judged = constrained(_judged(model), data.units, fix, bounds)
+    found = diagnose_objects(data, judged, library(effects), np.random.default_rng(seed))
     return with_header(found, data)
 
 
@@ -160,6 +198,9 @@ def discover(
     accept: Effect | str | Sequence[Effect | str] | None = None,
     effects: Sequence[Effect | str] | None = None,
     seed: int = 0,
+    fix: Mapping[str, float] | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
+    exclude: str | Sequence[str] = (),
 ) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
@@ -175,18 +216,21 @@ def discover(
         Effects to look for beside the installed ones.
     seed : int
         Of simulated noise.
+    fix, bounds, exclude
+        What is known beforehand, and rows to leave out; see `identify`.
 
     Raises
     ------
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    found, start = library(effects), _judged(model)
+    data = excluded(_measurement(measurement), exclude)
+    found, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
     grown = start
     for effect in wanted or ():
         grown = grown.taking(effect)  # told before the first fit
-    return discover_objects(_measurement(measurement), start, found, np.random.default_rng(seed), wanted)
+    return discover_objects(data, start, found, np.random.default_rng(seed), wanted)
 
 
 def compare(
@@ -312,8 +356,7 @@ def _shown(thing: object) -> str:
 def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:
     if not isinstance(optimiser, str):
         return optimiser
-    kind: type[Optimiser] = plugins().find("optimiser", optimiser)
-    return kind()
+    return optimiser_of(optimiser)
 
 
 def _draw_ladder(ladder: Ladder, path: str | Path | None) -> Any:

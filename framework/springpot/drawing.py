@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 DRAWS = "springpot.report.drawings"
 
 
-def draw(result: object, path: str | Path | None = None, axes: Any = None) -> Any:
+def draw(result: object, path: str | Path | None = None, axes: Axes | None = None) -> Figure | Axes | Path:
     """Draw a result on axes that are given, into a file, or on a figure of its own.
 
     Parameters
@@ -35,4 +39,5 @@ def draw(result: object, path: str | Path | None = None, axes: Any = None) -> An
     OutputError
         If matplotlib is missing, the file cannot be written, or both places are given.
     """
-    return import_module(DRAWS).drawn(result, path, axes)
+    drawn: Figure | Axes | Path = import_module(DRAWS).drawn(result, path, axes)
+    return drawn

@@ -100,9 +100,9 @@ def test_what_is_no_measurement_is_said(given, says):
 
 
 def test_gaps_in_other_conditions_are_welcome():
-    assert np.isnan(Measurement([1.0], [1.0], conditions={"pressure": [np.nan]}).conditions["pressure"][0])
+    assert np.isnan(Measurement([1.0], [1.0 + 0.0j], conditions={"pressure": [np.nan]}).conditions["pressure"][0])
 
 
 def test_other_conditions_are_welcome():
     others = {"pressure": [1.0], "humidity": [2.0], "static strain": [3.0]}
-    assert set(Measurement([1.0], [1.0], conditions=others).conditions) == set(others)
+    assert set(Measurement([1.0], [1.0 + 0.0j], conditions=others).conditions) == set(others)

@@ -263,7 +263,10 @@ DATASETS = {
     "an unknown kind": (replace(DATA, kind="guessed"), "words: the kind is 'guessed', not one of measured"),
     "a wrong size": (replace(DATA, size=6), "loads: it loads 5 points where it says 6"),
     "another name": (replace(DATA, load=lambda: measured("other")), "loads: the measurement is called 'other'"),
-    "an unknown unit": (replace(DATA, load=lambda: measured(unit="furlong")), "loads: the unit [furlong] is unknown"),
+    "an unknown unit": (
+        replace(DATA, load=lambda: measured(unit="furlong")),
+        "loads: raises DataError: unknown unit [furlong]",
+    ),
     "no measurement": (replace(DATA, load=lambda: None), "loads: it loads None, which is no Measurement"),
     "a fault": (replace(DATA, load=lambda: 1 / 0), "loads: raises ZeroDivisionError"),
     "noise that changes": (

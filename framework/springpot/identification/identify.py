@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from time import perf_counter
 
 import numpy as np
@@ -43,6 +43,7 @@ def identify(
     seed: int | None = None,
     intervals: str = "jacobian",
     simpler: Sequence[Model] = (),
+    start: Mapping[str, float] | None = None,
 ) -> Identification:
     """Identify the parameters of a model.
 
@@ -66,6 +67,9 @@ def identify(
         Where the intervals come from.
     simpler : sequence of Model
         Models that this one contains: if one fits better, the search has failed and is repeated.
+    start : mapping of str to float, optional
+        Where the native solver begins too, in the units of the measurement; parameters that are left out start where
+        they fit best beside these.
 
     Returns
     -------
@@ -90,10 +94,13 @@ def identify(
     require_enough(model, measurement)
     objective = default_objective(measurement) if objective is None else objective
     if optimiser is None or optimiser.name == NATIVE:
-        found, status, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler)
+        seeds = [] if not start else [_start(model, measurement, objective, start)]
+        found, status, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, seeds)
         name = NATIVE
     elif is_material(model):
         raise ModelError(f"{model.name}: the spectrum of a material is no search; leave out the optimiser")
+    elif start:
+        raise OptionError(f"the optimiser {optimiser.name} draws its own starts: leave out the start values, or it")
     else:
         problem = Problem.of(model, measurement, objective)
         found, status, notes = _by_optimiser(problem, optimiser, budget or BUDGET, restarts or 1, seed or 0)
@@ -103,6 +110,15 @@ def identify(
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
     return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes), seed or 0)
+
+
+def _start(model: Model, measurement: Measurement, objective: Objective, start: Mapping[str, float]) -> Real:
+    """A start (p,) of which some values are given; the others are fitted beside them."""
+    known = dict(start)
+    if set(known) != set(model.names):
+        rest = fit(model.holding(known), measurement, objective, starts=STARTS)
+        known |= dict(zip(rest.model.names, rest.theta.tolist(), strict=True))
+    return model.vector(known)
 
 
 def _references(model: Model) -> list[str]:
@@ -118,10 +134,11 @@ def _by_native(
     restarts: int,
     seed: int | None,
     simpler: Sequence[Model],
+    seeds: Sequence[Real],
 ) -> tuple[Fit, str, list[str]]:
     """The native fit, checked against the simpler models that it contains."""
     rng = None if seed is None else np.random.default_rng(seed)
-    found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng)
+    found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
     notes: list[str] = []
     if is_material(model):
         return found, "converged" if found.converged else "not converged", notes

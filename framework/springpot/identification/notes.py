@@ -64,8 +64,10 @@ def _bounds(known: Uncertainty) -> Iterator[str]:
         elif side > 0 and np.isinf(parameter.upper):
             yield f"{name} has grown without limit: its element is rigid as far as these data show"
         else:
-            bound = parameter.lower if side < 0 else parameter.upper
-            yield f"{name} rests on its bound {bound:g}: the data ask for more than the model allows"
+            factor, unit = known.fit.measurement.units.of(parameter.unit)
+            bound = factor * (parameter.lower if side < 0 else parameter.upper)
+            shown = f"{bound:g}" if unit == "-" else f"{bound:g} {unit}"
+            yield f"{name} rests on its bound {shown}: the data ask for more than the model allows"
 
 
 def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:

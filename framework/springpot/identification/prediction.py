@@ -19,6 +19,9 @@ from springpot.rheology import Complex, Points, Real
 from .uncertainty import Uncertainty
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from .native import Fit
 
 SCHEMA = "springpot.prediction/1"
@@ -124,7 +127,7 @@ class Prediction:
         columns += [self.low.real, self.high.real, self.low.imag, self.high.imag]
         yield from zip(*(column.tolist() for column in columns), strict=True)
 
-    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """K' and K'' with their bands; see `Measurement.plot`."""
         return draw(self, path, ax)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,11 @@ from .printed import all_parameters, search_parameters
 from .regularised import Spectrum, regularised
 from .uncertainty import Uncertainty
 from .value import Value
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 
 SCHEMA = "springpot.identification/1"
 
@@ -229,7 +234,7 @@ class Identification:
             self.uncertainty, frequency, omega, level, temperature=temperature, amplitude=amplitude, **columns
         )
 
-    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """Data and fit, and the residuals below; see `Measurement.plot` for the arguments and what is returned."""
         return draw(self, path, ax)
 

@@ -21,6 +21,9 @@ from springpot.rheology import Complex, Points, Real
 from .units import Units
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from .geometry import Geometry
 
 KELVIN = 273.15
@@ -30,6 +33,8 @@ NEARLY = 0.85
 HELD = {"amplitude": 0.02, "temperature": 0.5}
 """How nearly a rig holds what was set: amplitudes (as a share) or temperatures (in kelvin) that lie closer than this
 to one another are one level. Rheometers state 0.1 to 0.5 K and 1 to 2 %."""
+WARM = 200.0
+"""degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for one in kelvin."""
 _DTYPES: dict[str, np.dtype[Any]] = {
     "omega": np.dtype(np.float64), "stiffness": np.dtype(np.complex128), "sd": np.dtype(np.complex128),
     "repeat": np.dtype(np.int64), "harmonics": np.dtype(np.complex128),
@@ -96,6 +101,9 @@ class Measurement:
         return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.units, Units):
+            raise DataError(f"{self.name}: units are Units('kN/m', 'mm'), of stiffness and amplitude: {self.units!r}")
+        without_loss = not _holds_complex(self.stiffness)
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
         for name, dtype in _DTYPES.items():
             values = getattr(self, name)
@@ -104,6 +112,8 @@ class Measurement:
             mapping = {key: self._array(key, column, dtype) for key, column in getattr(self, name).items()}
             object.__setattr__(self, name, MappingProxyType(mapping))
         self._check()
+        if without_loss:
+            raise DataError(f"{self.name}: stiffness is real: give storage + 1j * loss")
 
     def _array(self, name: str, values: ArrayLike, dtype: np.dtype[Any]) -> NDArray[Any]:
         """A column as an array of its kind; the same object where it is one."""
@@ -154,6 +164,11 @@ class Measurement:
                 place = f"first at {self.frequency[lost[0]]:.4g} Hz"
                 few = f"in {len(lost)} of {n} points"
                 raise DataError(f"{self.name}: {condition} is no finite number {few}, {place}; leave them out")
+        celsius = self.conditions.get("temperature")
+        if celsius is not None and np.min(celsius) < -KELVIN:
+            raise DataError(f"{self.name}: temperature is in degC, and below the absolute zero of -273.15")
+        if celsius is not None and np.all((celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < 1e-6)):
+            raise DataError(f"{self.name}: temperature is in degC; {celsius[0]:g} looks like kelvin: subtract 273.15")
         for condition in self.conditions:
             if advice := misspelt(condition):
                 raise DataError(f"{self.name}: condition '{condition}' {advice}")
@@ -262,7 +277,7 @@ class Measurement:
 
         return without(self, {name: str(value) for name, value in unwanted.items()})
 
-    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """Storage and loss against frequency, or against amplitude or temperature where only these vary.
 
         Parameters
@@ -322,6 +337,14 @@ class Measurement:
         for i in range(len(combinations)):
             rows = np.flatnonzero(which.ravel() == i)
             yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+
+
+def _holds_complex(values: ArrayLike) -> bool:
+    """Whether a list that NumPy has not seen yet holds complex numbers, or what is none will be told later."""
+    try:
+        return np.asarray(values).dtype.kind not in "biuf"
+    except (ValueError, TypeError):
+        return True
 
 
 def _levels(name: str, column: Real) -> NDArray[np.int64]:

@@ -122,10 +122,27 @@ class Units:
         Unit of storage and loss, such as ``kN/m`` or ``Pa``.
     amplitude : str
         Unit of the amplitude, such as ``mm`` or ``-``.
+
+    Raises
+    ------
+    DataError
+        If a unit is unknown, with the nearest known ones.
+
+    Examples
+    --------
+    >>> from springpot import Units
+    >>> Units("N/mm^2", "%")
+    Units(stiffness='N/mm^2', amplitude='%')
     """
 
     stiffness: str = "Pa"
     amplitude: str = "-"
+
+    def __post_init__(self) -> None:
+        for name, table in (("stiffness", MODULUS_UNITS), ("amplitude", AMPLITUDE_UNITS)):
+            given = getattr(self, name)
+            if given not in table:
+                object.__setattr__(self, name, known_unit(str(given), table, f"the {name}"))
 
     @property
     def is_modulus(self) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from springpot.diagnosis import Comparison, Ladder
 from springpot.errors import OutputError
 from springpot.identification import Identification, Prediction, is_material
+from springpot.loading import KeptLadder
 from springpot.measurement import Measurement
 
 from . import views
@@ -96,13 +97,15 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
 
 
-@whole.register
-def _found(result: Ladder, path: Any) -> Any:
+@whole.register(KeptLadder)
+@whole.register(Ladder)
+def _found(result: Any, path: Any) -> Any:
     return figure_ladder(result, path)
 
 
-@onto.register
-def _found_onto(result: Ladder, axes: Any) -> None:
+@onto.register(KeptLadder)
+@onto.register(Ladder)
+def _found_onto(result: Any, axes: Any) -> None:
     draw_ladder(axes, result)
 
 

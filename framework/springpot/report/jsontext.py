@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
 from springpot.plain import plain_json
+
+NUMBERS = re.compile(r"\[\n\s*((?:-?\d[\d.eE+-]*|null|,\s+)+)\n\s*\]")
+"""A list of numbers on lines of their own; within a string there is no line end."""
 
 
 def jsonable(value: Any) -> Any:
@@ -33,5 +37,9 @@ def jsonable(value: Any) -> Any:
 
 
 def to_json(value: Any, indent: int | None = 2) -> str:
-    """Strict JSON text of `value`; ``indent=None`` gives one line, for JSON lines."""
-    return plain_json(json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False))
+    """Strict JSON text of `value`; ``indent=None`` gives one line, for JSON lines.
+
+    Lists of numbers stand in one line each, so that people still see the rest.
+    """
+    text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
+    return plain_json(NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text))

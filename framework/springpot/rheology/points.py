@@ -7,10 +7,16 @@ from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from springpot.errors import DataError
 
 Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
+
+KELVIN = 273.15
+COLDEST = 75.0
+"""Kelvin below which a number is rather one in degC: specimens are cooled by nitrogen, which boils at 77.4 K."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +35,11 @@ class Points:
         Temperature in kelvin at which a temperature shift is one.
     columns : mapping of str to ndarray, shape (n,)
         Further conditions by name, such as a water content.
+
+    Raises
+    ------
+    DataError
+        If temperatures look like degC, or a condition is not given for each point: see `at`, which takes these.
     """
 
     log_omega: Real
@@ -37,10 +48,43 @@ class Points:
     reference_temperature: float = 293.15
     columns: Mapping[str, Real] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name, column in (("amplitude", self.amplitude), ("temperature", self.temperature)):
+            if column is not None and np.ndim(column) == 0:
+                raise DataError(f"{name} is one number for each point: use Points.at(omega, {name}=...)")
+        if self.temperature is not None and np.min(self.temperature, initial=COLDEST) < COLDEST:
+            raise DataError("temperature is in kelvin here: use Points.at(omega, temperature=...) for degC")
+
     @classmethod
-    def at(cls, omega: Real | float) -> Points:
-        """Points at the angular frequencies `omega` in rad/s, without conditions."""
-        return cls(np.log(np.atleast_1d(np.asarray(omega, dtype=float))))
+    def at(
+        cls,
+        omega: ArrayLike,
+        *,
+        temperature: ArrayLike | None = None,
+        amplitude: ArrayLike | None = None,
+        reference: float = 20.0,
+    ) -> Points:
+        """Points at angular frequencies, with conditions as users write them.
+
+        Parameters
+        ----------
+        omega : array_like, shape (n,)
+            In rad/s.
+        temperature, amplitude : array_like, one or (n,), optional
+            In degC, and in the unit of the measurement.
+        reference : float
+            Temperature in degC at which a temperature shift is one.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Points
+        >>> Points.at([1.0, 10.0], temperature=25.0).temperature
+        array([298.15, 298.15])
+        """
+        rate = np.atleast_1d(np.asarray(omega, dtype=float))
+        kelvin = None if temperature is None else _column(temperature, rate) + KELVIN
+        reach = None if amplitude is None else _column(amplitude, rate)
+        return cls(np.log(rate), reach, kelvin, reference + KELVIN)
 
     @property
     def omega(self) -> Real:
@@ -49,7 +93,10 @@ class Points:
 
     def shifted(self, log_shift: Real) -> Points:
         """The same points with `log_shift` added to the logarithm of the frequency."""
-        return replace(self, log_omega=self.log_omega + log_shift)
+        # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is checked here.
+        moved = object.__new__(Points)
+        moved.__dict__.update(self.__dict__, log_omega=self.log_omega + log_shift)
+        return moved
 
     def mapped(self, change: Callable[[Real], Real]) -> Points:
         """The points with every condition changed: to some of the rows, say, or interpolated; frequencies stay."""
@@ -73,3 +120,8 @@ class Points:
         if column is None:
             raise ValueError(f"the model needs the column '{condition}', which these data do not have")
         return column
+
+
+def _column(values: ArrayLike, omega: Real) -> Real:
+    """One value, or one for each point, as a column."""
+    return np.broadcast_to(np.asarray(values, dtype=float), omega.shape).copy()

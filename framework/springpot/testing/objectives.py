@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.errors import DataError
 from springpot.identification import Objective
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex
@@ -21,8 +22,9 @@ THETA = np.array([60.0, 900.0, 300.0, 0.45])
 def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list[str]:
     """What is wrong with an objective, as plain sentences.
 
-    Aspects: ``words``, ``weights`` (finite, not negative, one for each point, with and without given standard
-    deviations), ``value`` (the sum of squared residuals, zero for perfect data) and ``derivative`` (exact).
+    Aspects: ``words``, ``weights`` (finite, not negative, one for each point, with given standard deviations and
+    without them; one that needs them refuses with a `DataError`), ``value`` (the sum of squared residuals, zero for
+    perfect data) and ``derivative`` (exact).
 
     Parameters
     ----------
@@ -45,14 +47,20 @@ def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list
     return complaints(aspects, skip)
 
 
-def _data() -> dict[str, Measurement]:
+def _data(objective: Objective) -> dict[str, Measurement]:
+    """Data with standard deviations, and without them unless the objective says that it cannot do without."""
     plain = sample_measurement()
     given: Complex = (0.01 + 0.02j) * plain.stiffness.real.astype(np.complex128)
-    return {"without standard deviations": plain, "with standard deviations": replace(plain, sd=given)}
+    data = {"with standard deviations": replace(plain, sd=given)}
+    try:
+        objective.weights(plain)
+    except DataError:
+        return data
+    return {"without standard deviations": plain, **data}
 
 
 def _weights(objective: Objective) -> Iterator[str]:
-    for which, data in _data().items():
+    for which, data in _data(objective).items():
         weights = np.asarray(objective.weights(data))
         if weights.shape != data.stiffness.shape or not np.iscomplexobj(weights):
             yield f"{which}: weights must be complex, one for each of the {len(data)} points, not {weights!r:.60}"
@@ -65,7 +73,7 @@ def _weights(objective: Objective) -> Iterator[str]:
 
 
 def _value(objective: Objective) -> Iterator[str]:
-    for which, data in _data().items():
+    for which, data in _data(objective).items():
         weights = objective.weights(data)
         found = SAMPLE.stiffness(THETA, data.points)
         residual = objective.residual(found, data, weights)
@@ -78,7 +86,7 @@ def _value(objective: Objective) -> Iterator[str]:
 
 
 def _derivative(objective: Objective) -> Iterator[str]:
-    for which, data in _data().items():
+    for which, data in _data(objective).items():
         weights = objective.weights(data)
         response = SAMPLE.network.respond(THETA, data.points, GRADIENT)
         exact = np.swapaxes(objective.derivative(response.by_theta, response.value, weights), -1, -2)

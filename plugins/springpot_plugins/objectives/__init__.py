@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from springpot.errors import DataError
 from springpot.hooks import hookimpl
 from springpot.identification import Objective
 from springpot.measurement import Measurement
@@ -22,7 +23,8 @@ def _relative(measurement: Measurement) -> Complex:
 
 def _given_sd(measurement: Measurement) -> Complex:
     if measurement.sd is None:
-        return _relative(measurement)
+        advice = "give the columns storage_sd and loss_sd, or choose 'relative'"
+        raise DataError(f"{measurement.name} has no standard deviations to weigh by: {advice}")
     return np.asarray(1.0 / measurement.sd.real + 1.0j / measurement.sd.imag, dtype=np.complex128)
 
 

@@ -1,0 +1,131 @@
+"""``springpot predict``: what an identified model says of another test, with a band."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .common import FILE, emit, json_option
+
+if TYPE_CHECKING:
+    from springpot.identification import Prediction
+
+SPACED = 25
+"""Points of a range, evenly spaced in the logarithm: eight and more for each decade of a usual sweep."""
+
+
+@click.command("predict", epilog="Example: springpot predict fit.json --frequency 0.1..100 --temperature 35")
+@click.argument("fit", type=FILE, metavar="FIT.json")
+@click.option("--frequency", "-f", metavar="HZ", help="In Hz: numbers with commas, or a range such as 0.1..100.")
+@click.option("--omega", "-w", metavar="RAD/S", help="In rad/s instead.")
+@click.option("--temperature", "-t", type=float, metavar="DEGC", help="In degC, where the model depends on it.")
+@click.option("--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data.")
+@click.option("--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True)
+@click.option("-o", "--output", type=FILE, metavar="FILE.csv", help="Write a table that opens again.")
+@click.option("--figure", type=FILE, metavar="FILE", help="Draw the prediction (.png, .svg or .pdf).")
+@json_option
+def command(
+    fit: Path,
+    frequency: str | None,
+    omega: str | None,
+    temperature: float | None,
+    amplitude: float | None,
+    level: float,
+    output: Path | None,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """Storage and loss that the model of FIT.json has at other frequencies, temperatures or amplitudes.
+
+    FIT.json is what 'springpot identify DATA --model EXPR --json' prints. The band is that of the model's curve.
+    """
+    from springpot.errors import DataError
+    from springpot.files import write_text
+    from springpot.identification import Identification
+    from springpot.loading import load
+    from springpot.report.canvas import check_figure_path
+
+    if figure is not None:
+        check_figure_path(figure)
+    if (frequency is None) == (omega is None):
+        raise click.UsageError("give --frequency (Hz) or --omega (rad/s)", click.get_current_context())
+    found = load(fit)
+    if not isinstance(found, Identification):
+        raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
+    predicted = found.predict(
+        None if frequency is None else numbers(frequency),
+        omega=None if omega is None else numbers(omega),
+        temperature=temperature,
+        amplitude=amplitude,
+        level=level,
+    )
+    if output is not None:
+        write_text(output, table_text(predicted))
+    if figure is not None:
+        predicted.plot(figure)
+    emit(predicted, as_json, lambda: show(predicted))
+    for path in (output, figure):
+        if path is not None and not as_json:
+            print(f"\nwritten: {path}")
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers of ``1,5,10``, or those of a range ``0.1..100``.
+
+    Raises
+    ------
+    click.UsageError
+        If there are none.
+    """
+    from numpy import geomspace
+
+    first, dots, last = text.partition("..")
+    try:
+        if not dots:
+            return [float(part) for part in text.split(",")]
+        low, high = float(first), float(last)
+    except ValueError:
+        low, high = 0.0, 0.0
+    if not 0.0 < low < high < float("inf"):
+        advice = "write numbers with commas, or a range such as 0.1..100"
+        raise click.UsageError(f"'{text}': {advice}", click.get_current_context())
+    spaced: list[float] = geomspace(low, high, SPACED).tolist()
+    return spaced
+
+
+def show(predicted: Prediction) -> None:
+    """Print the prediction for people."""
+    from springpot.report.numbers import number, with_interval
+    from springpot.report.text import Table
+
+    unit, given = predicted.units.stiffness, predicted.conditions
+    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
+    band = f"{number(100.0 * predicted.level, 3)} % band"
+    headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
+    headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} "]
+    rows = []
+    for i in range(len(predicted)):
+        storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
+        loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
+        places = [number(float(predicted.frequency[i])), *(number(float(column[i])) for column in given.values())]
+        rows.append([*places, *storage, *loss])
+    print(f"{predicted.model}\n")
+    Table(headers, rows, frozenset(headers) - {band, f"{band} "}).show()
+    for note in predicted.notes:
+        print(f"note        {note}")
+
+
+def table_text(predicted: Prediction) -> str:
+    """A CSV table with units in its header, which opens again as a measurement."""
+    unit = predicted.units.stiffness
+    units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
+    names = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
+    names += [f"{name} [{unit}]" for name in ("storage", "loss")]
+    names += [f"{part}_{end} [-]" for part in ("storage", "loss") for end in ("low", "high")]
+    lines = [",".join(names)]
+    for row in predicted.rows():
+        kept = (row[0], *row[2:])  # the angular frequency beside the frequency would be one column too many
+        lines.append(",".join(repr(cell) for cell in kept))
+    return "\n".join(lines) + "\n"

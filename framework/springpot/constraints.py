@@ -1,0 +1,155 @@
+"""What a user knows beforehand, in printed units: held values, bounds, start values, options.
+
+The words of the command line, ``alpha=0.5`` and ``k1=0:200``, become the same mappings that Python takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+from springpot.errors import ModelError, OptionError
+from springpot.identification import Optimiser
+from springpot.measurement import Measurement, Units, conditions, without
+from springpot.registry import plugins
+from springpot.rheology import Model
+
+Bounds = tuple[float, float]
+
+
+def constrained(
+    model: Model,
+    units: Units,
+    fix: Mapping[str, float] | None = None,
+    bounds: Mapping[str, Bounds] | None = None,
+) -> Model:
+    """The model with parameters held or bounded, of values in printed units.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    units : Units
+        Those of the measurement.
+    fix : mapping of str to float, optional
+        Parameters to hold: ``{"alpha": 0.5, "inertia.m": 0.6}``.
+    bounds : mapping of str to (float, float), optional
+        Lower and upper end, by name.
+
+    Raises
+    ------
+    ModelError
+        If a name is unknown or a value cannot be.
+    """
+    held = {name: own_value(model, units, name, value) for name, value in (fix or {}).items()}
+    room = {
+        name: (own_value(model, units, name, low), own_value(model, units, name, high))
+        for name, (low, high) in (bounds or {}).items()
+    }
+    return model.holding(held, room)
+
+
+def own_value(model: Model, units: Units, name: str, value: float) -> float:
+    """A printed value in the unit of theta.
+
+    Raises
+    ------
+    ModelError
+        If the model has no such parameter.
+    """
+    for parameter in model.parameters:
+        if parameter.name == name:
+            return float(value) / units.of(parameter.unit)[0]
+    raise ModelError(f"{model.name} has no free parameter '{name}': it has {', '.join(model.names)}")
+
+
+def excluded(measurement: Measurement, exclude: str | Sequence[str]) -> Measurement:
+    """The measurement without rows, each choice of which is text such as ``frequency=40..60`` or ``row=3``.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, or nothing would be left.
+    """
+    for text in [exclude] if isinstance(exclude, str) else exclude:
+        measurement = without(measurement, conditions(text, text))
+    return measurement
+
+
+def values_of(texts: Iterable[str]) -> dict[str, float]:
+    """Numbers by name, of texts such as ``alpha=0.5``.
+
+    Raises
+    ------
+    OptionError
+        If one is none.
+    """
+    return {name: _number(value, text) for text in texts for name, value in [_pair(text, "alpha=0.5")]}
+
+
+def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
+    """Ends by name, of texts such as ``k1=0:200``; either end may be left open.
+
+    Raises
+    ------
+    OptionError
+        If one is none.
+    """
+    found = {}
+    for text in texts:
+        name, ends = _pair(text, "k1=0:200")
+        low, colon, high = ends.partition(":")
+        if not colon:
+            raise OptionError(f"'{text}': write bounds as NAME=LOW:HIGH, such as k1=0:200")
+        least = _number(low, text) if low.strip() else float("-inf")
+        most = _number(high, text) if high.strip() else float("inf")
+        found[name] = (least, most)
+    return found
+
+
+def optimiser_of(text: str) -> Optimiser:
+    """The optimiser that ``NAME`` or ``NAME:option=value,option=value`` names.
+
+    Raises
+    ------
+    ModelError
+        If the name is unknown.
+    OptionError
+        If it has no such option, or the value is of another kind.
+    """
+    name, _, options = text.partition(":")
+    kind: type[Optimiser] = plugins().find("optimiser", name.strip())
+    return kind(**dict(_option(kind, name, part) for part in options.split(",") if part.strip()))
+
+
+def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]:
+    name, value = _pair(text, "particles=40")
+    known = {field.name: field.default for field in fields(kind) if field.init}  # type: ignore[arg-type]
+    if name not in known:
+        raise OptionError(f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}")
+    default = known[name]
+    if isinstance(default, bool):
+        if value.lower() not in ("true", "false"):
+            raise OptionError(f"{optimiser}: {name} is true or false, not '{value}'")
+        return name, value.lower() == "true"
+    try:
+        if isinstance(default, int):
+            return name, int(value)
+        return name, float(value) if isinstance(default, float) else value
+    except ValueError:
+        raise OptionError(f"{optimiser}: {name} is a number such as {default}, not '{value}'") from None
+
+
+def _pair(text: str, example: str) -> tuple[str, str]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise OptionError(f"'{text}': write NAME=VALUE, such as {example}")
+    return name, value
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise OptionError(f"'{where}': '{text.strip()}' is no number") from None

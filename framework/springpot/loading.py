@@ -1,0 +1,286 @@
+"""``springpot.load``: what springpot wrote as JSON, taken up again.
+
+A fit is whole again: it predicts, draws and tells its intervals as before. Of a discovery and a comparison the file
+holds what they say, not the fits behind it, and so do `KeptLadder` and `KeptComparison`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import inf, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.diagnosis import Candidate, Diagnosis, Error, NextExperiment, Value, Where
+from springpot.drawing import draw
+from springpot.errors import DataError
+from springpot.identification import Identification, Objective, default_objective
+from springpot.identification.kept import fit_of, uncertainty_of
+from springpot.registry import parse_model, plugins
+from springpot.rheology import Model
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+LARGEST = 100_000_000
+"""Bytes of a file: a fit to a million points, beyond what is read from a table in one piece."""
+AGAIN = "give the output of a command of springpot with --json"
+
+
+@dataclass(frozen=True, eq=False)
+class KeptStep:
+    """One rung of a discovery, as its file tells it; names as in `springpot.diagnosis.Step`."""
+
+    model: Model
+    accepted: str | None
+    relative_rms: float
+    noise_floor: float
+    material_floor: float
+    predicted_error: float | None
+    parameters: Mapping[str, Value]
+    changed: Mapping[str, float]
+    alike: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class KeptLadder:
+    """A discovery, as its file tells it; names as in `springpot.diagnosis.Ladder`."""
+
+    data: str
+    steps: tuple[KeptStep, ...]
+    verdict: str
+    diagnosis: Diagnosis
+    kept: Mapping[str, Any]
+
+    @property
+    def model(self) -> Model:
+        """The model of the last rung."""
+        return self.steps[-1].model
+
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+        """The error falling to the noise floor; see `springpot.drawing.draw`."""
+        return draw(self, path, ax)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.discovery/1``, as in the file."""
+        return dict(self.kept)
+
+
+@dataclass(frozen=True, eq=False)
+class KeptJudgement:
+    """One model against the data, as its file tells it; names as in `springpot.diagnosis.Judgement`."""
+
+    model: Model
+    error: Error
+    delta_bic: float
+    fails: bool
+    says: str
+    parameters: Mapping[str, Value]
+    where: tuple[Where, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class KeptComparison:
+    """Models against the same data, as their file tells it; names as in `springpot.diagnosis.Comparison`."""
+
+    data: str
+    judgements: tuple[KeptJudgement, ...]
+    notes: tuple[str, ...]
+    kept: Mapping[str, Any]
+
+    @property
+    def best(self) -> KeptJudgement:
+        """The model that was best."""
+        return next(one for one in self.judgements if one.model.name == self.kept["best"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.comparison/1``, as in the file."""
+        return dict(self.kept)
+
+
+Loaded = Identification | Diagnosis | KeptLadder | KeptComparison
+
+
+def load(path: str | Path) -> Loaded:
+    """What a command or `to_dict` wrote as JSON: a fit, a diagnosis, a discovery or a comparison.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Identification, Diagnosis, KeptLadder or KeptComparison
+        By the schema that the file names.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read or holds none of these.
+    ModelError
+        If a model or effect in it is not installed.
+
+    Examples
+    --------
+    >>> import json, springpot
+    >>> fit = springpot.identify("artificial-hidden", "fractional-maxwell + inertia + time-delay")
+    >>> with open("fit.json", "w") as file:
+    ...     json.dump(fit.to_dict(), file)
+    >>> springpot.load("fit.json")["inertia.m"] == fit["inertia.m"]
+    True
+    """
+    answer = _read(Path(path))
+    schema = answer.get("schema") if isinstance(answer, dict) else None
+    if schema not in _KNOWN:
+        raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
+    try:
+        return _KNOWN[schema](answer)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise DataError(
+            f"{path} is damaged or of an older version ({type(error).__name__}: {error}): {AGAIN}"
+        ) from None
+
+
+def _read(path: Path) -> Any:
+    try:
+        if path.stat().st_size > LARGEST:
+            raise DataError(f"{path} is too large for an answer of springpot")
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    except (ValueError, RecursionError):
+        raise DataError(f"{path} is no JSON: {AGAIN}") from None
+
+
+def _fit(answer: dict[str, Any]) -> Identification:
+    from springpot.api import standing_of
+
+    kept, objective = answer["kept"], answer["objective"]
+    fit = fit_of(
+        kept, parse_model(answer["model"]), _objective(objective["name"], kept), _number(objective["value"]),
+        int(answer["evaluations"]),
+    )  # fmt: skip
+    known, low, high = uncertainty_of(kept, fit)
+    return Identification(
+        fit, low, high, known, str(answer["optimiser"]), str(answer["status"]), fit.evaluations,
+        float(answer["seconds"]), tuple(answer["notes"]), int(kept["seed"]), standing_of,
+    )  # fmt: skip
+
+
+def _objective(name: str, kept: dict[str, Any]) -> Objective:
+    from springpot.identification.kept import measurement_of
+
+    standard = default_objective(measurement_of(kept["measurement"]))
+    if standard.name == name:
+        return standard
+    found: Objective = plugins().find("objective", name)
+    return found
+
+
+def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
+    advice = answer["next_experiment"]
+    return Diagnosis(
+        data=answer["data"],
+        model=parse_model(answer["model"]),
+        error=_error(answer["error"]),
+        verdict=answer["verdict"],
+        says=answer["says"],
+        split=answer["split"],
+        where=tuple(_where(row) for row in answer["where"]),
+        candidates=tuple(_candidate(row) for row in answer["candidates"]),
+        classes=tuple(tuple(names) for names in answer["classes"]),
+        next_experiment=None
+        if advice is None
+        else NextExperiment(**{**advice, "separates": tuple(advice["separates"])}),
+        notes=tuple(answer["notes"]),
+        evidence=answer["evidence"],
+    )
+
+
+def _error(row: dict[str, Any]) -> Error:
+    return Error(**row)
+
+
+def _where(row: dict[str, Any]) -> Where:
+    return Where(row["plane"], row["condition"], _number(row["from"]), _number(row["to"]), row["size"], row["says"])
+
+
+def _candidate(row: dict[str, Any]) -> Candidate:
+    return Candidate(
+        effect=row["effect"],
+        alike=tuple(row["class"]),
+        probability=row["probability"],
+        delta_bic=-inf if row["delta_bic"] is None else row["delta_bic"],
+        score=_number(row["score"]),
+        verdict=row["verdict"],
+        predicted_error=_number(row["predicted_error"]),
+        error_after=_number(row["error_after"]),
+        bound=inf if row["bound"] is None else row["bound"],
+        parameters=_values(row["parameters"]),
+        says=row["says"],
+    )
+
+
+def _values(rows: dict[str, dict[str, Any]]) -> dict[str, Value]:
+    """Parameters; an interval without an end is infinite there."""
+    return {
+        name: Value(
+            _number(row["value"]),
+            -inf if row["low"] is None else row["low"],
+            inf if row["high"] is None else row["high"],
+            row["unit"],
+        )
+        for name, row in rows.items()
+    }
+
+
+def _number(value: float | None) -> float:
+    """A number; JSON has no word for one that is not finite."""
+    return nan if value is None else float(value)
+
+
+def _ladder(answer: dict[str, Any]) -> KeptLadder:
+    steps = tuple(
+        KeptStep(
+            parse_model(row["model"]),
+            row["accepted"],
+            row["relative_rms"],
+            row["noise_floor"],
+            row["material_floor"],
+            row["predicted_error"],
+            _values(row["parameters"]),
+            row["changed"],
+            tuple(row["class"]),
+        )
+        for row in answer["steps"]
+    )
+    return KeptLadder(answer["data"], steps, answer["verdict"], _diagnosis(answer["diagnosis"]), answer)
+
+
+def _comparison(answer: dict[str, Any]) -> KeptComparison:
+    judgements = tuple(
+        KeptJudgement(
+            parse_model(row["model"]),
+            _error(row["error"]),
+            _number(row["delta_bic"]),
+            row["fails"],
+            row["says"],
+            _values(row["parameters"]),
+            tuple(_where(place) for place in row["where"]),
+        )
+        for row in answer["models"]
+    )
+    return KeptComparison(answer["data"], judgements, tuple(answer["notes"]), answer)
+
+
+_KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
+    "springpot.identification/1": _fit,
+    "springpot.diagnosis/1": _diagnosis,
+    "springpot.discovery/1": _ladder,
+    "springpot.comparison/1": _comparison,
+}

@@ -1,0 +1,49 @@
+"""``springpot predict``: from the JSON of a fit to another test."""
+
+import pytest
+
+import springpot as library
+
+
+@pytest.fixture
+def fit(springpot, damper, tmp_path):
+    path = tmp_path / "fit.json"
+    path.write_text(springpot("identify", damper, "-m", "fractional-maxwell", "--json").out)
+    return path
+
+
+def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
+    pytest.importorskip("matplotlib")
+    table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
+    answer = springpot("predict", fit, "--frequency", "0,1,5", "--json").json
+    assert answer["schema"] == "springpot.prediction/1"
+    assert [row["storage"] > row["storage_low"] for row in answer["points"][1:]] == [True, True]
+    assert answer["points"][0]["storage"] == 0.0
+    told = springpot("predict", fit, "--frequency", "1..10", "-o", table, "--figure", picture)
+    assert (told.code, told.err) == (0, "")
+    assert "storage [kN/m]" in told.out
+    again = library.read(table)
+    assert len(again) == 25
+    assert again.units.stiffness == "kN/m"
+    assert again.storage[0] == pytest.approx(answer["points"][1]["storage"], rel=1e-12)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ((), "--frequency (hz) or --omega"),
+        (("--frequency", "1..x"), "a range such as 0.1..100"),
+        (("--frequency", "1", "--temperature", "20"), "does not know temperature"),
+        (("--frequency", "1", "--omega", "1"), "--frequency (hz) or --omega"),
+    ],
+)
+def test_what_cannot_be_asked_is_one_line(springpot, fit, options, says):
+    assert springpot("predict", fit, *options).is_one_line(says)
+
+
+def test_only_a_fit_predicts(springpot, damper, tmp_path):
+    assert springpot("predict", damper, "--frequency", "1").is_one_line("no json")
+    path = tmp_path / "comparison.json"
+    path.write_text(springpot("compare", damper, "-m", "fractional-kelvin", "--json").out)
+    assert springpot("predict", path, "--frequency", "1").is_one_line("is no fit")
