@@ -90,7 +90,7 @@ def test_residuals_coloured_by_temperature_come_with_a_key(monkeypatch, count):
     def keep(figure, path):
         kept.append([text.get_text() for legend in figure.legends for text in legend.get_texts()])
 
-    monkeypatch.setattr(residuals, "save", keep)
+    monkeypatch.setattr(residuals, "finished", keep)
     data = _scene().measurement
     scatter = np.random.default_rng(3).normal(size=(2, len(data)))
     noisy = Measurement(data.omega, data.stiffness * (1 + 0.01 * (scatter[0] + 1j * scatter[1])), units=data.units,

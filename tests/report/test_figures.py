@@ -107,7 +107,8 @@ def _boxes(figure):
 @pytest.mark.parametrize("draw", [figures.figure_identification, figures.figure_comparison])
 def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, data, fits, draw):
     kept = []
-    monkeypatch.setattr(figures, "save", lambda figure, path: kept.append(_boxes(figure)))
+    for last in ("save", "finished"):
+        monkeypatch.setattr(figures, last, lambda figure, path: kept.append(_boxes(figure)))
     draw(data, fits, "unused.png")
     [(boxes, page)] = kept
     for i, box in enumerate(boxes):

@@ -29,9 +29,7 @@ COMMANDS: dict[str, Entry] = {
     "run": Entry("springpot.cli.run", "Run a study, or resume it, and write its tables."),
     "tables": Entry("springpot.cli.tables", "Tables of a study that has been run."),
     "export": Entry("springpot.cli.export", "A study's results for IOHanalyzer, COCO, CSV or Parquet."),
-    "predict": Entry(
-        "springpot.cli.predict", "Another test, from an identified model, with a band."
-    ),
+    "predict": Entry("springpot.cli.predict", "Another test, from an identified model, with a band."),
     "export-model": Entry("springpot.cli.export_model", "A model for a solver: Prony series, cards, scripts."),
     "regression": Entry("springpot.cli.regression", "The accuracy gate for continuous integration."),
 }
