@@ -49,6 +49,7 @@ _WHERE = {
     "mastercurve": "springpot.api",
     "read": "springpot.api",
     "signals_to_measurement": "springpot.registry",
+    "workbench": "springpot.web",
     "write_measurement": "springpot.registry",
 }
 

@@ -1,0 +1,181 @@
+"""Data cross between processes, and into session files, as the text of a CSV file that reads back as the same bits."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Measurement, Part
+from springpot.registry import open_measurement, parts_of, plugins
+
+LONGEST = 80
+"""Signs of a file's name that are kept."""
+UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
+"""What has a meaning in paths, in FILE#PART?COLUMN=UNIT@CONDITION or on a terminal is none of these."""
+OFFERED = re.compile(r"'[^'?]*\?([^'?]*)'")
+"""Where a reader that cannot tell a unit writes what would settle it: ``'damper.csv?storage=Pa,loss=Pa'``."""
+
+
+def safe_name(name: str) -> str:
+    """The last part of a name that a browser gave, with nothing in it that could mean more than a name.
+
+    Examples
+    --------
+    >>> safe_name("../../etc/passwd"), safe_name("C:\\\\data\\\\my damper.csv"), safe_name("-rf?x=1")
+    ('passwd', 'my damper.csv', '_rf_x_1')
+    """
+    last = re.split(r"[/\\]", name)[-1]
+    plain = UNSAFE.sub("_", last)[-LONGEST:].strip()
+    return re.sub(r"^[-.]+", "_", plain) or "data"
+
+
+@contextmanager
+def as_file(name: str, content: bytes) -> Iterator[Path]:
+    """A file of that name in a folder of its own, which is the current one meanwhile: errors name just the file.
+
+    Only for worker processes, which do one thing at a time.
+    """
+    here = os.getcwd()
+    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
+        os.chdir(folder)
+        try:
+            path = Path(safe_name(name))
+            path.write_bytes(content)
+            yield path
+        finally:
+            os.chdir(here)
+
+
+def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Measurement, tuple[Part, ...]]:
+    """What an uploaded file holds, read by the same readers and within the same budget as a file that is named.
+
+    Parameters
+    ----------
+    name : str
+        As the browser gave it.
+    content : bytes
+        Of the file.
+    choice : str
+        What the user says beside: ``#2``, ``?storage=Pa``, ``@temperature=20``, or several in this order.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read.
+    """
+    with as_file(name, content) as path:
+        return open_measurement(f"{path}{choice}"), parts_of(path)
+
+
+def question_in(message: str) -> list[dict[str, Any]]:
+    """The columns that a reader's error leaves open, each with what it offers and what could stand there.
+
+    Examples
+    --------
+    >>> asked = question_in("x.csv: 'loss' has no unit; if it is Pa, open 'x.csv?loss=Pa'")
+    >>> asked[0]["column"], asked[0]["offered"]
+    ('loss', 'Pa')
+    """
+    found = OFFERED.search(message)
+    if found is None:
+        return []
+    pairs = [part.partition("=") for part in found[1].split(",")]
+    return [{"column": column, "offered": value, "choices": _choices(value)} for column, _, value in pairs if value]
+
+
+def _choices(offered: str) -> list[str]:
+    from springpot.measurement import AMPLITUDE_UNITS, FORCE_UNITS, FREQUENCY_UNITS, MODULUS_UNITS, TIME_UNITS
+
+    for units in (FREQUENCY_UNITS, MODULUS_UNITS, TIME_UNITS, FORCE_UNITS, AMPLITUDE_UNITS):
+        if offered in units:
+            return list(units)
+    if "[" in offered:
+        return [offered, "frequency[Hz]", "omega[rad/s]", "storage[Pa]", "loss[Pa]", "storage[kN/m]", "loss[kN/m]",
+                "temperature[degC]", "amplitude[mm]", "time[s]", "displacement[mm]", "force[kN]", "ignore"]  # fmt: skip
+    return [offered]
+
+
+def text_of(measurement: Measurement) -> str:
+    """The text of a CSV file that reads back as the same bits.
+
+    Raises
+    ------
+    DataError
+        If no plugin offers such a format.
+    """
+    for reader in plugins().items("reader"):
+        if reader.text is not None:
+            text: str = reader.text(measurement)
+            return text
+    raise DataError("no plugin offers a format to keep measurements in")
+
+
+def measurement_of(text: str) -> Measurement:
+    """The measurement in a text by `text_of`."""
+    with as_file("data.csv", text.encode()) as path:
+        return open_measurement(path)
+
+
+def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
+    """The data without the rows that are left out; what is relative to their temperature stays so.
+
+    Raises
+    ------
+    DataError
+        If a row is not there or none is left.
+    """
+    if not excluded:
+        return measurement
+    if excluded[-1] >= len(measurement):
+        raise DataError(f"{measurement.name} has {len(measurement)} points; there is no point {excluded[-1]} in it")
+    if len(excluded) == len(measurement):
+        raise DataError(f"{measurement.name}: all points are left out; take some back")
+    rows = np.ones(len(measurement), dtype=bool)
+    rows[list(excluded)] = False
+    return measurement.subset(rows)
+
+
+def joined(one: Measurement, other: Measurement) -> Measurement:
+    """New data below those that are there, in their units, so that a next experiment joins the first.
+
+    Raises
+    ------
+    DataError
+        If one is a modulus and the other a stiffness, or one lacks a condition of the other.
+    """
+    from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS
+
+    if one.units.is_modulus != other.units.is_modulus:
+        raise DataError(f"{other.name} is in {other.units.stiffness}, {one.name} in {one.units.stiffness}: no one test")
+    if set(one.conditions) != set(other.conditions):
+        lacking = ", ".join(sorted(set(one.conditions) ^ set(other.conditions)))
+        raise DataError(f"{one.name} and {other.name} differ in their columns: {lacking} is in one of them only")
+    factor = MODULUS_UNITS[other.units.stiffness] / MODULUS_UNITS[one.units.stiffness]
+    columns = {name: np.concatenate([one.conditions[name], other.conditions[name]]) for name in one.conditions}
+    if "amplitude" in columns:
+        reach = AMPLITUDE_UNITS[other.units.amplitude] / AMPLITUDE_UNITS[one.units.amplitude]
+        columns["amplitude"][len(one) :] *= reach
+    sd = None
+    if one.sd is not None and other.sd is not None:
+        sd = np.concatenate([one.sd, other.sd * factor])
+    repeats = [data.repeat if data.repeat is not None else np.zeros(len(data), dtype=int) for data in (one, other)]
+    repeat = np.concatenate([repeats[0], repeats[1] + repeats[0].max() + 1])
+    provenance: Mapping[str, str] = {**one.provenance, "joined with": other.name}
+    return Measurement(
+        np.concatenate([one.omega, other.omega]),
+        np.concatenate([one.stiffness, other.stiffness * factor]),
+        sd=sd,
+        conditions=columns,
+        repeat=repeat,
+        units=one.units,
+        name=f"{one.name} + {other.name}",
+        provenance=provenance,
+    )

@@ -1,0 +1,202 @@
+"""The desk: hands tasks to worker processes, shares and keeps answers, ends what nobody waits for any more."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections import OrderedDict
+from collections.abc import AsyncIterator, Callable
+from contextlib import suppress
+from typing import Any
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""The matrices of a fit are small: more threads only wait for one another."""
+LONGEST_LINE = 256 << 20
+"""Bytes of an answer: that to the largest upload with all its previews has a tenth."""
+KEPT = 64 << 20
+"""Bytes of answers that are kept: some hundred rungs."""
+
+Line = bytes
+
+
+class Worker:
+    """One process, which does one task after another."""
+
+    def __init__(self) -> None:
+        self._process: asyncio.subprocess.Process | None = None
+
+    async def start(self) -> None:
+        """Start the process; it imports what it needs while it waits."""
+        self._process = await asyncio.create_subprocess_exec(
+            sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}; from springpot.web.worker import main; main()",
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            env=os.environ | dict.fromkeys(THREADS, "1"),
+            limit=LONGEST_LINE,
+        )  # fmt: skip
+
+    async def perform(self, task: str, arguments: dict[str, Any], told: Callable[[Line], None]) -> Line:
+        """The last line of a task's answer; lines before it tell its stages.
+
+        However this is left before its end, the process is ended: it may be in the midst of anything.
+        """
+        if not self.alive:
+            await self.start()
+        process = self._process
+        assert process is not None and process.stdin is not None and process.stdout is not None
+        done = False
+        try:
+            process.stdin.write(json.dumps({"task": task, "arguments": arguments}).encode() + b"\n")
+            await process.stdin.drain()
+            while line := await process.stdout.readline():
+                if line.startswith((b'{"result"', b'{"error"')):
+                    done = True
+                    return line
+                if line.startswith(b'{"stage"'):
+                    told(line)
+            return _error("the computation ended before it was done: out of memory, or a crash of a library")
+        except (OSError, ValueError) as error:
+            return _error(f"the computation was lost: {type(error).__name__}")
+        finally:
+            if not done:
+                self.end()
+
+    @property
+    def alive(self) -> bool:
+        """Whether there is a process."""
+        return self._process is not None and self._process.returncode is None
+
+    def end(self) -> None:
+        """End the process; the next task gets a new one."""
+        process, self._process = self._process, None
+        if process is not None and process.returncode is None:
+            with suppress(ProcessLookupError):
+                process.kill()
+
+    async def close(self) -> None:
+        """End the process and wait until it is gone."""
+        process = self._process
+        self.end()
+        if process is not None:
+            await process.wait()
+
+
+class _Running:
+    """A task for which one or several wait."""
+
+    def __init__(self) -> None:
+        self.listeners: list[asyncio.Queue[Line]] = []
+        self.last: Line = b""
+        self.work: asyncio.Task[None] | None = None
+
+    def told(self, line: Line) -> None:
+        """Tell all who wait."""
+        self.last = line
+        for listener in self.listeners:
+            listener.put_nowait(line)
+
+
+class Desk:
+    """Workers for short and for long tasks, and the answers that they gave.
+
+    Parameters
+    ----------
+    long : int
+        Workers for long tasks: as many fits run side by side.
+    """
+
+    def __init__(self, long: int = 2) -> None:
+        self._lanes = {"short": [Worker()], "long": [Worker() for _ in range(long)]}
+        self._free: dict[str, asyncio.Queue[Worker]] = {}
+        self._running: dict[str, _Running] = {}
+        self._closing = False
+        self._kept: OrderedDict[str, Line] = OrderedDict()
+
+    async def open(self) -> None:
+        """Start all workers, so that the first answer need not wait for their imports."""
+        for lane, workers in self._lanes.items():
+            self._free[lane] = asyncio.Queue()
+            for worker in workers:
+                await worker.start()
+                self._free[lane].put_nowait(worker)
+
+    async def close(self) -> None:
+        """End all workers."""
+        self._closing = True
+        for running in self._running.values():
+            if running.work is not None:
+                running.work.cancel()
+        for workers in self._lanes.values():
+            for worker in workers:
+                await worker.close()
+
+    async def ask(
+        self, task: str, arguments: dict[str, Any], lane: str = "short", key: str = ""
+    ) -> AsyncIterator[Line]:
+        """Lines of the answer: stages, and at last ``{"result": ...}`` or ``{"error": ...}``.
+
+        Parameters
+        ----------
+        task, arguments
+            What is to be done, see `springpot.web.tasks`.
+        lane : {"short", "long"}
+            Which workers do it.
+        key : str
+            Of an answer that is the same whenever it is asked: it is computed once and kept. When the last who
+            waits for it leaves, the computation is ended.
+        """
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            yield self._kept[key]
+            return
+        name = key or f"only {id(arguments)}"
+        running = self._running.get(name)
+        if running is None:
+            running = self._running[name] = _Running()
+            running.work = asyncio.create_task(self._work(name, running, task, arguments, lane, key))
+        mine: asyncio.Queue[Line] = asyncio.Queue()
+        running.listeners.append(mine)
+        if running.last:
+            mine.put_nowait(running.last)
+        try:
+            while True:
+                line = await mine.get()
+                yield line
+                if not line.startswith(b'{"stage"'):
+                    return
+        finally:
+            running.listeners.remove(mine)
+            if not running.listeners and running.work is not None:
+                running.work.cancel()
+                self._running.pop(name, None)
+
+    async def _work(
+        self, name: str, running: _Running, task: str, arguments: dict[str, Any], lane: str, key: str
+    ) -> None:
+        line = _error("the computation was cancelled")
+        try:
+            worker = await self._free[lane].get()
+            try:
+                line = await worker.perform(task, arguments, running.told)
+            finally:
+                if not worker.alive and not self._closing:
+                    await worker.start()  # so that the next one need not wait for its imports
+                self._free[lane].put_nowait(worker)
+            if key and line.startswith(b'{"result"'):
+                self._keep(key, line)
+        finally:
+            if self._running.get(name) is running:
+                del self._running[name]
+            running.told(line)
+
+    def _keep(self, key: str, line: Line) -> None:
+        self._kept[key] = line
+        while len(self._kept) > 1 and sum(map(len, self._kept.values())) > KEPT:
+            self._kept.popitem(last=False)
+
+
+def _error(says: str) -> Line:
+    return json.dumps({"error": says, "fault": True}).encode() + b"\n"

@@ -1,0 +1,197 @@
+"""Starts the workbench: a free port of the loopback address, a token, the address told first, then the browser."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import secrets
+import socket
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.errors import OptionError, OutputError
+
+if TYPE_CHECKING:
+    from springpot.measurement import Measurement
+
+HOST = "127.0.0.1"
+
+
+class Workbench:
+    """A server that runs, and how to end it.
+
+    Parameters
+    ----------
+    data : str or dict, optional
+        What is open at first: a path or name as on the command line, or ``{"name", "content"}`` in base64.
+    model : str
+        Expression of the model that is judged at first; empty for any material.
+    port : int
+        Where to listen; 0 takes a free one.
+
+    Raises
+    ------
+    OutputError
+        If the extra ``workbench`` is not installed.
+    OptionError
+        If the port is taken.
+    """
+
+    def __init__(self, data: str | dict[str, str] | None = None, model: str = "", port: int = 0) -> None:
+        try:
+            import uvicorn
+
+            from .guard import Guard
+            from .server import Server
+        except ImportError as error:
+            raise OutputError(f"the workbench needs {error.name}: pip install 'springpot[workbench]'") from None
+        from .desk import Desk
+
+        self._socket = _listening(port)
+        self._token = secrets.token_urlsafe(24)
+        self._desk = Desk()
+        app = Guard(Server(self._desk, {"data": data, "model": model}).app(), self._token)
+        config = uvicorn.Config(
+            app,  # type: ignore[arg-type]
+            http="h11",
+            ws="none",
+            lifespan="off",
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            date_header=False,
+            timeout_keep_alive=20,
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+        self._thread: threading.Thread | None = None
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        port: int = self._socket.getsockname()[1]
+        return port
+
+    @property
+    def address(self) -> str:
+        """What to open: the token stands behind ``#``, which a browser sends to nobody."""
+        return f"http://{HOST}:{self.port}/#token={self._token}"
+
+    def __repr__(self) -> str:
+        return f"<Workbench at {self.address}>"
+
+    def _repr_html_(self) -> str:
+        from springpot.markup import tag
+
+        return tag("p", "The workbench is open at ", tag("a", self.address, href=self.address, target="_blank"))
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        asyncio.run(self._serve())
+
+    def start(self) -> Workbench:
+        """Serve beside the caller, who goes on at once."""
+        self._thread = threading.Thread(target=self.run, name="springpot-workbench", daemon=True)
+        self._thread.start()
+        return self
+
+    def close(self) -> None:
+        """End the server and its workers."""
+        self._server.should_exit = True
+        if self._thread is not None:
+            self._thread.join(10.0)
+
+    async def _serve(self) -> None:
+        await self._desk.open()
+        try:
+            await self._server.serve(sockets=[self._socket])
+        finally:
+            await self._desk.close()
+            self._socket.close()
+
+
+def _listening(port: int) -> socket.socket:
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((HOST, port))
+    except (OSError, OverflowError) as error:
+        listening.close()
+        reason = getattr(error, "strerror", None) or error
+        raise OptionError(f"port {port} cannot be used: {reason}; leave --port out, and a free one is taken") from None
+    listening.listen(128)
+    return listening
+
+
+def serve(
+    data: str | None, model: str | None, port: int, browser: bool, told: Callable[[str], object] = print
+) -> None:
+    """What ``springpot workbench`` does: tell the address, open the browser, serve until Ctrl-C."""
+    bench = Workbench(data, model or "", port)
+    told(f"springpot workbench: {bench.address}")
+    if browser:
+        _open(bench.address)
+    bench.run()
+
+
+def workbench(
+    measurement: Measurement | str | Path | None = None,
+    model: str | None = None,
+    *,
+    port: int = 0,
+    browser: bool = True,
+) -> Workbench:
+    """Open the workbench on data, in the browser; returns at once.
+
+    Parameters
+    ----------
+    measurement : Measurement, str or Path, optional
+        The data, or their name as for `springpot.read`; without them the page asks for a file.
+    model : str, optional
+        Expression of the model to be judged; without it any linear passive material.
+    port : int
+        Where to listen on 127.0.0.1; 0 takes a free port.
+    browser : bool
+        Whether to open the browser.
+
+    Returns
+    -------
+    Workbench
+        Its `address` is what the browser opens; `close` ends it. It ends with the program, too.
+
+    Raises
+    ------
+    OutputError
+        If the extra ``workbench`` is not installed.
+    OptionError
+        If the port is taken.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> bench = springpot.workbench("artificial-hidden", "fractional-maxwell", browser=False)
+    >>> bench.address.startswith("http://127.0.0.1:")
+    True
+    >>> bench.close()
+    """
+    data: Any = None
+    if measurement is not None and isinstance(measurement, str | Path):
+        data = str(measurement)
+    elif measurement is not None:
+        from .datatext import text_of
+
+        content = base64.b64encode(text_of(measurement).encode()).decode()
+        data = {"name": f"{measurement.name}.csv", "content": content}
+    bench = Workbench(data, model or "", port).start()
+    if browser:
+        _open(bench.address)
+    return bench
+
+
+def _open(address: str) -> None:
+    import webbrowser
+
+    # A browser that talks on the terminal, or blocks it, is kept apart from this thread.
+    threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

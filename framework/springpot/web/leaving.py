@@ -1,0 +1,149 @@
+"""What a user leaves with: command, script, tables and session; with relative paths, units in every header."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shlex
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from springpot.diagnosis import Ladder
+from springpot.errors import DataError
+from springpot.measurement import Measurement, guarded
+from springpot.plain import plain
+
+from .answers import proposed_points
+from .datatext import safe_name
+from .previews import grown_by_each
+from .scene import Scene
+from .state import State
+
+SESSION = "springpot.session/1"
+
+
+def source_of(source: str, state: State, joined: bool) -> str:
+    """The file that command and script read: the user's own, or the data as used where a file alone cannot say that.
+
+    A registered data set stays its name.
+    """
+    if state.excluded or joined:
+        return f"{PurePath(safe_name(source)).stem}-used.csv"
+    return source
+
+
+def command(state: State, source: str) -> str:
+    """The command line that gives what the page shows; `source` is a path relative to where it is run.
+
+    Examples
+    --------
+    >>> command(State("0" * 64, "maxwell", ("inertia",)), "my damper.csv")
+    "springpot discover 'my damper.csv' --model maxwell --accept inertia --seed 0"
+    """
+    words = ["springpot", "discover" if state.accepted else "diagnose", source]
+    words += ["--model", state.model] if state.model else []
+    words += [word for name in state.accepted for word in ("--accept", name)]
+    return shlex.join([*words, "--seed", str(state.seed)])
+
+
+def script(state: State, source: str) -> str:
+    """A Python program that gives the same numbers: it reads `source` from the folder in which it is run."""
+    title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
+    model = repr(state.model) if state.model else "None"
+    return f'''# {title}
+# On the command line: {" ".join(plain(command(state, source)).split())}
+import springpot
+
+data = springpot.read({source!r})
+{_note(state)}
+# Each accepted effect is one rung: the model is fitted, and what is missing from it is sought anew.
+ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed})
+
+for step in ladder.steps:
+    print(f"{{step.model}}: error {{step.relative_rms:.6%}}, noise floor {{step.noise_floor:.6%}}")
+
+# Values with their 95 % intervals, in the units in which the data came.
+for name, value in ladder.steps[-1].parameters.items():
+    print(f"{{name}} = {{value.value:.6g}} [{{value.low:.6g}}, {{value.high:.6g}}] {{value.unit}}")
+
+print(ladder.verdict + ":", ladder.diagnosis.says)
+'''
+
+
+def _note(state: State) -> str:
+    if not state.excluded:
+        return ""
+    return f"# The file holds the data as used: {len(state.excluded)} points were left out by hand on the page.\n"
+
+
+def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
+    """K of the data, of the model and of every candidate at the measured points and on the smooth curves.
+
+    Frequencies are in Hz and, beside it, in rad/s, as the header says.
+    """
+    scene, case = Scene(measurement), ladder.steps[-1].case
+    base, unit = case.found.base, measurement.units.stiffness
+    fits = [("model", base.model, base.theta)]
+    fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]
+    names = ["data", *(name for name, _, _ in fits)]
+    along = [] if scene.axis.column == "frequency" else [scene.axis.label]
+    header = ["kind", "sweep", *along, "frequency [Hz]", "omega [rad/s]"]
+    header += [f"{name} {part} [{unit}]" for name in names for part in ("storage", "loss")]
+    table: list[Sequence[Any]] = [header]
+    numbers = np.zeros(len(measurement), dtype=int)
+    for number, sweep in enumerate(scene.sweeps):
+        numbers[sweep.rows] = number
+    with np.errstate(all="ignore"):
+        at_points = [model.stiffness(theta, scene.points) for _, model, theta in fits]
+        for i, row in enumerate(scene.rows):
+            x = [float(scene.axis.values[row])] if along else []
+            values = [measurement.stiffness[row], *(k[i] for k in at_points)]
+            label = scene.sweeps[numbers[row]].label
+            table.append(["point", label, *x, *_frequencies(measurement.omega[row]), *_flat(values)])
+        for sweep, (places, points) in zip(scene.sweeps, scene.grids, strict=True):
+            curves = [model.stiffness(theta, points) for _, model, theta in fits]
+            for i, place in enumerate(places):
+                x = [float(place)] if along else []
+                values = [k[i] for k in curves]
+                table.append(["curve", sweep.label, *x, *_frequencies(points.omega[i]), "", "", *_flat(values)])
+    return _csv(table)
+
+
+def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
+    """The proposed experiment as a table to be filled in: frequencies and conditions, storage and loss left open.
+
+    Raises
+    ------
+    DataError
+        If nothing is proposed.
+    """
+    proposed = ladder.diagnosis.next_experiment
+    if proposed is None or not proposed.action.get("omega"):
+        raise DataError("no further measurement is proposed here: nothing is left that one would decide")
+    points = proposed_points(proposed.action, measurement)
+    unit, moved = measurement.units.stiffness, measurement.units.amplitude
+    header, columns = ["frequency [Hz]"], [points.omega / (2 * np.pi)]
+    if points.temperature is not None:
+        header, columns = [*header, "temperature [degC]"], [*columns, points.temperature - 273.15]
+    if points.amplitude is not None:
+        header, columns = [*header, f"amplitude [{moved}]"], [*columns, points.amplitude]
+    rows = [[*(float(f"{value:.6g}") for value in row), "", ""] for row in zip(*columns, strict=True)]
+    return f"# {' '.join(proposed.says.split())}\n" + _csv([[*header, f"storage [{unit}]", f"loss [{unit}]"], *rows])
+
+
+def _frequencies(omega: float) -> list[float]:
+    return [float(omega / (2 * np.pi)), float(omega)]
+
+
+def _flat(values: Sequence[complex]) -> list[float]:
+    return [part for value in values for part in (float(value.real), float(value.imag))]
+
+
+def _csv(rows: Sequence[Sequence[Any]]) -> str:
+    stream = io.StringIO()
+    cells = [[guarded(cell) if isinstance(cell, str) else cell for cell in row] for row in rows]
+    csv.writer(stream, lineterminator="\n").writerows(cells)
+    return stream.getvalue()

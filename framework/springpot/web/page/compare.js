@@ -1,0 +1,216 @@
+// Data and model side by side: a view, a residual plane below it on the same axis, one cursor and one brush for all.
+
+import { h, put } from "./dom.js";
+import { number, percent } from "./numbers.js";
+import { Plot, range } from "./plot.js";
+import { PLANES, VIEWS, planeLines, planeSpec, viewLines, viewSpec } from "./views.js";
+
+export class Compare {
+  constructor(parent, app) {
+    this.parent = parent;
+    this.app = app;
+    this.main = new Plot("plot-view", "Data and model");
+    this.residual = new Plot("plot-residual", "Residual");
+    this.chosen = new Set();
+    this.row = null;
+    this.view = h("select", { id: "view", "aria-label": "View", onchange: () => app.look({ view: this.view.value }) },
+      ...Object.entries(VIEWS).map(([name, view]) => h("option", { value: name }, view.name)),
+      h("option", { value: "master-curve" }, "Master curve"));
+    this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) },
+      ...Object.entries(PLANES).map(([name, plane]) => h("option", { value: name }, plane.name)),
+      h("option", { value: "none" }, "No residuals"));
+    this.key = h("p", { id: "key", class: "key" });
+    this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
+    this.places = h("ul", { id: "places", class: "places" });
+    this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });
+    this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
+    put(parent, h("div", { class: "bar" }, this.view, this.plane, this.exclude), this.key, this.frames, this.readout, this.places);
+    for (const plot of [this.main, this.residual]) this.listen(plot);
+    new ResizeObserver(() => this.resized()).observe(this.frames);
+  }
+
+  resized() {
+    const width = Math.floor(this.frames.clientWidth);
+    if (width > 0 && width !== this.width) {
+      this.width = width;
+      this.render();
+    }
+  }
+
+  render() {
+    const { scene, answer, state, looks } = this.app;
+    if (!scene || !state || !this.width) return;
+    const excluded = new Set(state.excluded);
+    this.view.value = looks.view;
+    this.plane.value = looks.plane;
+    const tall = this.width < 500 ? 250 : 285;
+    const master = looks.view === "master-curve";
+    const shown = answer && answer.state.data === state.data ? answer : null;
+    const spec = master ? this.app.masterSpec() : viewSpec(looks.view, scene, excluded, shown?.model);
+    this.main.title = master ? "Master curve" : VIEWS[looks.view].name;
+    this.main.draw(this.planned(spec, master), this.width, tall);
+    const residual = Boolean(shown) && looks.plane !== "none";
+    this.residual.svg.toggleAttribute("hidden", !residual);
+    if (residual) {
+      this.residual.title = `${PLANES[looks.plane].name}, residual of ${shown.discovery.diagnosis.model}`;
+      this.residual.draw(planeSpec(looks.plane, scene, excluded, shown), this.width, this.width < 500 ? 170 : 185);
+    }
+    const places = shown ? shown.discovery.diagnosis.where : [];
+    put(this.places, places.slice(0, 3).map((place) => h("li", {}, `${place.says} (${place.plane} plane)`)));
+    this.drawBeside();
+    this.preview(this.app.hovered);
+    this.point(this.row);
+    this.selected(this.chosen);
+  }
+
+  // Where the rivals of the next experiment part, with bands of what would be measured.
+  planned(spec, master) {
+    const next = this.app.looks.plan ? this.app.answer?.next : null;
+    if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return spec;
+    const view = VIEWS[this.app.looks.view];
+    const xs = next.frequency;
+    const all = [];
+    next.rivals.forEach((rival, number_) => {
+      view.parts.forEach(({ kind, at }) => {
+        const ys = xs.map((x, i) => at(x, rival.storage[i], rival.loss[i])[1]);
+        all.push(...ys);
+        spec.lines.push({ xs, ys, kind: `rival rival-${number_} ${kind}`, colour: `var(--rival-${number_})` });
+        if (this.app.looks.view !== "storage-loss") return;
+        const [low, high] = [-1, 1].map((side) => ys.map((y, i) => y + side * rival.width[i]));
+        spec.bands = [...(spec.bands || []), { xs, low, high, kind: `rival-${number_}` }];
+      });
+    });
+    [spec.x.min, spec.x.max] = range([...this.app.scene.x, ...xs], spec.x.log, 0.03);
+    [spec.y.min, spec.y.max] = range([...spec.points.map((p) => p.y), ...all], spec.y.log, 0.06);
+    return spec;
+  }
+
+  drawBeside() {
+    const { scene, looks, answer, edited, beside } = this.app;
+    const lines = [];
+    const entries = [];
+    if (looks.view !== "master-curve") {
+      if (beside) lines.push(...viewLines(looks.view, scene, beside.model, "beside"));
+      if (edited) lines.push(...viewLines(looks.view, scene, edited, "edited"));
+    }
+    this.main.extra(lines);
+    const single = scene.sweeps.length < 2;
+    if (single) {
+      entries.push(h("span", { class: "swatch storage" }, VIEWS[looks.view]?.parts.length === 1 ? "● data" : "● K' data"));
+      if (looks.view === "storage-loss") entries.push(h("span", { class: "swatch loss" }, "□ K'' data"));
+    } else {
+      entries.push(...scene.sweeps.map((sweep, i) =>
+        h("span", { class: `swatch sweep-${Math.round((8 * i) / (scene.sweeps.length - 1))}` }, `● ${sweep.label}`)));
+    }
+    if (answer) entries.push(h("span", {}, `━ ${answer.discovery.diagnosis.model} (accepted)`));
+    if (this.app.hovered) entries.push(h("span", { class: "swatch preview" }, `╌ with ${this.app.hovered} (preview)`));
+    if (edited) entries.push(h("span", { class: "swatch edited" }, `┈ edited by hand, ${percent(edited.error)}`));
+    if (beside) entries.push(h("span", { class: "swatch beside" }, `─ branch ${beside.branch}: ${beside.discovery.diagnosis.model}`));
+    if (looks.plan) {
+      for (const [i, rival] of (answer?.next?.rivals || []).entries()) {
+        entries.push(h("span", { class: `swatch rival-${i}` }, `${i ? "▒" : "░"} ${rival.effect}, as it would be measured`));
+      }
+    }
+    put(this.key, entries);
+  }
+
+  preview(effect) {
+    const { scene, answer, looks } = this.app;
+    const k = effect && answer ? answer.previews[effect] : null;
+    if (!scene || !this.main.spec) return;
+    const drawn = k && looks.view !== "master-curve";
+    this.main.preview(drawn ? viewLines(looks.view, scene, k, "preview") : []);
+    if (this.residual.spec) {
+      this.residual.preview(k && looks.plane !== "none" ? planeLines(looks.plane, scene, k) : []);
+    }
+    this.drawBeside();
+  }
+
+  listen(plot) {
+    const place = (event) => {
+      const box = plot.svg.getBoundingClientRect();
+      return [((event.clientX - box.left) / box.width) * plot.width, ((event.clientY - box.top) / box.height) * plot.height];
+    };
+    let from = null;
+    plot.svg.addEventListener("pointermove", (event) => {
+      if (!plot.spec) return;
+      const to = place(event);
+      if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) > 6) {
+        this.selected(new Set(plot.rowsWithin(...from, ...to)));
+      } else if (!from) this.point(plot.nearest(...to));
+    });
+    plot.svg.addEventListener("pointerdown", (event) => { from = event.button === 0 ? place(event) : null; });
+    plot.svg.addEventListener("pointerup", (event) => {
+      const to = place(event);
+      if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) <= 6 && plot.spec) {
+        const row = plot.nearest(...to, 10);
+        if (row !== null) this.toggle([row]);
+        else this.selected(new Set());
+      }
+      from = null;
+    });
+    plot.svg.addEventListener("pointerleave", () => { if (!from) this.point(null); });
+    plot.svg.addEventListener("keydown", (event) => this.key_(event));
+  }
+
+  key_(event) {
+    const rows = [...this.app.scene.rows].sort((a, b) => this.app.scene.x[this.index(a)] - this.app.scene.x[this.index(b)]);
+    const here = rows.indexOf(this.row);
+    const steps = { ArrowRight: 1, ArrowLeft: -1 };
+    if (event.key in steps) {
+      const next = rows[Math.max(0, Math.min(rows.length - 1, here + steps[event.key]))];
+      if (event.shiftKey) this.selected(new Set([...this.chosen, this.row ?? next, next]));
+      this.point(next);
+    } else if (event.key === " " && (this.chosen.size || this.row !== null)) {
+      this.toggle(this.chosen.size ? [...this.chosen] : [this.row]);
+    } else if (event.key === "Escape") this.selected(new Set());
+    else return;
+    event.preventDefault();
+  }
+
+  index(row) {
+    return this.app.scene.rows.indexOf(row);
+  }
+
+  point(row) {
+    const { scene, answer, state } = this.app;
+    this.row = row;
+    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
+    if (row === null || !scene) {
+      this.readout.textContent = "Point at a measured point to read it; click to leave it out; drag to select several.";
+      return;
+    }
+    const i = this.index(row);
+    const { stiffness } = scene.units;
+    let says = `${number(scene.omega[i] / 2 / Math.PI, 3)} Hz: K' ${number(scene.storage[i])}, K'' ${number(scene.loss[i])} ${stiffness}`;
+    if (answer) {
+      const [storage, loss] = [answer.model.points.storage[i], answer.model.points.loss[i]];
+      const off = (data, model, sd) => `${data >= model ? "+" : "−"}${number(Math.abs(data - model) / sd, 2)} σ`;
+      says += `; model ${number(storage)}, ${number(loss)}; off by ${off(scene.storage[i], storage, answer.noise.storage[i])}, `;
+      says += off(scene.loss[i], loss, answer.noise.loss[i]);
+    }
+    if (state.excluded.includes(row)) says += "; left out";
+    this.readout.textContent = says;
+  }
+
+  selected(rows) {
+    this.chosen = rows;
+    const out = this.app.state ? [...rows].filter((row) => this.app.state.excluded.includes(row)).length : 0;
+    this.exclude.hidden = rows.size === 0;
+    const all = rows.size > 0 && out === rows.size;
+    this.exclude.textContent = `${all ? "Take back" : "Leave out"} ${rows.size} point${rows.size === 1 ? "" : "s"}`;
+    for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(this.row, rows);
+  }
+
+  // Points are greyed and left out, or taken back; never deleted.
+  toggle(rows) {
+    const out = new Set(this.app.state.excluded);
+    const back = rows.every((row) => out.has(row));
+    for (const row of rows) {
+      if (back) out.delete(row);
+      else out.add(row);
+    }
+    this.selected(new Set());
+    this.app.leaveOut([...out].sort((a, b) => a - b));
+  }
+}

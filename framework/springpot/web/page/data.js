@@ -1,0 +1,147 @@
+// Data: dropped, chosen, pasted or registered; what was understood of them; what a reader must be told.
+
+import { byId, h, put } from "./dom.js";
+import { number } from "./numbers.js";
+
+let count = 0;
+
+// Where data come from; in the page while it is empty, and in a dialog later.
+export function dropZone(app, done) {
+  count += 1;
+  const id = (name) => `${name}-${count}`;
+  const file = h("input", { type: "file", id: id("file"), class: "file", onchange: () => open([...file.files]) });
+  const paste = h("textarea", { id: id("paste"), rows: "4", spellcheck: "false", placeholder: "frequency [Hz],storage [kN/m],loss [kN/m]\n1,102.8,73.2\n…" });
+  const sets = h("select", { id: id("dataset") }, h("option", { value: "" }, "choose…"),
+    ...(app.library?.datasets || []).map((set) => h("option", { value: set.name, disabled: Boolean(set.unavailable), title: set.summary }, set.name)));
+  const join = app.state ? h("label", { class: "check" }, h("input", { type: "checkbox", id: id("join") }), " add to the data that are open (a further experiment)") : null;
+  const joining = () => Boolean(join?.querySelector("input").checked);
+  const open = async (files) => {
+    if (!files.length) return;
+    done();
+    await app.openFile(files[0].name, await files[0].arrayBuffer(), "", joining());
+  };
+  return h("div", { class: "drop-zone", "data-drop": "" },
+    h("p", {}, h("b", {}, "Drop a file here"), ", or"),
+    h("p", {}, h("label", { for: id("file") }, "choose a file "), file),
+    h("p", {}, h("label", { for: id("dataset") }, "or a data set "), sets,
+      h("button", { type: "button", onclick: () => { if (sets.value) { done(); app.openSet(sets.value); } } }, "Open set")),
+    h("p", {}, h("label", { for: id("paste") }, "or paste a table, with units in its header"), paste,
+      h("button", { type: "button", onclick: () => {
+        if (!paste.value.trim()) return;
+        done();
+        app.openFile("pasted.csv", new TextEncoder().encode(paste.value), "", joining());
+      } }, "Open table")),
+    join);
+}
+
+export function listenForDrops(app) {
+  document.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    document.body.classList.add("dragging");
+  });
+  document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) document.body.classList.remove("dragging"); });
+  document.addEventListener("drop", async (event) => {
+    event.preventDefault();
+    document.body.classList.remove("dragging");
+    const file = event.dataTransfer.files[0];
+    if (!file) return;
+    byId("open-dialog").close();
+    if (app.state && !/\.json$/i.test(file.name)) askWhere(app, file);
+    else app.openFile(file.name, await file.arrayBuffer());
+  });
+}
+
+// A second file either takes the place of the first or joins it; nobody but the user can know.
+function askWhere(app, file) {
+  const dialog = byId("open-dialog");
+  const open = async (onto) => {
+    dialog.close();
+    app.openFile(file.name, await file.arrayBuffer(), "", onto);
+  };
+  put(dialog, h("h2", { id: "open-title" }, `Open ${file.name}`),
+    h("p", {}, h("button", { type: "button", class: "primary", onclick: () => open(false) }, "Open instead"), " ",
+      h("button", { type: "button", id: "add-data", onclick: () => open(true) }, "Add to the data"), " ",
+      h("button", { type: "button", onclick: () => dialog.close() }, "Leave it")));
+  dialog.showModal();
+}
+
+export function openDialog(app) {
+  const dialog = byId("open-dialog");
+  put(dialog, h("h2", { id: "open-title" }, "Open data"), dropZone(app, () => dialog.close()),
+    h("p", {}, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
+  dialog.showModal();
+}
+
+export class Data {
+  constructor(parent, app) {
+    this.parent = parent;
+    this.app = app;
+  }
+
+  render() {
+    const { app } = this;
+    const parts = [];
+    if (app.refused) parts.push(h("p", { class: "error", role: "alert" }, app.refused));
+    if (app.question) parts.push(this.form(app.question));
+    if (app.data) parts.push(...this.understood(app.data));
+    else if (!app.question) parts.push(dropZone(app, () => {}));
+    put(this.parent, parts);
+  }
+
+  // An open question of the reader, with what it would take for granted as the first choice.
+  form(question) {
+    const fields = question.asked.map((asked, i) => h("p", {},
+      h("label", { for: `asked-${i}` }, `${asked.column} is `),
+      h("select", { id: `asked-${i}`, "data-column": asked.column },
+        ...asked.choices.map((choice) => h("option", { value: choice, selected: choice === asked.offered }, choice)))));
+    return h("form", { class: "question", id: "question", onsubmit: (event) => {
+      event.preventDefault();
+      const said = [...event.target.querySelectorAll("select")].map((select) => `${select.dataset.column}=${select.value}`);
+      this.app.openFile(question.name, question.bytes, `?${said.join(",")}`, question.onto);
+    } }, h("p", {}, question.says), ...fields, h("button", { class: "primary" }, "Open with these"));
+  }
+
+  understood(data) {
+    const { state } = this.app;
+    const out = state.excluded.length;
+    const rows = data.columns.map((column) => h("tr", {}, h("th", { scope: "row" }, column.name),
+      h("td", {}, number(column.from)), h("td", {}, number(column.to)), h("td", {}, column.unit)));
+    const sweeps = data.scene.sweeps.length;
+    const facts = [`${data.scene.count} points`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
+      data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];
+    const shown = data.scene.rows.length;
+    if (shown < data.scene.count) facts.push(`${shown} of them drawn`);
+    return [
+      h("p", { id: "facts" }, facts.filter(Boolean).join(", "), out ? h("span", {}, `; ${out} left out `,
+        h("button", { type: "button", id: "take-back", onclick: () => this.app.leaveOut([]) }, "Take back all")) : ""),
+      h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "What was understood of the data" },
+        h("table", {}, h("thead", {}, h("tr", {}, ...["column", "from", "to", "unit"].map((word) => h("th", { scope: "col" }, word)))), h("tbody", {}, ...rows))),
+      this.chosen(data),
+      this.notes(data),
+    ];
+  }
+
+  // Rows chosen by temperature, amplitude or step: what is not ticked is left out.
+  chosen(data) {
+    const groups = [...data.levels, ...data.runs.filter((run) => data.levels.every((level) => level.rows.join() !== run.rows.join()))];
+    if (!groups.length) return null;
+    const out = new Set(this.app.state.excluded);
+    return h("details", {}, h("summary", {}, "Choose rows"), ...groups.map((group) => {
+      const left = group.rows.filter((row) => out.has(row)).length;
+      const box = h("input", { type: "checkbox", checked: left < group.rows.length, onchange: () => {
+        const next = new Set(this.app.state.excluded);
+        for (const row of group.rows) if (box.checked) next.delete(row); else next.add(row);
+        this.app.leaveOut([...next].sort((a, b) => a - b));
+      } });
+      return h("label", { class: "check" }, box, ` ${group.name} (${group.rows.length})`);
+    }));
+  }
+
+  notes(data) {
+    const entries = Object.entries(data.provenance);
+    const parts = data.parts.length > 1 ? [["parts", data.parts.map((part) => `#${part.number} ${part.name}`).join(", ")]] : [];
+    if (!entries.length && !parts.length) return null;
+    return h("details", {}, h("summary", {}, "Where they come from"),
+      h("dl", {}, ...[...parts, ...entries].flatMap(([key, value]) => [h("dt", {}, key), h("dd", {}, value)])));
+  }
+}

@@ -1,0 +1,149 @@
+// The error, rung by rung, against the noise floor: every rung can be gone back to, left out or branched from.
+
+import { h, put, s } from "./dom.js";
+import { percent, times } from "./numbers.js";
+import { logTicks } from "./plot.js";
+
+const HEIGHT = 150;
+const LEFT = 44;
+const RIGHT = 12;
+
+export class Ladder {
+  constructor(parent, app) {
+    this.app = app;
+    this.svg = s("svg", { id: "plot-ladder", class: "plot", role: "img" });
+    this.branches = h("div", { class: "branches", role: "group", "aria-label": "Branches" });
+    this.list = h("ol", { id: "rungs", start: "0" });
+    this.other = h("div", { id: "beside" });
+    this.frame = h("div", {}, this.svg);
+    put(parent, this.frame, this.branches, this.list, this.other);
+    new ResizeObserver(() => { if (this.frame.clientWidth !== this.width) this.render(); }).observe(this.frame);
+  }
+
+  render() {
+    this.width = this.frame.clientWidth;
+    const { answer, history } = this.app;
+    this.svg.toggleAttribute("hidden", !answer);
+    this.renderBranches(history);
+    if (!answer || !this.width) {
+      put(this.list);
+      put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
+      return;
+    }
+    const { steps } = answer.discovery;
+    put(this.list, steps.map((step, i) => this.rung(step, i, steps.length)));
+    put(this.other, this.app.beside ? this.besideList(this.app.beside) : null);
+    this.draw(answer, this.app.beside);
+    this.preview(this.app.hovered);
+  }
+
+  rung(step, i, count) {
+    const name = step.accepted || step.model;
+    const alike = (step.class || []).filter((other) => other !== step.accepted);
+    const label = i ? `+ ${name}` : name;
+    const told = `${percent(step.relative_rms)} (${times(step.relative_rms, step.noise_floor)})`;
+    return h("li", { class: i === count - 1 ? "last" : "" },
+      h("button", { type: "button", class: "rung", "aria-current": i === count - 1 ? "step" : null,
+        title: i === count - 1 ? "the present rung" : "go back to this rung", onclick: () => this.app.goTo(i) },
+      h("span", { class: "name" }, label), h("span", { class: "told" }, told)),
+      h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, beside this one",
+        onclick: () => this.app.fork(i) }, "⑂"),
+      i ? h("button", { type: "button", class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
+        onclick: () => this.app.remove(i - 1) }, "×") : null,
+      alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
+  }
+
+  renderBranches(history) {
+    if (!history || history.branches.length < 2) {
+      put(this.branches);
+      return;
+    }
+    put(this.branches, history.branches.map((branch, i) => h("span", {},
+      h("button", { type: "button", "aria-pressed": String(i === history.at), onclick: () => this.app.select(i) }, `Branch ${branch.name}`),
+      h("button", { type: "button", class: "small", "aria-label": `close branch ${branch.name}`, title: "close this branch",
+        onclick: () => this.app.drop(i) }, "×"))));
+  }
+
+  besideList(beside) {
+    return h("div", {}, h("h3", {}, `Branch ${beside.branch}, beside`),
+      h("ol", { start: "0" }, ...beside.discovery.steps.map((step, i) => h("li", {},
+        h("span", { class: "name" }, i ? `+ ${step.accepted}` : step.model), " ",
+        h("span", { class: "told" }, `${percent(step.relative_rms)} (${times(step.relative_rms, step.noise_floor)})`)))));
+  }
+
+  draw(answer, beside) {
+    const { steps } = answer.discovery;
+    const others = beside ? beside.discovery.steps : [];
+    const count = Math.max(steps.length, others.length) + (this.app.hovered ? 1 : 0);
+    const all = [...steps, ...others].flatMap((step) => [step.relative_rms, step.noise_floor, step.material_floor]).filter((value) => value > 0);
+    const [low, high] = [Math.min(...all) / 1.6, Math.max(...all) * 1.5];
+    const width = this.width;
+    this.x = (i) => LEFT + ((i + 0.5) * (width - LEFT - RIGHT)) / Math.max(count, 2);
+    this.y = (error) => 8 + ((Math.log(high) - Math.log(error)) / (Math.log(high) - Math.log(low))) * (HEIGHT - 30);
+    const bottom = HEIGHT - 22;
+    const half = (this.x(1) - this.x(0)) / 2;
+    const parts = [s("title", {}, `Error of each rung: ${steps.map((step) => percent(step.relative_rms)).join(", ")}; noise floor ${percent(steps.at(-1).noise_floor)}`)];
+    for (const tick of logTicks(low, high)) {
+      parts.push(s("line", { class: "grid", x1: LEFT, x2: width - RIGHT, y1: this.y(tick), y2: this.y(tick) }));
+      parts.push(s("text", { class: "tick", x: LEFT - 5, y: this.y(tick) + 4, "text-anchor": "end" }, percent(tick, 1)));
+    }
+    steps.forEach((step, i) => {
+      const top = this.y(step.noise_floor);
+      const right = i === steps.length - 1 ? width - RIGHT : this.x(i) + half;
+      parts.push(s("rect", { class: "floor", x: this.x(i) - half, width: right - this.x(i) + half, y: top, height: Math.max(bottom - top, 0) },
+        s("title", {}, `noise floor ${percent(step.noise_floor)}: the error that noise alone leaves`)));
+      const at = this.y(step.material_floor);
+      parts.push(s("line", { class: "material", x1: this.x(i) - half, x2: right, y1: at, y2: at },
+        s("title", {}, `material floor ${percent(step.material_floor)}: the least error of any linear passive material`)));
+      parts.push(s("text", { class: "tick", x: this.x(i), y: HEIGHT - 8, "text-anchor": "middle" }, String(i)));
+    });
+    parts.push(s("text", { class: "tick", x: width - RIGHT - 2, y: bottom - 3, "text-anchor": "end" }, "noise floor"));
+    parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
+    this.ghost = s("g", { class: "ghost" });
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+    this.svg.setAttribute("width", width);
+    this.svg.setAttribute("height", HEIGHT);
+    this.svg.setAttribute("aria-label", parts[0].textContent);
+    this.svg.replaceChildren(...parts, this.ghost);
+    this.fall(steps);
+  }
+
+  stairs(steps, kind) {
+    if (!steps.length) return [];
+    const d = steps.map((step, i) => `${i ? "L" : "M"}${this.x(i)} ${this.y(step.relative_rms)}`).join("");
+    return [s("path", { class: `stairs ${kind}`, d }), ...steps.map((step, i) =>
+      s("circle", { class: `rung-mark ${kind}`, cx: this.x(i), cy: this.y(step.relative_rms), r: 5, "data-rung": i,
+        onclick: () => { if (kind === "accepted") this.app.goTo(i); } },
+      s("title", {}, `${step.model}: error ${percent(step.relative_rms)}, ${times(step.relative_rms, step.noise_floor)}`)))];
+  }
+
+  // The newest rung falls from the height of the one before.
+  fall(steps) {
+    const key = steps.map((step) => step.model).join("|");
+    const grown = this.shown && key.startsWith(`${this.shown}|`);
+    this.shown = key;
+    if (!grown || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    const marks = this.svg.querySelectorAll(".rung-mark.accepted");
+    const last = marks[marks.length - 1];
+    const rise = this.y(steps.at(-2).relative_rms) - this.y(steps.at(-1).relative_rms);
+    last.animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: 500, easing: "ease-in" });
+  }
+
+  preview(effect) {
+    const { answer } = this.app;
+    if (!answer || !this.ghost) return;
+    const preview = effect ? answer.previews[effect] : null;
+    const { steps } = answer.discovery;
+    if (!preview || !Number.isFinite(preview.error)) {
+      this.ghost.replaceChildren();
+      return;
+    }
+    const at = Math.min(this.x(steps.length), this.width - RIGHT - 6);
+    const y = Math.max(6, Math.min(HEIGHT - 24, this.y(preview.error)));
+    const from = [this.x(steps.length - 1), this.y(steps.at(-1).relative_rms)];
+    this.ghost.replaceChildren(
+      s("path", { class: "stairs preview", d: `M${from[0]} ${from[1]}L${at} ${y}` }),
+      s("circle", { class: "rung-mark preview", cx: at, cy: y, r: 5 }),
+      s("text", { class: "tick", x: at, y: y > 26 ? y - 9 : y + 17, "text-anchor": at > this.width - 50 ? "end" : "middle" }, percent(preview.error, 2)));
+  }
+}

@@ -1,0 +1,40 @@
+// Everything on the page leaves as a file.
+
+import { byId, download, h, put } from "./dom.js";
+import { asPng, standalone } from "./plot.js";
+
+const FILES = [
+  ["report", "Report", "one HTML page for a colleague", "text/html"],
+  ["json", "Answer (JSON)", "schema springpot.discovery/1", "application/json"],
+  ["curves", "Curves (CSV)", "data, model and every candidate, units in the header", "text/csv"],
+  ["data", "Data as used (CSV)", "without what was left out", "text/csv"],
+  ["plan", "Plan of the next experiment (CSV)", "to be filled in", "text/csv"],
+  ["script", "Python script", "gives the same numbers", "text/x-python"],
+  ["command", "Command line", "gives the same answer", "text/plain"],
+  ["session", "Session", "springpot workbench FILE.json opens it again", "application/json"],
+];
+const PLOTS = [["plot-view", "view"], ["plot-residual", "residual"], ["plot-ladder", "ladder"]];
+
+export function leaveDialog(app) {
+  const dialog = byId("leave-dialog");
+  const says = h("p", { class: "error", role: "alert" });
+  const shown = h("pre", { id: "command-line", tabindex: "0" });
+  const away = async (action) => {
+    says.textContent = "";
+    try {
+      await action();
+    } catch (error) {
+      says.textContent = error.message;
+    }
+  };
+  const files = FILES.map(([kind, name, what, type]) => h("li", {},
+    h("button", { type: "button", "data-leave": kind, onclick: () => away(() => app.leaveWith(kind, type)) }, name), ` ${what}`));
+  const plots = PLOTS.filter(([id]) => byId(id) && !byId(id).hasAttribute("hidden") && byId(id).childElementCount).map(([id, name]) => h("li", {}, `${name}: `,
+    h("button", { type: "button", "data-leave": `${id}-svg`, onclick: () => away(() => download(`${app.stem}-${name}.svg`, standalone(byId(id)), "image/svg+xml")) }, `${name} as SVG`), " ",
+    h("button", { type: "button", "data-leave": `${id}-png`, onclick: () => away(async () => download(`${app.stem}-${name}.png`, await asPng(byId(id)))) }, `${name} as PNG`)));
+  put(dialog, h("h2", { id: "leave-title" }, "Leave with it"), h("ul", { class: "files" }, ...files),
+    h("h3", {}, "Plots"), h("ul", { class: "files" }, ...plots), h("h3", {}, "The same on the command line"), shown, says,
+    h("p", {}, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
+  dialog.showModal();
+  away(async () => { shown.textContent = (await app.textOf("command")).text; });
+}

@@ -1,0 +1,167 @@
+// The model: typed, searched or ranked; its parameters, which can be moved, fixed and bounded by hand.
+
+import { byId, enable, h, put, usable } from "./dom.js";
+import { number, percent, withInterval } from "./numbers.js";
+
+const REACH = 1; // decades on each side of the fitted value that a slider covers
+const STEPS = 200;
+
+export class ModelPanel {
+  constructor(parent, app) {
+    this.app = app;
+    this.input = h("input", { id: "expression", list: "expressions", autocomplete: "off", spellcheck: "false",
+      placeholder: "material (any linear passive one)", "aria-describedby": "expression-says", oninput: () => this.complete() });
+    this.options = h("datalist", { id: "expressions" });
+    this.judge = h("button", { id: "judge" }, "Judge this model");
+    this.search = h("input", { id: "search", type: "search", placeholder: "search models ( / )", oninput: () => this.filter() });
+    this.models = h("ul", { class: "models", id: "models" });
+    this.rank = h("button", { type: "button", id: "rank", onclick: () => app.rankModels() }, "Rank all models");
+    this.ranked = h("div", { id: "ranked" });
+    this.table = h("div", { id: "parameters" });
+    put(parent,
+      h("form", { onsubmit: (event) => { event.preventDefault(); if (usable(this.judge)) app.judge(this.input.value.trim()); } },
+        h("label", { for: "expression" }, "Expression"), this.input, this.options, this.judge,
+        h("p", { id: "expression-says", class: "quiet" }, "Left empty, any linear passive material is judged.")),
+      h("details", { id: "all-models" }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
+      this.rank, this.ranked, this.table);
+  }
+
+  // What can stand behind the last +.
+  complete() {
+    const { library } = this.app;
+    if (!library) return;
+    const parts = this.input.value.split("+");
+    const before = parts.slice(0, -1).map((part) => part.trim());
+    const names = before.length ? library.effects.map((effect) => effect.name) : library.models.map((model) => model.name);
+    put(this.options, names.map((name) => h("option", { value: [...before, name].join(" + ") })));
+  }
+
+  filter() {
+    const wanted = this.search.value.toLowerCase();
+    for (const item of this.models.children) item.hidden = !item.dataset.text.includes(wanted);
+  }
+
+  list() {
+    const { library } = this.app;
+    this.complete();
+    put(this.models, library.models.map((model) => h("li", { "data-text": [model.name, ...model.aliases, model.summary].join(" ").toLowerCase() },
+      h("button", { type: "button", onclick: () => this.app.judge(model.name.replace(/-N$/, "-3")) },
+        h("span", { class: "name" }, model.name),
+        h("img", { alt: "", src: `data:image/svg+xml,${encodeURIComponent(model.svg)}` }),
+        h("span", { class: "quiet" }, model.summary)))));
+  }
+
+  openSearch() {
+    byId("all-models").open = true;
+    this.search.focus();
+  }
+
+  render() {
+    const { app } = this;
+    let why = "";
+    if (!app.data) why = "open data first";
+    else if (app.busy) why = "wait for the computation, or cancel it";
+    enable(this.judge, why);
+    enable(this.rank, why);
+    if (document.activeElement !== this.input) this.input.value = app.state?.model || "";
+    this.renderRanked();
+    if (this.drawn !== app.answer) this.renderParameters();
+    this.drawn = app.answer;
+  }
+
+  renderRanked() {
+    const { ranking } = this.app;
+    if (!ranking) {
+      put(this.ranked);
+      return;
+    }
+    const rows = ranking.models.slice(0, 8).map((model) => h("li", {},
+      h("button", { type: "button", title: model.says, onclick: () => this.app.judge(model.model) },
+        h("span", { class: "name" }, model.model), ` ${percent(model.error.relative_rms)}${model.fails ? "" : ", holds"}`)));
+    put(this.ranked, h("p", {}, ranking.says || `best: ${ranking.best}`), h("ol", {}, ...rows));
+  }
+
+  renderParameters() {
+    const { answer } = this.app;
+    this.hands = new Map();
+    this.app.setEdited(null);
+    if (!answer) {
+      put(this.table);
+      return;
+    }
+    const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
+    const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
+    this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
+    this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.fitByHand(this.asked()); } }, "Fit within these");
+    this.reset = h("button", { type: "button", id: "reset", onclick: () => { if (usable(this.reset)) this.renderParameters(); } }, "Back to the fit");
+    put(this.table, h("h3", {}, "Parameters"),
+      answer.parameters.length ? h("div", { class: "parameters" }, ...rows)
+        : h("p", { class: "quiet" }, "A material is a whole spectrum: it has no parameters to move."),
+      movable ? h("p", {}, this.fit, " ", this.reset) : null, this.told,
+      answer.reference ? h("p", { class: "quiet" }, answer.reference) : null);
+    this.renderButtons();
+  }
+
+  renderButtons() {
+    if (!this.fit) return;
+    const edited = [...this.hands.values()].some((hand) => hand.touched);
+    enable(this.fit, edited ? "" : "move, fix or bound a parameter first");
+    enable(this.reset, edited ? "" : "nothing was edited: this is the fit");
+  }
+
+  row(parameter, movable) {
+    const [value, interval] = withInterval(parameter.value, parameter.low, parameter.high);
+    const hand = { value: parameter.value, fixed: false, lower: null, upper: null, touched: false };
+    this.hands.set(parameter.name, hand);
+    const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, `${value} ${interval} ${parameter.unit}`);
+    const name = h("span", { class: "name" }, parameter.name);
+    if (!movable) return h("div", { class: "parameter" }, name, told);
+    const box = h("input", { type: "number", step: "any", value, "aria-label": `${parameter.name} in ${parameter.unit}`,
+      onchange: () => this.moved(parameter, Number(box.value), "box") });
+    const slider = h("input", { type: "range", min: -STEPS, max: STEPS, value: 0, "aria-label": `move ${parameter.name}`,
+      oninput: () => this.moved(parameter, this.placed(parameter, Number(slider.value)), "slider") });
+    const fix = h("input", { type: "checkbox", onchange: () => { hand.fixed = fix.checked; this.touched(hand); } });
+    const bound = (side) => h("input", { type: "number", step: "any", placeholder: `${side}: ${number(parameter[side])}`, "aria-label": `${side} bound of ${parameter.name}`,
+      onchange: (event) => { hand[side] = event.target.value === "" ? null : Number(event.target.value); this.touched(hand); } });
+    Object.assign(hand, { box, slider });
+    return h("div", { class: "parameter" }, name, told, slider, box,
+      h("label", { class: "check" }, fix, " fix"),
+      h("details", { class: "bounds" }, h("summary", {}, "bounds"), bound("lower"), bound("upper")));
+  }
+
+  placed({ value, scale, lower, upper }, place) {
+    if (scale === "log") return value * 10 ** ((REACH * place) / STEPS);
+    const reach = place < 0 ? value - Math.max(lower ?? -Infinity, value - Math.abs(value) - 1e-12) : Math.min(upper ?? Infinity, value + Math.abs(value) + 1e-12) - value;
+    return value + (reach * place) / STEPS;
+  }
+
+  moved(parameter, value, by) {
+    const hand = this.hands.get(parameter.name);
+    if (!Number.isFinite(value)) return;
+    hand.value = value;
+    if (by === "slider") hand.box.value = Number(value.toPrecision(4));
+    this.touched(hand);
+    this.app.drawByHand(this.asked());
+  }
+
+  touched(hand) {
+    hand.touched = true;
+    this.renderButtons();
+  }
+
+  asked() {
+    return Object.fromEntries([...this.hands].map(([name, { value, fixed, lower, upper }]) => [name, { value, fixed, lower, upper }]));
+  }
+
+  // The values of a fit by hand.
+  take(values) {
+    for (const [name, hand] of this.hands) {
+      hand.value = values[name];
+      if (hand.box) hand.box.value = Number(values[name].toPrecision(5));
+    }
+  }
+
+  says(text) {
+    if (this.told) this.told.textContent = text;
+  }
+}

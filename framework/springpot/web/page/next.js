@@ -1,0 +1,29 @@
+// What to measure next: where the rivals part, the plan as a table, and new data to break the tie.
+
+import { h, put } from "./dom.js";
+import { number } from "./numbers.js";
+
+export class Next {
+  constructor(parent, app) {
+    this.parent = parent;
+    this.app = app;
+  }
+
+  render() {
+    const { answer, looks } = this.app;
+    const proposed = answer?.discovery.diagnosis.next_experiment;
+    if (!proposed) {
+      put(this.parent, h("p", { class: "quiet" }, answer ? "Nothing is open that another measurement would decide." : ""));
+      return;
+    }
+    const drawable = answer.next?.rivals.length === 2;
+    const box = h("input", { type: "checkbox", id: "show-plan", checked: Boolean(looks.plan), disabled: !drawable,
+      onchange: () => this.app.look({ plan: box.checked ? 1 : 0 }) });
+    put(this.parent,
+      h("p", {}, proposed.says),
+      h("p", { class: "quiet" }, `${proposed.separates.join(" or ")}: ${number(proposed.expected_separation_sigma, 2)} σ apart`),
+      h("label", { class: "check" }, box, drawable ? " draw both rivals there, with their bands" : " rivals cannot be drawn for another specimen"),
+      h("p", {}, h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),
+        " ", h("button", { type: "button", onclick: () => this.app.openMore() }, "Add its data")));
+  }
+}

@@ -1,0 +1,128 @@
+"""What is drawn of data, and K of fitted models there: at the measured points and on smooth curves between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.measurement import Measurement
+from springpot.report.curves import Axis, axis_of, smooth, sweeps_of
+from springpot.report.sweeps import Sweep, chosen
+from springpot.rheology import Complex, Model, Points, Real
+from springpot.rheology.nodes import FULL
+
+MOST_POINTS = 1500
+"""Measured points that are drawn: as SVG, each is an element of the page, and a screen has hardly more columns."""
+MOST_ON_CURVES = 480
+"""Points on all smooth curves of one model together: with thirty previews this keeps an answer below half a MB."""
+DIGITS = 6
+"""Significant digits of what is drawn; a screen shows three."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Data as the page draws them.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        All rows, those that are left out among them.
+    """
+
+    measurement: Measurement
+
+    @cached_property
+    def axis(self) -> Axis:
+        """The column along which the data are drawn."""
+        return axis_of(self.measurement)
+
+    @cached_property
+    def sweeps(self) -> list[Sweep]:
+        """The sweeps that are drawn."""
+        return chosen(sweeps_of(self.measurement, self.axis))
+
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        """Numbers of the rows that are drawn: all, or evenly many of each sweep."""
+        rows = np.concatenate([sweep.rows for sweep in self.sweeps])
+        if len(rows) <= MOST_POINTS:
+            return rows
+        return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
+
+    @cached_property
+    def points(self) -> Points:
+        """Where these rows were measured."""
+        return _rows_of(self.measurement.points, self.rows)
+
+    @cached_property
+    def grids(self) -> list[tuple[Real, Points]]:
+        """For each sweep the places of its smooth curve along the axis, and the conditions there."""
+        whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
+        step = max(2, int(np.ceil(sum(len(x) for x, _ in whole) / MOST_ON_CURVES)))
+        few = [np.unique(np.append(np.arange(0, len(x), step), len(x) - 1)) for x, _ in whole]
+        return [(x[rows], _rows_of(points, rows)) for (x, points), rows in zip(whole, few, strict=True)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Rows, sweeps and axis, as the page needs them."""
+        measurement, rows = self.measurement, self.rows
+        sweep_of = np.zeros(len(measurement), dtype=int)
+        for number, sweep in enumerate(self.sweeps):
+            sweep_of[sweep.rows] = number
+        conditions = {name: rounded(column[rows]) for name, column in measurement.conditions.items()}
+        return {
+            "name": measurement.name,
+            "count": len(measurement),
+            "units": {"stiffness": measurement.units.stiffness, "amplitude": measurement.units.amplitude},
+            "axis": {"column": self.axis.column, "label": self.axis.label, "logarithmic": self.axis.logarithmic},
+            "rows": rows.tolist(),
+            "x": rounded(self.axis.values[rows]),
+            "omega": rounded(measurement.omega[rows]),
+            "storage": rounded(measurement.storage[rows]),
+            "loss": rounded(measurement.loss[rows]),
+            "conditions": conditions,
+            "sweep": sweep_of[rows].tolist(),
+            "sweeps": [{"label": sweep.label, "points": len(sweep.rows)} for sweep in self.sweeps],
+            "grids": [
+                {"x": rounded(x), "omega": rounded(np.broadcast_to(points.omega, x.shape))} for x, points in self.grids
+            ],
+        }
+
+    def curve(self, model: Model, theta: Real, slope: bool = False) -> dict[str, Any]:
+        """K of a model at the drawn points and on the smooth curves; with dK / d ln omega at the points if wanted."""
+        response = model.network.respond(theta, self.points, FULL)
+        drawn = {
+            "points": _parts(response.value),
+            "curves": [_parts(model.stiffness(theta, points)) for _, points in self.grids],
+        }
+        if slope:
+            drawn["slope"] = _parts(response.by_log_omega)
+        return drawn
+
+
+def relative_error(measurement: Measurement, model: Model, theta: Real) -> float:
+    """Root mean square of |K - K_m| / |K_m| over all rows."""
+    left = measurement.stiffness - model.stiffness(theta, measurement.points)
+    return float(np.sqrt(np.mean(np.abs(left / measurement.stiffness) ** 2)))
+
+
+def rounded(values: Real) -> list[float | None]:
+    """Numbers with as many digits as a picture needs; null for what is not finite."""
+    values = np.asarray(values, dtype=float)
+    finite = np.isfinite(values)
+    size = np.where(finite & (values != 0.0), np.abs(values), 1.0)
+    scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
+    whole = np.round(np.where(finite, values, 0.0) * scale) / scale
+    return [number if there else None for number, there in zip(whole.tolist(), finite.tolist(), strict=True)]
+
+
+def _parts(stiffness: Complex) -> dict[str, Any]:
+    return {"storage": rounded(stiffness.real), "loss": rounded(stiffness.imag)}
+
+
+def _rows_of(points: Points, rows: NDArray[np.int64]) -> Points:
+    log_omega = np.broadcast_to(points.log_omega, (points.log_omega.size,))
+    return replace(points.mapped(lambda column: column[rows]), log_omega=log_omega[rows])

@@ -1,0 +1,223 @@
+"""The server: the page's own files, and one stream of lines for each thing that the page asks."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+from collections.abc import AsyncIterator, Callable, MutableMapping
+from contextlib import suppress
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from springpot.errors import DataError
+
+from .desk import Desk, Line
+from .guard import App, Message, Receive, Refusal, Send
+from .state import State
+
+KINDS = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+BEAT = 0.5
+"""Seconds between signs of life of a computation."""
+MOST_DATA = 32
+"""Data sets that the server keeps; a page sends again what has gone."""
+
+Answer = AsyncIterator[Line]
+
+
+@cache
+def page_files() -> dict[str, tuple[bytes, str]]:
+    """All that the page consists of, by name; read once, so that no name from a browser ever opens a file."""
+    found = {}
+    for item in (files("springpot.web") / "page").iterdir():
+        kind = KINDS.get(item.name[item.name.rfind(".") :])
+        if kind is not None:
+            found[item.name] = (item.read_bytes(), kind)
+    return found
+
+
+class Streamed(Response):
+    """Lines as they come; left when the browser leaves."""
+
+    def __init__(self, lines: Callable[[], Answer]) -> None:
+        super().__init__(media_type="application/x-ndjson")
+        self._lines = lines
+
+    async def __call__(self, scope: MutableMapping[str, Any], receive: Receive, send: Send) -> None:
+        """Send them."""
+        headers = [(b"content-type", b"application/x-ndjson")]
+        await send({"type": "http.response.start", "status": 200, "headers": headers})
+        gone = asyncio.create_task(_gone(receive))
+        stream = self._lines()
+        step: asyncio.Task[Line] | None = None
+        try:
+            while not gone.done():
+                step = step or asyncio.ensure_future(anext(stream))  # type: ignore[arg-type]
+                await asyncio.wait({step, gone}, timeout=BEAT, return_when=asyncio.FIRST_COMPLETED)
+                if gone.done():
+                    return
+                body = b'{"beat": true}\n'
+                if step.done():
+                    try:
+                        body, step = step.result(), None
+                    except StopAsyncIteration:
+                        break
+                await send({"type": "http.response.body", "body": body, "more_body": True})
+            await send({"type": "http.response.body", "body": b""})
+        finally:
+            gone.cancel()
+            if step is not None:
+                step.cancel()
+                with suppress(asyncio.CancelledError, StopAsyncIteration):
+                    await step
+            await stream.aclose()  # type: ignore[attr-defined]
+
+
+async def _gone(receive: Receive) -> None:
+    message: Message = {}
+    while message.get("type") != "http.disconnect":
+        message = await receive()
+
+
+class Server:
+    """What the page asks, handed to the desk.
+
+    Parameters
+    ----------
+    desk : Desk
+        Who computes.
+    start : dict
+        What the page begins with: data that were named on the command line, a model.
+    """
+
+    def __init__(self, desk: Desk, start: dict[str, Any]) -> None:
+        self._desk, self._start = desk, start
+        self._texts: dict[str, dict[str, Any]] = {}
+
+    def app(self) -> App:
+        """The ASGI application; to be put behind a `Guard`."""
+        routes = [
+            Route("/", self._file, methods=["GET"]),
+            Route("/page/{name}", self._file, methods=["GET"]),
+            Route("/api/start", self._begin, methods=["GET"]),
+            Route("/api/library", lambda request: self._stream("library", {}, key="library"), methods=["GET"]),
+            Route("/api/data", self._data, methods=["POST"]),
+            Route("/api/{task}", self._ask, methods=["POST"]),
+        ]
+        app = Starlette(routes=routes, exception_handlers={DataError: _bad})
+        return app  # type: ignore[return-value]
+
+    async def _file(self, request: Request) -> Response:
+        found = page_files().get(request.path_params.get("name", "index.html"))
+        if found is None:
+            return Response("there is no such page\n", 404, media_type="text/plain")
+        return Response(found[0], headers={"content-type": found[1]})
+
+    async def _begin(self, request: Request) -> Response:
+        """What was named on the command line, opened; its error stands in the page as it would on a terminal."""
+        spec = self._start.get("data")
+        if spec is None:
+            return JSONResponse({"model": self._start.get("model", "")})
+        task = "open" if isinstance(spec, str) else "understand"
+        arguments = {"spec": spec} if isinstance(spec, str) else dict(spec)
+        done = await self._last(self._remembered(self._desk.ask(task, arguments)))
+        return JSONResponse({"model": self._start.get("model", ""), "data": done})
+
+    async def _data(self, request: Request) -> Response:
+        """A file's bytes as they are, its name and what the user says of it in the query."""
+        asked = request.query_params
+        body = await _body_of(request)
+        if "dataset" in asked:
+            return self._stream("dataset", {"name": asked["dataset"][:200]}, remember=True)
+        arguments = {
+            "name": asked.get("name", "data.csv")[:400],
+            "choice": asked.get("choice", "")[:2000],
+            "content": base64.b64encode(body).decode(),
+        }
+        onto = self._texts.get(asked.get("onto", ""))
+        if onto is not None:
+            arguments |= {"onto": onto["text"], "onto_name": onto["source"]}
+        return self._stream("understand", arguments, remember=True)
+
+    async def _ask(self, request: Request) -> Response:
+        task = request.path_params["task"]
+        try:
+            given = json.loads(await _body_of(request))
+            if not isinstance(given, dict):
+                raise ValueError
+        except (ValueError, RecursionError):
+            raise DataError("the request is no JSON object") from None
+        if task == "race":
+            return self._stream("race", {"name": str(given.get("name", ""))[:200]})
+        if task not in LANES:
+            return Response("there is no such task\n", 404, media_type="text/plain")
+        state = State.of(given.get("state") or {})
+        data = self._texts.get(state.data)
+        if data is None:
+            raise DataError("these data are no longer here: drop the file again")
+        arguments = {"state": state.to_dict(), "text": data["text"]}
+        for name in EXTRA.get(task, ()):
+            arguments[name] = given.get(name) or ({} if name != "kind" else "")
+        if task in ("leave", "again"):
+            arguments |= {"source": data["source"], "joined": data["joined"]}
+        key = f"{task} {state.key}" if task in KEPT else ""
+        return self._stream(task, arguments, LANES[task], key)
+
+    def _stream(
+        self, task: str, arguments: dict[str, Any], lane: str = "short", key: str = "", remember: bool = False
+    ) -> Response:
+        def lines() -> Answer:
+            asked = self._desk.ask(task, arguments, lane, key)
+            return self._remembered(asked) if remember else asked
+
+        return Streamed(lines)
+
+    async def _remembered(self, lines: Answer) -> Answer:
+        """The lines, while the text of data in them stays here: the page knows it by its digest."""
+        async for line in lines:
+            if line.startswith(b'{"result"'):
+                result = json.loads(line)["result"]
+                if "digest" in result:
+                    known = {key: result[key] for key in ("text", "source", "joined")}
+                    self._texts[result["digest"]] = known
+                    while len(self._texts) > MOST_DATA:
+                        del self._texts[next(iter(self._texts))]
+            yield line
+
+    @staticmethod
+    async def _last(lines: Answer) -> Any:
+        last = b"{}"
+        async for line in lines:
+            last = line
+        return json.loads(last)
+
+
+LANES = {"answer": "long", "ranking": "long", "mastercurve": "long", "leave": "long", "held": "long"}
+LANES |= {"curve": "short", "again": "short"}
+"""Which workers do what the page asks of data."""
+EXTRA = {"curve": ("hands",), "held": ("hands", "noise"), "leave": ("kind",)}
+"""What these tasks are told beside the state."""
+KEPT = frozenset({"answer", "ranking", "mastercurve"})
+"""Pure functions of the state alone."""
+
+
+async def _body_of(request: Request) -> bytes:
+    try:
+        return await request.body()
+    except ClientDisconnect:
+        raise Refusal(400, "the browser left before all was sent") from None
+
+
+async def _bad(request: Request, error: Exception) -> Response:
+    return JSONResponse({"error": str(error), "fault": False}, 400)

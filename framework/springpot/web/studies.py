@@ -1,0 +1,64 @@
+"""The studies below the folder in which the workbench was started: how far they are, and their tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from springpot.benchmark import Store, Table
+from springpot.benchmark.findings import study_tables
+from springpot.errors import DataError, SpringpotError
+
+RESULTS = Path("results")
+SHOWN = ("choice", "summary", "ranks", "failures")
+"""Tables of a report that fit a screen."""
+
+
+def _stores() -> dict[str, Path]:
+    """The studies by name: nothing that a browser says is ever part of a path."""
+    return {path.parent.name: path for path in sorted(RESULTS.glob("*/*.sqlite"))}
+
+
+def studies() -> list[dict[str, Any]]:
+    """Every study with its cells, and its trials done and failed; while it runs, these grow."""
+    return [_progress(name, path) for name, path in _stores().items()]
+
+
+def _progress(name: str, path: Path) -> dict[str, Any]:
+    try:
+        with Store(path) as store:
+            cells = store.cells()
+            ended = [trial.status for _, trials in store.trials() for trial in trials]
+            started = store.facts().get("started", "")
+    except SpringpotError as error:
+        return {"name": name, "says": str(error)}
+    failed = sum(status.failed for status in ended)
+    told = {"name": name, "cells": len(cells), "done": len(ended), "failed": failed, "started": started}
+    return {**told, "changed": path.stat().st_mtime, "says": ""}
+
+
+def study(name: str) -> dict[str, Any]:
+    """Tables of one study.
+
+    Raises
+    ------
+    DataError
+        If there is no such study here.
+    """
+    path = _stores().get(name)
+    if path is None:
+        raise DataError(f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here")
+    with Store(path) as store:
+        tables = dict(study_tables(store, SHOWN))
+    return {**_progress(name, path), "tables": [_plain(table) for table in tables.values()]}
+
+
+def _plain(table: Table) -> dict[str, Any]:
+    rows = [[_cell(entry) for entry in row] for row in table.rows]
+    return {"title": table.title, "columns": list(table.columns), "rows": rows, "note": table.note}
+
+
+def _cell(entry: Any) -> str:
+    if hasattr(entry, "low"):
+        return f"{entry.value:.4g} [{entry.low:.4g}, {entry.high:.4g}]"
+    return f"{entry:.4g}" if isinstance(entry, float) else str(entry)

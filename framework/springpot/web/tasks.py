@@ -1,0 +1,312 @@
+"""What a worker process can be asked to do; each task is a function of plain arguments that gives plain data."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.api import compare, mastercurve
+from springpot.diagnosis import Ladder
+from springpot.errors import DataError, SpringpotError
+from springpot.measurement import Measurement, Part
+from springpot.measurement.runs import runs_of
+from springpot.registry import open_measurement, parse_model, parts_of, plugins
+from springpot.report.cards import effect as effect_card
+from springpot.report.cards import model as model_card
+from springpot.report.network import network_svg
+from springpot.rheology import Model
+from springpot.rheology.family import Family
+
+from . import leaving
+from .answers import Told, answer, ladder_of
+from .datatext import joined, kept, measured_in, measurement_of, question_in, text_of
+from .held import fitted, hands_of
+from .scene import Scene, relative_error
+from .sessions import is_session, session_of
+from .state import State, digest_of
+from .studies import studies, study
+
+LADDERS = 8
+"""Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
+MOST_RUNS = 200
+"""Sweeps that are listed of one measurement."""
+
+_ladders: OrderedDict[str, Ladder] = OrderedDict()
+
+
+@lru_cache(maxsize=4)
+def _measured(text: str) -> Measurement:
+    return measurement_of(text)
+
+
+def _ladder(state: State, text: str) -> Ladder:
+    if state.key not in _ladders:
+        _ladders[state.key] = ladder_of(state, _measured(text))
+        while len(_ladders) > LADDERS:
+            _ladders.popitem(last=False)
+    return _ladders[state.key]
+
+
+def library(told: Told) -> dict[str, Any]:
+    """All models, effects and data sets that are installed."""
+    found = plugins()
+    return {
+        "models": [_model(item) for item in found.items("model")],
+        "effects": [_effect(item) for item in found.items("effect")],
+        "datasets": [
+            {"name": item.name, "summary": item.summary, "kind": item.kind, "unavailable": item.unavailable}
+            for item in found.items("data set")
+            if not item.remote  # nothing that the page asks for may leave the machine
+        ],
+        "faults": [str(fault) for fault in found.faults],
+    }
+
+
+def _model(item: Model | Family) -> dict[str, Any]:
+    shown = item.build(2) if isinstance(item, Family) else item
+    card = {key: model_card(item)[key] for key in ("name", "aliases", "summary", "citation", "needs")}
+    return {**card, "parameters": list(shown.names), "svg": network_svg(shown.network)}
+
+
+def _effect(item: Any) -> dict[str, Any]:
+    card = effect_card(item)
+    return {key: card[key] for key in ("name", "summary", "equation", "plane", "layer", "needs", "citation")}
+
+
+def understand(
+    told: Told, name: str, content: str, choice: str = "", onto: str = "", onto_name: str = ""
+) -> dict[str, Any]:
+    """What a dropped file holds; a question where the reader must be told more; a session with its data.
+
+    `content` is base64; `onto` is the text of data that the file joins.
+    """
+    raw = base64.b64decode(content)
+    if is_session(raw):
+        session = session_of(raw)
+        measurement = measurement_of(session["data"].pop("text"))
+        return {**_understood(measurement, session["data"]["source"]), "session": session}
+    told(f"reading {len(raw)} bytes")
+    try:
+        measurement, parts = measured_in(name, raw, choice)
+    except DataError as error:
+        question = question_in(str(error))
+        if not question:
+            raise
+        return {"question": {"says": str(error), "asked": question}}
+    if onto:
+        measurement = joined(_measured(onto), measurement)
+    return _understood(measurement, onto_name or f"{name}{choice}", parts, joined=bool(onto))
+
+
+def open_spec(told: Told, spec: str) -> dict[str, Any]:
+    """What the command line named: a file, a session or a data set, each as for any other command."""
+    path = Path(spec)
+    if path.suffix == ".json" and path.is_file() and is_session(path.read_bytes()[:400]):
+        content = base64.b64encode(path.read_bytes()).decode()
+        return understand(told, path.name, content)
+    return _understood(open_measurement(spec), _relative(spec), parts_of(spec))
+
+
+def _relative(spec: str) -> str:
+    """`spec` without folders that only this machine has, for command lines and scripts that are handed on."""
+    path = Path(spec)
+    if not path.is_absolute():
+        return spec
+    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path.name)
+
+
+def again(told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
+    """Data that the server still has, for a page that was loaded anew."""
+    return _understood(_measured(text), source, joined=joined)
+
+
+def dataset(told: Told, name: str) -> dict[str, Any]:
+    """A registered data set, with conditions behind ``@``; never a file.
+
+    Raises
+    ------
+    DataError
+        If it is none.
+    """
+    bare = name.partition("@")[0]
+    known = [item for item in plugins().items("data set") if bare in (item.name, *item.aliases) and not item.remote]
+    if not known:
+        raise DataError(f"'{name[:80]}' is no registered data set; see 'springpot list datasets'")
+    return _understood(open_measurement(name), name)
+
+
+def _understood(
+    measurement: Measurement, source: str, parts: tuple[Part, ...] = (), joined: bool = False
+) -> dict[str, Any]:
+    text = text_of(measurement)
+    columns = [("frequency", "Hz", measurement.frequency)]
+    columns += [("storage", measurement.units.stiffness, measurement.storage)]
+    columns += [("loss", measurement.units.stiffness, measurement.loss)]
+    units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
+    columns += [(name, units.get(name, ""), column) for name, column in measurement.conditions.items()]
+    runs = list(runs_of(measurement))
+    return {
+        "digest": digest_of(text),
+        "text": text,
+        "source": source,
+        "joined": joined,
+        "scene": Scene(measurement).to_dict(),
+        "columns": [
+            {"name": name, "unit": unit, "from": float(np.nanmin(column)), "to": float(np.nanmax(column))}
+            for name, unit, column in columns
+        ],
+        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]] if len(runs) > 1 else [],
+        "levels": _levels(measurement),
+        "repeats": 0 if measurement.repeat is None else len(np.unique(measurement.repeat)),
+        "deviations": measurement.sd is not None,
+        "parts": [{"number": i, "name": p.name, "usable": p.usable} for i, p in enumerate(parts, 1)],
+        "provenance": {key: str(value) for key, value in measurement.provenance.items()},
+    }
+
+
+def _levels(measurement: Measurement) -> list[dict[str, Any]]:
+    """Rows of each level of temperature and amplitude, where there are several."""
+    units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
+    found = []
+    for name in set(units) & set(measurement.conditions):
+        numbers, column = measurement.levels(name), measurement.conditions[name]
+        if not 1 < numbers.max() + 1 <= 40:
+            continue
+        for number in range(int(numbers.max()) + 1):
+            rows = np.flatnonzero(numbers == number)
+            label = f"{name} {np.mean(column[rows]):.4g} {units[name]}"
+            found.append({"name": label, "rows": rows.tolist()})
+    return found
+
+
+def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """See `springpot.web.answers.answer`."""
+    return answer(State.of(state), _measured(text), told)
+
+
+def curve(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]) -> dict[str, Any]:
+    """The curve of a model whose parameters were set by hand, and its error."""
+    asked, measurement = State.of(state), _measured(text)
+    model = _bound(asked, measurement)
+    set_by_hand = hands_of(model, measurement, hands)
+    theta = np.array([hand.value for hand in set_by_hand])
+    return _drawn(asked, measurement, model, theta)
+
+
+def held(
+    told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any], noise: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The best fit that respects what was fixed and bounded by hand, in units of the noise floor."""
+    asked, measurement = State.of(state), _measured(text)
+    model = _bound(asked, measurement)
+    told(f"fitting {model.name} within the hand's bounds")
+    used = kept(measurement, asked.excluded)
+    share = float(noise.get("relative", 0.01))
+    sd = np.broadcast_to(np.maximum(share, 1e-9) * used.magnitude, (2, len(used)))
+    theta = fitted(model, used, hands_of(model, used, hands), sd)
+    values = {
+        parameter.name: float(value * used.units.of(parameter.unit)[0])
+        for parameter, value in zip(model.parameters, theta, strict=True)
+    }
+    return {**_drawn(asked, measurement, model, theta), "values": values}
+
+
+def _bound(state: State, measurement: Measurement) -> Model:
+    return parse_model(state.expression).bound_to(kept(measurement, state.excluded).points)
+
+
+def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> dict[str, Any]:
+    error = relative_error(kept(measurement, state.excluded), model, theta)
+    return {"error": error, **Scene(measurement).curve(model, theta)}
+
+
+def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """All installed models against what any material reaches; schema ``springpot.comparison/1``."""
+    asked = State.of(state)
+    return compare(kept(_measured(text), asked.excluded), seed=asked.seed, told=told).to_dict()
+
+
+def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """The master curve of the data with its shift factors."""
+    asked = State.of(state)
+    used = kept(_measured(text), asked.excluded)
+    column = "temperature" if "temperature" in used.conditions else "amplitude"
+    told(f"bringing the sweeps of each {column} onto one curve")
+    found = mastercurve(used, column=column)
+    return {"column": column, "curve": found.to_dict()}
+
+
+def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
+    """One of the things that a user leaves with: its text and the name of its file."""
+    asked, measurement = State.of(state), _measured(text)
+    stem = Path(leaving.safe_name(source)).stem
+    shown = leaving.source_of(source, asked, joined)
+    if kind == "command":
+        return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}
+    if kind == "script":
+        return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
+    if kind == "data":
+        return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
+    told(f"computing {asked.expression}")
+    ladder = _ladder(asked, text)
+    if kind == "curves":
+        return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
+    if kind == "plan":
+        return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
+    if kind == "report":
+        return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
+    raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
+
+
+def _report(ladder: Ladder, measurement: Measurement, state: State, source: str) -> str:
+    from springpot.report.html import write_report
+
+    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
+        words = leaving.command(state, source).split()
+        path = write_report(ladder, kept(measurement, state.excluded), Path(folder) / "report.html", words)
+        return path.read_text(encoding="utf-8")
+
+
+def raced(told: Told, name: str = "") -> dict[str, Any]:
+    """The studies here, or one of them with its tables."""
+    return study(name) if name else {"studies": studies()}
+
+
+TASKS: dict[str, Callable[..., dict[str, Any]]] = {
+    "library": library,
+    "understand": understand,
+    "open": open_spec,
+    "dataset": dataset,
+    "again": again,
+    "answer": answered,
+    "curve": curve,
+    "held": held,
+    "ranking": ranking,
+    "mastercurve": mastered,
+    "leave": leave,
+    "race": raced,
+}
+
+
+def perform(task: str, arguments: Mapping[str, Any], told: Told) -> dict[str, Any]:
+    """What a task gives, or the one line that the command line would print.
+
+    Returns
+    -------
+    dict
+        ``{"result": ...}``, or ``{"error": line, "fault": whether it is one of springpot}``.
+    """
+    try:
+        return {"result": TASKS[task](told, **arguments)}
+    except SpringpotError as error:
+        return {"error": " ".join(str(error).split()), "fault": False}
+    except Exception as error:
+        line = f"a fault in springpot or one of its plugins, not in your input: {type(error).__name__}: {error}"
+        return {"error": " ".join(line.split())[:400], "fault": True}

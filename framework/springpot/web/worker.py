@@ -1,0 +1,35 @@
+"""A worker process: one line of JSON in, some lines out; what reads files and fits models, and can be ended."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from typing import Any
+
+
+def main() -> None:
+    """Answer until the other end of standard input is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends its workers itself
+    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what foreign code prints is no answer
+
+    from springpot.registry import plugins
+    from springpot.report.jsontext import to_json
+
+    from .tasks import perform
+
+    def say(line: dict[str, Any]) -> None:
+        out.write(to_json(line, None) + "\n")
+        out.flush()
+
+    plugins()
+    say({"ready": True})
+    for line in sys.stdin:
+        asked = json.loads(line)
+        say(perform(asked["task"], asked["arguments"], lambda stage: say({"stage": stage})))
+
+
+if __name__ == "__main__":
+    main()
