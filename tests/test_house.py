@@ -31,7 +31,8 @@ FLOORS = {
     "exporting": 7,
     "report": 8,
     "testing": 8,
-    "cli": 9,
+    "web": 9,
+    "cli": 10,
 }
 """A room may import from rooms below it and from itself; two rooms on one floor do not meet."""
 

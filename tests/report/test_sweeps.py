@@ -65,7 +65,9 @@ def test_a_good_fit_of_many_sweeps_looks_good():
 
 def test_the_headline_says_how_many_are_shown(monkeypatch):
     kept = []
-    monkeypatch.setattr(figures, "finished", lambda figure, path: kept.append(figure.legends[0].get_title().get_text()))
+    monkeypatch.setattr(
+        figures, "finished", lambda figure, path: kept.append(figure.legends[0].get_title().get_text())
+    )
     figures.figure_identification(_measured(np.linspace(-40.0, 78.0, 60)), [WARM], "unused.png")
     figures.figure_identification(_measured([0.0, 20.0]), [WARM], "unused.png")
     assert ["of 60 sweeps shown" in text for text in kept] == [True, False]

@@ -26,7 +26,9 @@ COMMANDS: dict[str, Entry] = {
     "mastercurve": Entry("springpot.cli.mastercurve", "Sweeps on one curve without a model: factors and laws."),
     "diagnose": Entry("springpot.cli.diagnose", "Which physical effect is missing from a model."),
     "discover": Entry("springpot.cli.discover", "Add missing effects one by one and watch the error fall."),
-    "workbench": Entry("springpot.cli.workbench", "The whole loop in a browser: point at an effect, accept it, undo."),
+    "workbench": Entry(
+        "springpot.cli.workbench", "The whole loop in a browser: point at an effect, accept it, undo."
+    ),
     "run": Entry("springpot.cli.run", "Run a study, or resume it, and write its tables."),
     "tables": Entry("springpot.cli.tables", "Tables of a study that has been run."),
     "export": Entry("springpot.cli.export", "A study's results for IOHanalyzer, COCO, CSV or Parquet."),

@@ -1,4 +1,4 @@
-"""Data cross between processes, and into session files, as the text of a CSV file that reads back as the same bits."""
+"""Data cross between processes, and into session files, as the text of a CSV file that reads back bit for bit."""
 
 from __future__ import annotations
 
@@ -23,9 +23,15 @@ UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
 OFFERED = re.compile(r"'[^'?]*\?([^'?]*)'")
 """Where a reader that cannot tell a unit writes what would settle it: ``'damper.csv?storage=Pa,loss=Pa'``."""
 
+MEANINGS = (
+    "frequency[Hz]", "omega[rad/s]", "storage[Pa]", "loss[Pa]", "storage[kN/m]", "loss[kN/m]",
+    "temperature[degC]", "amplitude[mm]", "time[s]", "displacement[mm]", "force[kN]", "ignore",
+)  # fmt: skip
+"""What a column without a name may be."""
+
 
 def safe_name(name: str) -> str:
-    """The last part of a name that a browser gave, with nothing in it that could mean more than a name.
+    r"""The last part of a name that a browser gave, with nothing in it that could mean more than a name.
 
     Examples
     --------
@@ -98,8 +104,7 @@ def _choices(offered: str) -> list[str]:
         if offered in units:
             return list(units)
     if "[" in offered:
-        return [offered, "frequency[Hz]", "omega[rad/s]", "storage[Pa]", "loss[Pa]", "storage[kN/m]", "loss[kN/m]",
-                "temperature[degC]", "amplitude[mm]", "time[s]", "displacement[mm]", "force[kN]", "ignore"]  # fmt: skip
+        return [offered, *MEANINGS]
     return [offered]
 
 
@@ -154,7 +159,9 @@ def joined(one: Measurement, other: Measurement) -> Measurement:
     from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS
 
     if one.units.is_modulus != other.units.is_modulus:
-        raise DataError(f"{other.name} is in {other.units.stiffness}, {one.name} in {one.units.stiffness}: no one test")
+        raise DataError(
+            f"{other.name} is in {other.units.stiffness}, {one.name} in {one.units.stiffness}: no one test"
+        )
     if set(one.conditions) != set(other.conditions):
         lacking = ", ".join(sorted(set(one.conditions) ^ set(other.conditions)))
         raise DataError(f"{one.name} and {other.name} differ in their columns: {lacking} is in one of them only")

@@ -18,6 +18,7 @@ LONGEST_LINE = 256 << 20
 KEPT = 64 << 20
 """Bytes of answers that are kept: some hundred rungs."""
 
+PROGRAM = "from springpot.web.worker import main; main()"
 Line = bytes
 
 
@@ -30,13 +31,15 @@ class Worker:
     async def start(self) -> None:
         """Start the process; it imports what it needs while it waits."""
         self._process = await asyncio.create_subprocess_exec(
-            sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}; from springpot.web.worker import main; main()",
+            sys.executable,
+            "-c",
+            f"import sys; sys.path[:] = {sys.path!r}; {PROGRAM}",
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             env=os.environ | dict.fromkeys(THREADS, "1"),
             limit=LONGEST_LINE,
-        )  # fmt: skip
+        )
 
     async def perform(self, task: str, arguments: dict[str, Any], told: Callable[[Line], None]) -> Line:
         """The last line of a task's answer; lines before it tell its stages.
@@ -46,7 +49,9 @@ class Worker:
         if not self.alive:
             await self.start()
         process = self._process
-        assert process is not None and process.stdin is not None and process.stdout is not None
+        assert process is not None
+        assert process.stdin is not None
+        assert process.stdout is not None
         done = False
         try:
             process.stdin.write(json.dumps({"task": task, "arguments": arguments}).encode() + b"\n")

@@ -54,7 +54,7 @@ class Workbench:
         self._desk = Desk()
         app = Guard(Server(self._desk, {"data": data, "model": model}).app(), self._token)
         config = uvicorn.Config(
-            app,  # type: ignore[arg-type]
+            app,
             http="h11",
             ws="none",
             lifespan="off",
@@ -62,6 +62,7 @@ class Workbench:
             access_log=False,
             server_header=False,
             date_header=False,
+            proxy_headers=False,
             timeout_keep_alive=20,
             timeout_graceful_shutdown=1,
         )
@@ -120,7 +121,9 @@ def _listening(port: int) -> socket.socket:
     except (OSError, OverflowError) as error:
         listening.close()
         reason = getattr(error, "strerror", None) or error
-        raise OptionError(f"port {port} cannot be used: {reason}; leave --port out, and a free one is taken") from None
+        raise OptionError(
+            f"port {port} cannot be used: {reason}; leave --port out, and a free one is taken"
+        ) from None
     listening.listen(128)
     return listening
 

@@ -53,7 +53,7 @@ def script(state: State, source: str) -> str:
     """A Python program that gives the same numbers: it reads `source` from the folder in which it is run."""
     title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
     model = repr(state.model) if state.model else "None"
-    return f'''# {title}
+    return f"""# {title}
 # On the command line: {" ".join(plain(command(state, source)).split())}
 import springpot
 
@@ -70,7 +70,7 @@ for name, value in ladder.steps[-1].parameters.items():
     print(f"{{name}} = {{value.value:.6g}} [{{value.low:.6g}}, {{value.high:.6g}}] {{value.unit}}")
 
 print(ladder.verdict + ":", ladder.diagnosis.says)
-'''
+"""
 
 
 def _note(state: State) -> str:

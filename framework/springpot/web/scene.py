@@ -87,7 +87,8 @@ class Scene:
             "sweep": sweep_of[rows].tolist(),
             "sweeps": [{"label": sweep.label, "points": len(sweep.rows)} for sweep in self.sweeps],
             "grids": [
-                {"x": rounded(x), "omega": rounded(np.broadcast_to(points.omega, x.shape))} for x, points in self.grids
+                {"x": rounded(x), "omega": rounded(np.broadcast_to(points.omega, x.shape))}
+                for x, points in self.grids
             ],
         }
 

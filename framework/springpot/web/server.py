@@ -63,7 +63,7 @@ class Streamed(Response):
         step: asyncio.Task[Line] | None = None
         try:
             while not gone.done():
-                step = step or asyncio.ensure_future(anext(stream))  # type: ignore[arg-type]
+                step = step or asyncio.ensure_future(anext(stream))
                 await asyncio.wait({step, gone}, timeout=BEAT, return_when=asyncio.FIRST_COMPLETED)
                 if gone.done():
                     return
@@ -115,8 +115,7 @@ class Server:
             Route("/api/data", self._data, methods=["POST"]),
             Route("/api/{task}", self._ask, methods=["POST"]),
         ]
-        app = Starlette(routes=routes, exception_handlers={DataError: _bad})
-        return app  # type: ignore[return-value]
+        return Starlette(routes=routes, exception_handlers={DataError: _bad, Refusal: _refused})
 
     async def _file(self, request: Request) -> Response:
         found = page_files().get(request.path_params.get("name", "index.html"))
@@ -217,6 +216,11 @@ async def _body_of(request: Request) -> bytes:
         return await request.body()
     except ClientDisconnect:
         raise Refusal(400, "the browser left before all was sent") from None
+
+
+async def _refused(request: Request, error: Exception) -> Response:
+    status = error.status if isinstance(error, Refusal) else 500
+    return Response(f"{error}\n", status, headers={"connection": "close"}, media_type="text/plain")
 
 
 async def _bad(request: Request, error: Exception) -> Response:

@@ -72,4 +72,6 @@ def _branch(branch: Mapping[str, Any], digest: str) -> dict[str, Any]:
 def _view(view: Mapping[str, Any]) -> dict[str, Any]:
     """Words, numbers and switches only."""
     few = list(view.items())[:MOST_VIEW]
-    return {str(key)[:40]: value for key, value in few if isinstance(value, str | int | float) and len(str(value)) < 80}
+    return {
+        str(key)[:40]: value for key, value in few if isinstance(value, str | int | float) and len(str(value)) < 80
+    }

@@ -26,7 +26,7 @@ from springpot.rheology.family import Family
 
 from . import leaving
 from .answers import Told, answer, ladder_of
-from .datatext import joined, kept, measured_in, measurement_of, question_in, text_of
+from .datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
 from .held import fitted, hands_of
 from .scene import Scene, relative_error
 from .sessions import is_session, session_of
@@ -246,7 +246,7 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
 def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
     """One of the things that a user leaves with: its text and the name of its file."""
     asked, measurement = State.of(state), _measured(text)
-    stem = Path(leaving.safe_name(source)).stem
+    stem = Path(safe_name(source)).stem
     shown = leaving.source_of(source, asked, joined)
     if kind == "command":
         return {"name": f"{stem}.txt", "text": leaving.command(asked, shown) + "\n"}

@@ -72,6 +72,6 @@ export async function upload(bytes, query, { told, signal } = {}) {
   return lines(await request(path, { method: "POST", body: bytes, signal }), told);
 }
 
-export const library = async () => lines(await request("/api/library"));
+export const installed = async () => lines(await request("/api/library"));
 export const start = async () => (await request("/api/start")).json();
 export const alive = async () => request("/page/icon.svg");

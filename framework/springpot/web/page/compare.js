@@ -5,6 +5,15 @@ import { number, percent } from "./numbers.js";
 import { Plot, range } from "./plot.js";
 import { PLANES, VIEWS, planeLines, planeSpec, viewLines, viewSpec } from "./views.js";
 
+const STEPS = [
+  "Open a table of storage and loss against frequency, time signals, or a data set.",
+  "Name a model, or none: then any linear passive material is judged.",
+  "See where it fails, and by how much more than the noise.",
+  "Point at an effect: the dashed curve shows what it would do. Click to accept it, and watch the error fall.",
+  "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
+];
+const NARROW = 500; // px below which a plot is that of a phone
+
 export class Compare {
   constructor(parent, app) {
     this.parent = parent;
@@ -24,7 +33,9 @@ export class Compare {
     this.places = h("ul", { id: "places", class: "places" });
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });
     this.frames = h("div", { class: "plots" }, this.main.svg, this.residual.svg);
-    put(parent, h("div", { class: "bar" }, this.view, this.plane, this.exclude), this.key, this.frames, this.readout, this.places);
+    this.bar = h("div", { class: "bar" }, this.view, this.plane, this.exclude);
+    this.intro = h("ol", { class: "intro" }, ...STEPS.map((step) => h("li", {}, step)));
+    put(parent, this.intro, this.bar, this.key, this.frames, this.readout, this.places);
     for (const plot of [this.main, this.residual]) this.listen(plot);
     new ResizeObserver(() => this.resized()).observe(this.frames);
   }
@@ -39,24 +50,29 @@ export class Compare {
 
   render() {
     const { scene, answer, state, looks } = this.app;
+    this.intro.hidden = Boolean(scene);
+    this.bar.hidden = !scene;
+    this.frames.toggleAttribute("data-empty", !scene);
     if (!scene || !state || !this.width) return;
     const excluded = new Set(state.excluded);
     this.view.value = looks.view;
     this.plane.value = looks.plane;
-    const tall = this.width < 500 ? 250 : 285;
-    const master = looks.view === "master-curve";
+    const phone = this.width < NARROW;
+    const tall = phone ? 250 : Math.max(215, Math.min(440, window.innerHeight - 555));
+    const master = looks.view === "master-curve" && this.app.hasMaster;
+    const view = looks.view === "master-curve" && !master ? "storage-loss" : looks.view;
     const shown = answer && answer.state.data === state.data ? answer : null;
-    const spec = master ? this.app.masterSpec() : viewSpec(looks.view, scene, excluded, shown?.model);
-    this.main.title = master ? "Master curve" : VIEWS[looks.view].name;
+    const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model);
+    this.main.title = master ? "Master curve" : VIEWS[view].name;
     this.main.draw(this.planned(spec, master), this.width, tall);
     const residual = Boolean(shown) && looks.plane !== "none";
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${PLANES[looks.plane].name}, residual of ${shown.discovery.diagnosis.model}`;
-      this.residual.draw(planeSpec(looks.plane, scene, excluded, shown), this.width, this.width < 500 ? 170 : 185);
+      this.residual.draw(planeSpec(looks.plane, scene, excluded, shown), this.width, phone ? 165 : 158);
     }
     const places = shown ? shown.discovery.diagnosis.where : [];
-    put(this.places, places.slice(0, 3).map((place) => h("li", {}, `${place.says} (${place.plane} plane)`)));
+    put(this.places, places.slice(0, 3).map((place) => h("li", {}, place.plane === looks.plane ? place.says : `${place.says} (${place.plane} plane)`)));
     this.drawBeside();
     this.preview(this.app.hovered);
     this.point(this.row);
@@ -177,6 +193,7 @@ export class Compare {
     this.row = row;
     for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
+      if (!scene) return;
       this.readout.textContent = "Point at a measured point to read it; click to leave it out; drag to select several.";
       return;
     }

@@ -3,16 +3,13 @@
 import { byId, h, put } from "./dom.js";
 import { number } from "./numbers.js";
 
-let count = 0;
-
 // Where data come from; in the page while it is empty, and in a dialog later.
-export function dropZone(app, done) {
-  count += 1;
-  const id = (name) => `${name}-${count}`;
+function dropZone(app, done, place) {
+  const id = (name) => `${name}-${place}`;
   const file = h("input", { type: "file", id: id("file"), class: "file", onchange: () => open([...file.files]) });
   const paste = h("textarea", { id: id("paste"), rows: "4", spellcheck: "false", placeholder: "frequency [Hz],storage [kN/m],loss [kN/m]\n1,102.8,73.2\n…" });
-  const sets = h("select", { id: id("dataset") }, h("option", { value: "" }, "choose…"),
-    ...(app.library?.datasets || []).map((set) => h("option", { value: set.name, disabled: Boolean(set.unavailable), title: set.summary }, set.name)));
+  const sets = h("select", { id: id("dataset"), class: "datasets" });
+  listSets(sets, app.installed);
   const join = app.state ? h("label", { class: "check" }, h("input", { type: "checkbox", id: id("join") }), " add to the data that are open (a further experiment)") : null;
   const joining = () => Boolean(join?.querySelector("input").checked);
   const open = async (files) => {
@@ -32,6 +29,13 @@ export function dropZone(app, done) {
         app.openFile("pasted.csv", new TextEncoder().encode(paste.value), "", joining());
       } }, "Open table")),
     join);
+}
+
+function listSets(select, library) {
+  const known = library?.datasets || [];
+  if (select.length === known.length + 1) return;
+  put(select, h("option", { value: "" }, "choose…"),
+    known.map((set) => h("option", { value: set.name, disabled: Boolean(set.unavailable), title: set.summary }, set.name)));
 }
 
 export function listenForDrops(app) {
@@ -67,24 +71,29 @@ function askWhere(app, file) {
 
 export function openDialog(app) {
   const dialog = byId("open-dialog");
-  put(dialog, h("h2", { id: "open-title" }, "Open data"), dropZone(app, () => dialog.close()),
+  put(dialog, h("h2", { id: "open-title" }, "Open data"), dropZone(app, () => dialog.close(), "more"),
     h("p", {}, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.showModal();
 }
+
+// The ends of a column as they were written: 48, not 48.00.
+const plainly = (value) => (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-3 ? number(value) : String(Number(value.toPrecision(4))));
 
 export class Data {
   constructor(parent, app) {
     this.parent = parent;
     this.app = app;
+    this.zone = dropZone(app, () => {}, "first");
   }
 
   render() {
     const { app } = this;
+    listSets(this.zone.querySelector(".datasets"), app.installed);
     const parts = [];
     if (app.refused) parts.push(h("p", { class: "error", role: "alert" }, app.refused));
     if (app.question) parts.push(this.form(app.question));
     if (app.data) parts.push(...this.understood(app.data));
-    else if (!app.question) parts.push(dropZone(app, () => {}));
+    else parts.push(this.zone); // the same one each time: what stands in it is not lost
     put(this.parent, parts);
   }
 
@@ -105,7 +114,7 @@ export class Data {
     const { state } = this.app;
     const out = state.excluded.length;
     const rows = data.columns.map((column) => h("tr", {}, h("th", { scope: "row" }, column.name),
-      h("td", {}, number(column.from)), h("td", {}, number(column.to)), h("td", {}, column.unit)));
+      h("td", {}, plainly(column.from)), h("td", {}, plainly(column.to)), h("td", {}, column.unit)));
     const sweeps = data.scene.sweeps.length;
     const facts = [`${data.scene.count} points`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
       data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];

@@ -41,13 +41,14 @@ export class Ladder {
     const name = step.accepted || step.model;
     const alike = (step.class || []).filter((other) => other !== step.accepted);
     const label = i ? `+ ${name}` : name;
-    const told = `${percent(step.relative_rms)} (${times(step.relative_rms, step.noise_floor)})`;
+    const told = percent(step.relative_rms);
+    const whole = `${step.model}: ${told}, ${times(step.relative_rms, step.noise_floor)}`;
     return h("li", { class: i === count - 1 ? "last" : "" },
       h("button", { type: "button", class: "rung", "aria-current": i === count - 1 ? "step" : null,
-        title: i === count - 1 ? "the present rung" : "go back to this rung", onclick: () => this.app.goTo(i) },
+        title: i === count - 1 ? `${whole} (the present rung)` : `${whole}; go back to this rung`, onclick: () => this.app.goTo(i) },
       h("span", { class: "name" }, label), h("span", { class: "told" }, told)),
-      h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, beside this one",
-        onclick: () => this.app.fork(i) }, "⑂"),
+      h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
+        onclick: () => this.app.fork(i) }, "branch"),
       i ? h("button", { type: "button", class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
@@ -98,6 +99,8 @@ export class Ladder {
       parts.push(s("text", { class: "tick", x: this.x(i), y: HEIGHT - 8, "text-anchor": "middle" }, String(i)));
     });
     parts.push(s("text", { class: "tick", x: width - RIGHT - 2, y: bottom - 3, "text-anchor": "end" }, "noise floor"));
+    const dashes = this.y(steps.at(-1).material_floor);
+    parts.push(s("text", { class: "tick", x: width - RIGHT - 2, y: dashes - 4, "text-anchor": "end" }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });
     this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);

@@ -10,7 +10,7 @@ import { leaveDialog } from "./leave.js";
 import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
-import { percent, times } from "./numbers.js";
+import { percent } from "./numbers.js";
 import { range } from "./plot.js";
 import { Race } from "./race.js";
 
@@ -86,6 +86,7 @@ class App {
   // ---- data -------------------------------------------------------------------------------------------------
 
   async openFile(name, bytes, choice = "", onto = false) {
+    if (this.question?.name !== name) this.question = null;
     const query = { name, choice, ...(onto && this.state ? { onto: this.state.data } : {}) };
     const found = await this.compute((how) => api.upload(bytes, query, how));
     if (found?.question) {
@@ -245,15 +246,17 @@ class App {
         const { refused } = this;
         this.looks.view = "storage-loss";
         this.refused = refused;
-      } else this.master = { ...found, of: JSON.stringify(state) };
+      } else this.master = { ...found, of: JSON.stringify(state), data: state.data };
     }
     this.render();
   }
 
+  get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
+
   // The sweeps laid over one another by their factors, against reduced frequency.
   masterSpec() {
     const { scene, master } = this;
-    const factors = new Map(master.curve.levels.map((level) => [level[master.column] ?? level.level, level]));
+    const factors = new Map(master.curve.levels.map((level) => [level.value, level]));
     const points = scene.rows.flatMap((row, i) => {
       const here = scene.conditions[master.column][i];
       const nearest = [...factors.keys()].reduce((a, b) => (Math.abs(b - here) < Math.abs(a - here) ? b : a));
@@ -351,8 +354,8 @@ class App {
   async begin() {
     this.render();
     const saved = sessionStorage.getItem(SAVED);
-    api.library().then((found) => {
-      this.library = found;
+    api.installed().then((found) => {
+      this.installed = found;
       this.model.list();
       this.render();
     }).catch((error) => { this.refused = error.message; this.render(); });
@@ -377,8 +380,8 @@ class App {
 
 function verdict(answer) {
   const { diagnosis, verdict: word } = answer.discovery;
-  const { relative_rms: error, noise_floor: floor } = diagnosis.error;
-  return `${diagnosis.model}: ${word} – error ${percent(error)}, ${times(error, floor)}. ${diagnosis.says}.`;
+  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
+  return `${diagnosis.model}: ${word}, at ${percent(diagnosis.error.relative_rms)} of |K|. ${says}.`;
 }
 
 function listen(app) {

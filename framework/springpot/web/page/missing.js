@@ -50,7 +50,7 @@ export class Missing {
     h("span", { class: "name" }, candidate.effect),
     h("span", { class: `word ${candidate.verdict}`, title: "what the evidence makes of it" }, WORDS[candidate.verdict]),
     h("span", { class: "chance", title: "probability that it is among what is missing" }, probability(candidate.probability)),
-    h("span", { class: "fall", title: `error with it: ${percent(after_)} of |K|` }, `→ ${percent(after_, 2)} (${times(after_, floor)})`));
+    h("span", { class: "fall", title: `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
   }
 
   // A mouse has seen the preview before it clicks; a finger has not, so its first tap only shows it.

@@ -28,11 +28,11 @@ export class ModelPanel {
 
   // What can stand behind the last +.
   complete() {
-    const { library } = this.app;
-    if (!library) return;
+    const { installed } = this.app;
+    if (!installed) return;
     const parts = this.input.value.split("+");
     const before = parts.slice(0, -1).map((part) => part.trim());
-    const names = before.length ? library.effects.map((effect) => effect.name) : library.models.map((model) => model.name);
+    const names = before.length ? installed.effects.map((effect) => effect.name) : installed.models.map((model) => model.name);
     put(this.options, names.map((name) => h("option", { value: [...before, name].join(" + ") })));
   }
 
@@ -42,9 +42,9 @@ export class ModelPanel {
   }
 
   list() {
-    const { library } = this.app;
+    const { installed } = this.app;
     this.complete();
-    put(this.models, library.models.map((model) => h("li", { "data-text": [model.name, ...model.aliases, model.summary].join(" ").toLowerCase() },
+    put(this.models, installed.models.map((model) => h("li", { "data-text": [model.name, ...model.aliases, model.summary].join(" ").toLowerCase() },
       h("button", { type: "button", onclick: () => this.app.judge(model.name.replace(/-N$/, "-3")) },
         h("span", { class: "name" }, model.name),
         h("img", { alt: "", src: `data:image/svg+xml,${encodeURIComponent(model.svg)}` }),
@@ -78,7 +78,7 @@ export class ModelPanel {
     const rows = ranking.models.slice(0, 8).map((model) => h("li", {},
       h("button", { type: "button", title: model.says, onclick: () => this.app.judge(model.model) },
         h("span", { class: "name" }, model.model), ` ${percent(model.error.relative_rms)}${model.fails ? "" : ", holds"}`)));
-    put(this.ranked, h("p", {}, ranking.says || `best: ${ranking.best}`), h("ol", {}, ...rows));
+    put(this.ranked, h("p", {}, ranking.ranking?.says || `best: ${ranking.best}`), h("ol", {}, ...rows));
   }
 
   renderParameters() {
@@ -113,9 +113,10 @@ export class ModelPanel {
     const [value, interval] = withInterval(parameter.value, parameter.low, parameter.high);
     const hand = { value: parameter.value, fixed: false, lower: null, upper: null, touched: false };
     this.hands.set(parameter.name, hand);
-    const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, `${value} ${interval} ${parameter.unit}`);
+    const told = h("span", { class: "told", title: "fitted value and its 95 % interval" }, `${value} ${interval} ${parameter.unit === "-" ? "" : parameter.unit}`);
     const name = h("span", { class: "name" }, parameter.name);
-    if (!movable) return h("div", { class: "parameter" }, name, told);
+    const head = h("div", { class: "head" }, name, told);
+    if (!movable) return h("div", { class: "parameter" }, head);
     const box = h("input", { type: "number", step: "any", value, "aria-label": `${parameter.name} in ${parameter.unit}`,
       onchange: () => this.moved(parameter, Number(box.value), "box") });
     const slider = h("input", { type: "range", min: -STEPS, max: STEPS, value: 0, "aria-label": `move ${parameter.name}`,
@@ -124,7 +125,7 @@ export class ModelPanel {
     const bound = (side) => h("input", { type: "number", step: "any", placeholder: `${side}: ${number(parameter[side])}`, "aria-label": `${side} bound of ${parameter.name}`,
       onchange: (event) => { hand[side] = event.target.value === "" ? null : Number(event.target.value); this.touched(hand); } });
     Object.assign(hand, { box, slider });
-    return h("div", { class: "parameter" }, name, told, slider, box,
+    return h("div", { class: "parameter" }, head, slider, box,
       h("label", { class: "check" }, fix, " fix"),
       h("details", { class: "bounds" }, h("summary", {}, "bounds"), bound("lower"), bound("upper")));
   }

@@ -83,7 +83,7 @@ export class Plot {
       s("defs", {}, s("clipPath", { id: clip }, s("rect", box))),
       s("g", { class: "axes" }, ...this.axes(spec)),
       s("g", inside,
-        ...(spec.shades || []).map((shade) => this.shade(shade)),
+        ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
         this.extraLayer, this.previewLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
@@ -107,7 +107,7 @@ export class Plot {
       parts.push(s("line", { class: "grid", x1: at, x2: at, y1: TOP, y2: height - BOTTOM }));
       parts.push(s("text", { class: "tick", x: at, y: height - BOTTOM + 14, "text-anchor": "middle" }, short(tick)));
     }
-    for (const tick of ticks(y, height / 45)) {
+    for (const tick of ticks(y, height / 30)) {
       const at = this.y(tick);
       parts.push(s("line", { class: "grid", x1: LEFT, x2: width - RIGHT, y1: at, y2: at }));
       parts.push(s("text", { class: "tick", x: LEFT - 5, y: at + 4, "text-anchor": "end" }, short(tick)));
@@ -148,12 +148,15 @@ export class Plot {
     return s("circle", { ...common, cx, cy, r: 3.4, fill: colour });
   }
 
-  shade({ from, to, says }) {
+  // The worst place over the whole height, the others as bars at the foot, one above the other.
+  shade({ from, to, says }, lane) {
     const left = Math.max(LEFT, Math.min(this.x(from), this.x(to)) - 3);
     const right = Math.min(this.width - RIGHT, Math.max(this.x(from), this.x(to)) + 3);
     if (!(right > left)) return s("g", {});
-    const box = { class: "shade", x: left, width: right - left, y: TOP, height: this.height - TOP - BOTTOM };
-    return s("rect", box, s("title", {}, says));
+    const bottom = this.height - BOTTOM;
+    const bar = { class: "shade bar", x: left, width: right - left, y: bottom - 7 * (lane + 1), height: 5 };
+    const whole = { class: "shade", x: left, width: right - left, y: TOP, height: bottom - TOP };
+    return s("g", {}, lane ? null : s("rect", whole, s("title", {}, says)), s("rect", bar, s("title", {}, says)));
   }
 
   band({ xs, low, high, kind }) {

@@ -1,0 +1,32 @@
+"""One workbench for all tests of this room, and the README's file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette", reason="the extra 'workbench' is not installed")
+pytest.importorskip("uvicorn", reason="the extra 'workbench' is not installed")
+
+from springpot.web import Workbench
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+
+
+@pytest.fixture(scope="session")
+def damper() -> bytes:
+    """The file that the README tells to write."""
+    found = re.search(r"^```csv damper.csv\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S)
+    assert found is not None
+    return found[1].encode()
+
+
+@pytest.fixture(scope="session")
+def bench() -> Iterator[Workbench]:
+    """A workbench without data."""
+    running = Workbench().start()
+    yield running
+    running.close()

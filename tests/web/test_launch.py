@@ -1,0 +1,90 @@
+"""How the workbench begins and ends."""
+
+from __future__ import annotations
+
+import base64
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from client import ask, head, raw, token_of
+from test_state import a_session
+
+import springpot
+from springpot.errors import OptionError
+from springpot.web import Workbench
+from springpot.web.datatext import measured_in, text_of
+from springpot.web.tasks import open_spec, understand
+
+STARTS = [sys.executable, "-c"]
+BARE = "import numpy"
+WHOLE = "from springpot.web import Workbench; import numpy; Workbench()"
+
+
+def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Path, damper: bytes):
+    (tmp_path / "damper.csv").write_bytes(damper)
+    command = [sys.executable, "-m", "springpot", "workbench", "damper.csv", "--no-browser"]
+    running = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert running.stdout is not None
+    assert running.stdout.readline().startswith("springpot workbench: http://127.0.0.1:")
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=30)
+    assert running.returncode in (0, 130)
+    assert out == ""
+    assert "Traceback" not in err
+
+
+def test_it_starts_little_later_than_numpy_alone():
+    def least(program: str) -> float:
+        took = []
+        for _ in range(3):
+            begun = time.perf_counter()
+            subprocess.run([*STARTS, program], check=True)
+            took.append(time.perf_counter() - begun)
+        return min(took)
+
+    assert least(WHOLE) < 5 * least(BARE)
+
+
+def test_python_opens_it_on_a_measurement_and_goes_on(damper: bytes):
+    measurement = measured_in("damper.csv", damper)[0]
+    bench = springpot.workbench(measurement, "fractional-maxwell", browser=False)
+    try:
+        begun = ask(bench, "/api/start", method="GET")
+        assert begun["model"] == "fractional-maxwell"
+        assert begun["data"]["result"]["text"] == text_of(measurement)
+        assert bench.address in bench._repr_html_().replace("&amp;", "&")
+        other = Workbench()
+        assert token_of(other) != token_of(bench)
+        assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(other)))[0] == 401
+    finally:
+        bench.close()
+
+
+def test_a_port_that_is_taken_is_told(bench: Workbench):
+    with pytest.raises(OptionError, match="leave --port out"):
+        Workbench(port=bench.port)
+
+
+def test_what_the_command_line_names_is_opened(tmp_path: Path, damper: bytes, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "damper.csv").write_bytes(damper)
+    found = open_spec(print, str(tmp_path / "damper.csv"))
+    assert found["source"] == "damper.csv"  # no folder that only this machine has
+    session = json.dumps(a_session(measured_in("damper.csv", damper)[0])).encode()
+    (tmp_path / "damper.json").write_bytes(session)
+    opened = open_spec(print, "damper.json")
+    assert opened["session"] == understand(print, "x.json", base64.b64encode(session).decode())["session"]
+    assert opened["text"] == found["text"]
+
+
+def test_time_signals_are_one_point_of_a_test(tmp_path: Path):
+    lines = "".join(f"{i / 200},{i % 100 - 50},{(i + 5) % 100 - 50}\n" for i in range(1000))
+    content = base64.b64encode(f"time [s],displacement [mm],force [kN]\n{lines}".encode()).decode()
+    found = understand(print, "signals.csv", content)
+    assert found["scene"]["count"] == 1
+    assert found["scene"]["axis"]["column"] == "frequency"

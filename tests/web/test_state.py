@@ -1,0 +1,271 @@
+"""Pure parts of the workbench: states, data as text, sessions, what one leaves with, parameters by hand."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import springpot
+from springpot.errors import DataError, ModelError
+from springpot.measurement import Measurement
+from springpot.report.jsontext import to_json
+from springpot.web import leaving
+from springpot.web.answers import answer, ladder_of, proposed_points
+from springpot.web.datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
+from springpot.web.held import fitted, hands_of
+from springpot.web.scene import MOST_POINTS, Scene, relative_error, rounded
+from springpot.web.sessions import is_session, session_of
+from springpot.web.state import State, digest_of
+
+MODEL = "fractional-maxwell"
+
+
+@pytest.fixture(scope="module")
+def data(damper: bytes) -> Measurement:
+    return measurement_of(text_of(measured_in("damper.csv", damper)[0]))
+
+
+@pytest.fixture(scope="module")
+def state(data: Measurement) -> State:
+    return State(digest_of(text_of(data)), MODEL)
+
+
+@pytest.fixture(scope="module")
+def first(state: State, data: Measurement) -> dict:
+    return json.loads(to_json(answer(state, data, lambda stage: None)))
+
+
+def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
+    others = [
+        State(state.data, MODEL, ("inertia",)),
+        State(state.data, MODEL, (), (1,)),
+        State(state.data, MODEL, (), (), 1),
+        State("x", MODEL),
+        State(state.data),
+    ]
+    assert len({one.key for one in [state, *others]}) == 6
+    assert all(State.of(json.loads(json.dumps(one.to_dict()))).key == one.key for one in others)
+
+
+ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.text() | st.integers())
+
+
+@given(st.dictionaries(st.sampled_from(["data", "model", "accepted", "excluded", "seed"]), ANYTHING))
+def test_a_state_takes_nothing_that_is_none(anything: dict[str, object]):
+    try:
+        state = State.of(anything)
+    except DataError:
+        return
+    assert State.of(state.to_dict()) == state
+    assert all(isinstance(name, str) for name in (state.data, state.model, *state.accepted))
+
+
+@given(st.text(max_size=300))
+def test_a_safe_name_is_a_name_and_no_path(name: str):
+    safe = safe_name(name)
+    assert safe
+    assert Path(safe).name == safe
+    assert safe not in (".", "..")
+    assert not safe.startswith("-")
+    assert not set(safe) & set("/\\?#@\0\n\x1b<>")
+    assert len(safe) <= 80
+
+
+def test_data_cross_as_text_bit_for_bit():
+    data = springpot.read("nist-srm2491")
+    again = measurement_of(text_of(data))
+    assert np.array_equal(again.stiffness, data.stiffness)
+    assert np.array_equal(again.omega, data.omega)
+    assert again.sd is not None
+    assert data.sd is not None
+    assert np.array_equal(again.sd, data.sd)
+    assert again.units == data.units
+    assert again.reference_temperature == data.reference_temperature
+    assert text_of(again) == text_of(data)
+
+
+def test_an_open_question_offers_what_the_reader_would_take():
+    table = b"frequency [Hz],storage,loss\n1,2,3\n2,3,4\n3,4,5\n4,5,6\n"
+    with pytest.raises(DataError) as asked:
+        measured_in("x.csv", table)
+    questions = question_in(str(asked.value))
+    assert [question["column"] for question in questions] == ["storage", "loss"]
+    choice = ",".join(f"{question['column']}=kPa" for question in questions)
+    assert "kPa" in questions[0]["choices"]
+    assert measured_in("x.csv", table, f"?{choice}")[0].units.stiffness == "kPa"
+    assert question_in("damper.csv: the file is empty") == []
+
+
+def test_what_is_left_out_is_left_out_and_nothing_else(data: Measurement):
+    rest = kept(data, (0, 3))
+    assert len(rest) == len(data) - 2
+    assert rest.name == data.name
+    assert np.array_equal(rest.omega, np.delete(data.omega, [0, 3]))
+    with pytest.raises(DataError, match="no point 99"):
+        kept(data, (99,))
+    with pytest.raises(DataError, match="take some back"):
+        kept(data, tuple(range(len(data))))
+
+
+def test_new_data_join_in_the_units_that_are_there(data: Measurement):
+    other = measured_in("more.csv", b"frequency [Hz],storage [N/mm],loss [N/mm]\n60,250,50\n80,220,40\n")[0]
+    both = joined(data, other)
+    assert both.units == data.units
+    assert both.storage[-2:] == pytest.approx([250.0, 220.0])
+    assert text_of(measurement_of(text_of(both))) == text_of(both)
+    with pytest.raises(DataError, match="no one test"):
+        joined(data, measured_in("p.csv", b"frequency [Hz],storage [Pa],loss [Pa]\n60,250,50\n80,220,40\n")[0])
+
+
+def test_an_answer_is_that_of_discover(first: dict, state: State, data: Measurement):
+    same = springpot.discover(data, MODEL, accept=[], seed=0)
+    assert first["discovery"] == json.loads(to_json(same))
+    assert first["key"] == state.key
+
+
+def test_every_candidate_comes_with_its_curve(first: dict, data: Measurement):
+    candidates = first["discovery"]["diagnosis"]["candidates"]
+    assert {row["effect"] for row in candidates} == set(first["previews"])
+    inertia = first["previews"]["inertia"]
+    grown = springpot.identify(data, f"{MODEL} + inertia")
+    assert inertia["error"] == pytest.approx(candidates[0]["error_after"], rel=1e-6)
+    assert inertia["error"] == pytest.approx(grown.relative_rms, rel=0.05)
+    points = np.array(inertia["points"]["storage"]) + 1j * np.array(inertia["points"]["loss"])
+    error = np.sqrt(np.mean(np.abs((points - data.stiffness) / data.stiffness) ** 2))
+    assert error == pytest.approx(inertia["error"], rel=1e-3)
+    assert len(inertia["curves"]) == 1
+
+
+def test_the_rivals_part_where_the_next_experiment_measures(first: dict, data: Measurement):
+    rivals = first["next"]["rivals"]
+    assert {rival["effect"] for rival in rivals} == set(
+        first["discovery"]["diagnosis"]["next_experiment"]["separates"]
+    )
+    storage = [np.array(rival["storage"]) for rival in rivals]
+    assert np.max(np.abs(storage[0] - storage[1]) / np.array(rivals[0]["width"])) > 5
+    assert proposed_points(first["next"]["action"], data).omega == pytest.approx(first["next"]["action"]["omega"])
+
+
+def test_ten_thousand_rows_are_drawn_as_few(rng: np.random.Generator):
+    omega = np.sort(rng.uniform(1.0, 100.0, 10_000))
+    big = Measurement(omega, omega + 1j * np.sqrt(omega))
+    scene = Scene(big)
+    assert len(scene.rows) == MOST_POINTS
+    assert {int(scene.rows[0]), int(scene.rows[-1])} == {0, 9999}
+
+
+@given(st.lists(st.floats(), max_size=20))
+def test_rounding_keeps_six_digits_and_tells_what_is_no_number(values: list[float]):
+    with np.errstate(all="ignore"):
+        told = rounded(np.array(values))
+    for value, shown in zip(values, told, strict=True):
+        if not np.isfinite(value):
+            assert shown is None
+        elif 1e-290 < abs(value) < 1e290:
+            assert shown == pytest.approx(value, rel=1e-5)
+
+
+def test_the_exported_script_gives_the_numbers_of_the_page(damper: bytes, data: Measurement, tmp_path: Path):
+    (tmp_path / "damper.csv").write_bytes(damper)
+    state = State(digest_of(text_of(data)), MODEL, ("inertia",))
+    (tmp_path / "again.py").write_text(leaving.script(state, "damper.csv"), encoding="utf-8")
+    out = subprocess.run(
+        [sys.executable, "again.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout
+    for step in ladder_of(state, data).steps:
+        assert f"{step.model}: error {step.relative_rms:.6%}, noise floor {step.noise_floor:.6%}" in out
+    value = ladder_of(state, data).steps[-1].parameters["inertia.m"]
+    assert f"inertia.m = {value.value:.6g} [{value.low:.6g}, {value.high:.6g}] kg" in out
+
+
+def test_a_name_cannot_break_out_of_the_script(state: State):
+    evil = '"""\nimport os; os.system("touch pwned")\n#'
+    for text in (leaving.script(state, evil), leaving.script(State(state.data, evil[:60], (evil[:40],)), "x.csv")):
+        compiled = compile(text, "script", "exec")
+        assert "os" not in compiled.co_names
+
+
+def test_the_command_line_is_that_of_the_state(state: State):
+    words = shlex.split(leaving.command(state.accepting("inertia"), "my damper.csv"))
+    assert words == ["springpot", "discover", "my damper.csv", "--model", MODEL, "--accept", "inertia", "--seed", "0"]
+    assert shlex.split(leaving.command(State("x"), "d.csv")) == ["springpot", "diagnose", "d.csv", "--seed", "0"]
+    left_out = State("x", MODEL, (), (1,))
+    assert leaving.source_of("data/damper.csv", left_out, False) == "damper-used.csv"
+
+
+def test_curves_leave_with_units_in_their_header(state: State, data: Measurement):
+    lines = leaving.curves_csv(ladder_of(state, data), data).splitlines()
+    columns = lines[0].split(",")
+    assert columns[2:6] == ["frequency [Hz]", "omega [rad/s]", "data storage [kN/m]", "data loss [kN/m]"]
+    row = lines[1].split(",")
+    assert float(row[3]) == pytest.approx(2 * np.pi * float(row[2]))
+    assert float(row[4]) == pytest.approx(data.storage[0])
+    assert {line.split(",")[0] for line in lines[1:]} == {"point", "curve"}
+
+
+def test_the_plan_opens_as_data_once_it_is_filled_in(state: State, data: Measurement):
+    plan = leaving.plan_csv(ladder_of(state, data), data)
+    filled = "".join(f"{line[:-1]}5,3\n" if line[0].isdigit() else f"{line}\n" for line in plan.splitlines())
+    assert len(measured_in("plan.csv", filled.encode())[0]) == 20
+
+
+def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measurement):
+    model = springpot.parse_model(f"{MODEL} + inertia")
+    best = springpot.identify(data, model).theta
+    sd = np.broadcast_to(data.magnitude, (2, len(data)))
+    start = {name: {"value": 1.3 * value} for name, value in zip(model.names, best, strict=True)}
+    start["inertia.m"]["value"] = 0.6
+    units = data.units.of(model.parameters[0].unit)
+    assert units[1] == "kN/m"
+    free = fitted(model, data, hands_of(model, data, start), sd)
+    assert relative_error(data, model, free) == pytest.approx(relative_error(data, model, best), rel=1e-3)
+    start["k"] |= {"value": 300.0, "fixed": True}
+    held = fitted(model, data, hands_of(model, data, start), sd)
+    assert held[0] == 300.0
+    assert relative_error(data, model, held) > relative_error(data, model, free)
+    start["k"] |= {"value": 310.0, "fixed": False, "lower": 305.0, "upper": 320.0}
+    bounded = fitted(model, data, hands_of(model, data, start), sd)
+    assert 305.0 <= bounded[0] <= 320.0
+    with pytest.raises(ModelError, match="not within"):
+        hands_of(model, data, start | {"k": {"value": 400.0, "upper": 320.0}})
+
+
+def a_session(data: Measurement) -> dict:
+    states = [State("", MODEL).to_dict(), State("", MODEL, ("inertia",)).to_dict()]
+    branches = [{"name": "A", "states": states, "at": 1}]
+    whole = {"source": "damper.csv", "joined": False, "text": text_of(data)}
+    return {
+        "schema": "springpot.session/1",
+        "data": whole,
+        "branches": branches,
+        "branch": 0,
+        "view": {"view": "phase"},
+    }
+
+
+def test_a_session_opens_as_it_was(data: Measurement):
+    session = a_session(data)
+    content = json.dumps(session).encode()
+    assert is_session(content)
+    again = session_of(content)
+    assert again["branches"][0]["states"][1]["accepted"] == ("inertia",)
+    assert again["branches"][0]["states"][0]["data"] == digest_of(text_of(data))
+    assert again["view"] == {"view": "phase"}
+
+
+@pytest.mark.parametrize("key", ["data", "branches", "schema"])
+@pytest.mark.parametrize(
+    "value", [None, 3, [], {}, "x", [[]], {"text": 3}, [{"states": []}], [{"states": [{"accepted": 3}]}]]
+)
+def test_a_broken_session_is_refused_in_one_line(data: Measurement, key: str, value: object):
+    with pytest.raises(DataError) as error:
+        session_of(json.dumps(a_session(data) | {key: value}).encode())
+    assert "\n" not in str(error.value)
