@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .common import MODEL
+from .common import MODEL, json_option
 
 
 @click.command("workbench", epilog="Example: springpot workbench damper.csv --model fractional-maxwell")
@@ -12,11 +12,17 @@ from .common import MODEL
 @click.option("--model", "-m", metavar="EXPR", help=f"{MODEL} Without it any linear passive material is judged.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Where to listen; a free port.")
 @click.option("--no-browser", is_flag=True, help="Print the address only.")
-def command(data: str | None, model: str | None, port: int, no_browser: bool) -> None:
+@json_option
+def command(data: str | None, model: str | None, port: int, no_browser: bool, as_json: bool) -> None:
     """Open a page on which data are dropped, effects pointed at and accepted, and the error falls.
 
     The address is printed first; Ctrl-C ends it. Nothing leaves this machine.
     """
-    from springpot.web.launch import serve
+    from springpot.report.jsontext import to_json
+    from springpot.web import Workbench, serve
 
-    serve(data, model, port, not no_browser, click.echo)
+    def tell(bench: Workbench) -> None:
+        words = {"schema": "springpot.address/1", "address": bench.address}
+        click.echo(to_json(words, None) if as_json else f"springpot workbench: {bench.address}")
+
+    serve(data, model, port, not no_browser, tell)

@@ -128,12 +128,10 @@ def _listening(port: int) -> socket.socket:
     return listening
 
 
-def serve(
-    data: str | None, model: str | None, port: int, browser: bool, told: Callable[[str], object] = print
-) -> None:
+def serve(data: str | None, model: str | None, port: int, browser: bool, tell: Callable[[Workbench], object]) -> None:
     """What ``springpot workbench`` does: tell the address, open the browser, serve until Ctrl-C."""
     bench = Workbench(data, model or "", port)
-    told(f"springpot workbench: {bench.address}")
+    tell(bench)
     if browser:
         _open(bench.address)
     bench.run()
