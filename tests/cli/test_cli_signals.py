@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-KEYS = {"frequency", "storage", "loss", "storage_sd", "loss_sd", "amplitude"}
+KEYS = {"file", "frequency", "storage", "loss", "storage_sd", "loss_sd", "amplitude"}
 
 
 @pytest.fixture

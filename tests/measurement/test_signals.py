@@ -291,3 +291,42 @@ def test_a_weak_but_real_second_tone_can_be_asked_for(rng):
     tone = np.exp(1j * 13.0 * t)
     found = harmonics_of(t, q + 0.1 * tone.real, u + 0.1 * (200j * tone).real, omega=13.0, window=(0.0, t[-1]))
     assert abs(found.stiffness - 200j) < 4 * abs(found.sd)
+
+
+def told(force, **options):
+    """What is told of a displacement cos(2 t) and this force."""
+    time = np.linspace(0.0, 40.0, 4000)
+    test = Signals(time, np.cos(2.0 * time), force(2.0 * time), name="run")
+    return " ".join(measurement_from_signals([test], **options).provenance.values())
+
+
+@pytest.mark.parametrize(
+    ("force", "says"),
+    [
+        (lambda x: 3.0 * np.cos(x + 0.4), ""),
+        (lambda x: -3.0 * np.cos(x + 0.4), "storage and loss are negative"),
+        (lambda x: 3.0 * np.cos(x - 0.4), "gives work away"),
+        (lambda x: 3.0 * np.cos(x + 2.8), "the storage is negative"),
+    ],
+)
+def test_a_damper_that_gives_work_away_is_told(force, says):
+    found = told(force)
+    assert says in found
+    assert says or "negative" not in found
+
+
+def test_the_work_of_a_cycle_counts_all_harmonics():
+    time = np.linspace(0.0, 40.0, 40_000)
+    moved, pulled = np.cos(2 * time) + 0.1 * np.cos(6 * time), 3 * np.cos(2 * time + 0.5) + np.cos(6 * time + 1.0)
+    found = harmonics_of(time, moved, pulled)
+    expected = np.pi * (3 * np.sin(0.5) + 3 * 0.1 * np.sin(1.0))
+    np.testing.assert_allclose(found.work, expected, rtol=1e-6)
+
+
+def test_rows_are_in_the_order_of_frequency_then_of_amplitude():
+    time = np.linspace(0.0, 40.0, 4000)
+    cases = (("c", 5.0, 1.0), ("b", 2.0, 3.0), ("a", 2.0, 1.0))
+    tests = [Signals(time, x * np.cos(w * time), x * np.cos(w * time + 0.3), name=n) for n, w, x in cases]
+    measured = measurement_from_signals(tests)
+    assert measured.labels["file"].tolist() == ["a", "b", "c"]
+    np.testing.assert_allclose(measured.conditions["amplitude"], [1.0, 3.0, 1.0], rtol=1e-6)

@@ -57,6 +57,7 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
     for i in range(len(measured)):
         rows.append(
             {
+                "file": str(measured.labels["file"][i]),
                 "frequency": float(measured.frequency[i]),
                 "storage": float(measured.storage[i]),
                 "loss": float(measured.loss[i]),
@@ -90,8 +91,10 @@ def _show(result: dict[str, Any]) -> None:
         "loss_sd",
     )
     keys = ("frequency", "amplitude", "storage", "storage_sd", "loss", "loss_sd")
-    rows = [[number(row[key], 2 if key.endswith("sd") else 5) for key in keys] for row in result["rows"]]
-    Table(headers, rows, frozenset(headers)).show()
+    rows = [
+        [*(number(row[key], 2 if key.endswith("sd") else 5) for key in keys), row["file"]] for row in result["rows"]
+    ]
+    Table((*headers, "file"), rows, frozenset(headers)).show()
     for key, value in result["provenance"].items():
         if "note" in key:
             print(f"{key}: {value}")

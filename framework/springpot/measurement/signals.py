@@ -28,6 +28,8 @@ from .units import (
     Units,
 )
 
+SURE = 3.0
+"""Standard deviations by which a stiffness is negative beyond doubt."""
 LONGER = 4.0
 """Ratio of neighbouring lengths; a fraction of a cycle over one of them is less than half a cycle over the next."""
 
@@ -84,6 +86,15 @@ class Harmonics:
     def amplitude(self) -> float:
         """Displacement amplitude |X_1|."""
         return float(abs(self.displacement[0]))
+
+    @property
+    def work(self) -> float:
+        """Energy that the specimen takes up in one cycle, the closed integral of force over displacement.
+
+        In the force unit times the displacement unit: pi sum n Im(U_n conj(X_n)), for sinusoids pi |X_1|^2 K''.
+        """
+        order = np.arange(1, len(self.force) + 1)
+        return float(np.pi * np.sum(order * (self.force * np.conj(self.displacement)).imag))
 
     @property
     def relative(self) -> Complex:
@@ -201,7 +212,10 @@ def _basis(
             basis, sd = refined_frequency(record, basis)
     if (basis.stop - basis.start) * basis.omega < 0.95 * 2 * np.pi:
         cycles = (basis.stop - basis.start) * basis.omega / (2 * np.pi)
-        raise DataError(f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s; at least one is needed")
+        raise DataError(
+            f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s where one is needed; if some part of it "
+            "oscillates, say which and how fast: --window START STOP --frequency HZ (window, omega in Python)"
+        )
     return basis, sd
 
 
@@ -346,7 +360,8 @@ def measurement_from_signals(
     Returns
     -------
     Measurement
-        With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``.
+        With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``; rows are in the
+        order of frequency, those of one frequency (to three digits) of amplitude.
     """
     rows, names, units, origin = [], [], [], dict(provenance or {})
     for test in tests:
@@ -363,14 +378,36 @@ def measurement_from_signals(
         rows.append(row)
         names.append(PurePath(test.name).stem)
         units.append((test.displacement_unit, test.force_unit))
-        if row.notes:
-            origin[f"note {names[-1]}"] = "; ".join(row.notes)
+        told = [value for key, value in test.provenance.items() if key.startswith("note ")]
+        if notes := [*told, *row.notes, *_doubts_of_sign(row)]:
+            origin[f"note {names[-1]}"] = "; ".join(notes)
     if not rows:
         raise DataError("no signals given: name at least one file")
     if len(set(units)) > 1:
         shown = ", ".join(sorted({f"[{d}] and [{f}]" for d, f in units}))
         raise DataError(f"the signals come in different units ({shown}): convert them first")
-    return _measurement(rows, names, units[0], name or names[0], origin)
+    first = name or names[0]
+    ordered = sorted(
+        zip(rows, names, strict=True), key=lambda pair: (float(f"{pair[0].omega:.3g}"), pair[0].amplitude)
+    )
+    rows, names = [row for row, _ in ordered], [label for _, label in ordered]
+    return _measurement(rows, names, units[0], first, origin)
+
+
+def _doubts_of_sign(row: Harmonics) -> list[str]:
+    """What to tell of a specimen that gives work away, which only a wrong sign or a drive can explain."""
+    mend = "if one channel counts the other way, open 'FILE?force=-N' with its unit"
+    doubt = np.pi * row.amplitude**2 * row.sd.imag
+    surely = row.stiffness.imag < -SURE * row.sd.imag or row.work < -SURE * doubt
+    if surely and row.stiffness.real < -SURE * row.sd.real:
+        return [f"storage and loss are negative, as if the force had the wrong sign: {mend}"]
+    if surely:
+        return [f"the loss is negative, over each cycle the specimen gives work away: {mend}"]
+    if row.stiffness.real < -SURE * row.sd.real:
+        return [
+            "the storage is negative, as above a resonance of a moving mass or with a channel late by a half cycle"
+        ]
+    return []
 
 
 def _measurement(

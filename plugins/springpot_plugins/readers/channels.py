@@ -30,20 +30,18 @@ from .titles import tidy
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
-        "time",
-        "t",
-        "temps",
-        "zeit",
-        "tiempo",
-        "tempo",
-        "elapsed time",
-        "time stamp",
-        "laufzeit",
-        "total time",
-        "running time",
-        "test time",
-        "prüfzeit",
-        "x_value",
+        *("time", "t", "temps", "zeit", "tiempo", "tempo", "elapsed time", "laufzeit", "total time", "running time"),
+        *(
+            "test time",
+            "prüfzeit",
+            "time stamp",
+            "timestamp",
+            "zeitstempel",
+            "datum/zeit",
+            "datum uhrzeit",
+            "uhrzeit",
+        ),
+        *("date/time", "datetime", "date time", "horodatage", "x_value"),
     ),
     "displacement": (
         *(
@@ -60,22 +58,15 @@ NAMES: dict[str, tuple[str, ...]] = {
         ),
         *("deplacement", "course", "weg", "verschiebung", "auslenkung", "kolbenweg", "desplazamiento", "spostamento"),
         *("corsa", "deslocamento", "strain", "shear strain", "gamma", "γ", "dehnung", "deformacion", "deformazione"),
-        *(
-            "crosshead",
-            "extension",
-            "axial displacement",
-            "axial position",
-            "axial disp",
-            "traverse",
-            "machine position",
-        ),
+        *("crosshead", "extension", "axial displacement", "axial position", "axial disp", "traverse", "traversenweg"),
+        *("machine position", "standardweg"),
         *("angle", "rotation", "angular displacement", "winkel", "drehwinkel", "angulo", "angolo", "d"),
     ),
     "force": (
         *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force", "effort", "kraft"),
-        *("last", "kolbenkraft", "fuerza", "carga", "forza", "carico", "forca", "stress", "shear stress", "sigma"),
-        *("σ", "τ", "tau", "tau_yx", "contrainte", "spannung", "schubspannung", "tension", "esfuerzo", "sforzo"),
-        *("torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
+        *("last", "kolbenkraft", "standardkraft", "prüfkraft", "fuerza", "carga", "forza", "carico", "forca"),
+        *("stress", "shear stress", "sigma", "σ", "τ", "tau", "tau_yx", "contrainte", "spannung", "schubspannung"),
+        *("tension", "esfuerzo", "sforzo", "torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
     ),
 }
 UNITS = {
@@ -92,10 +83,25 @@ _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(name
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 
 
+_PREFIX = re.compile(
+    r"(?:ch(?:an(?:nel)?)?|kanal|voie|canal|canale|ai)[\s_.:#-]{0,3}\d{1,3}[\s_.:)-]{1,3}(?=\S)", re.IGNORECASE
+)
+"""What a controller writes before the name of a channel: ``Ch 1 Kraft``, ``Channel 2: Load``."""
+_WORST = 1000
+"""Added to the rank of a name whose unit is none of its channel: a sensor in volts beside the calibrated one."""
+
+
 @lru_cache(maxsize=2048)
 def channel_of(title: str) -> tuple[str | None, str | None, str]:
-    """Channel, unit and bare name of a title: ``force [kN]``, ``force_kN``, ``Kraft / kN`` or ``force``."""
+    """Channel, unit and bare name of a title: ``force [kN]``, ``force_kN``, ``Kraft / kN`` or ``Ch 1 Kraft``."""
     title = " ".join(title[:200].lstrip("#% ").split())
+    found = _channel(title)
+    if found[0] is None and (match := _PREFIX.match(title)):
+        found = _channel(title[match.end() :])
+    return found
+
+
+def _channel(title: str) -> tuple[str | None, str | None, str]:
     match = _BRACKETED.match(title)
     bare = title if match and tidy(match[2]) in _ANY else re.sub(r"\s*\([^()]* .*$", "", title)
     if (found := _OF.get(fold(bare))) is not None:
@@ -104,9 +110,9 @@ def channel_of(title: str) -> tuple[str | None, str | None, str]:
         stem = re.sub(r"\s*\([^()]*\)$", "", match[1])
         return _OF.get(fold(match[1])) or _OF.get(fold(stem)), match[2].strip(), stem
     for match in reversed(list(re.finditer(r"\s*/\s+|\s+in\s+|_|\s+", bare))[:20]):
-        stem, said = bare[: match.start()], bare[match.end() :]
+        stem, unit_text = bare[: match.start()], bare[match.end() :]
         channel = _OF.get(fold(stem))
-        for unit in (said.replace("_per_", "/"), said.replace("_", " ")):
+        for unit in (unit_text.replace("_per_", "/"), unit_text.replace("_", " ")):
             if channel is not None and tidy(unit) in UNITS[channel]:
                 return channel, unit, stem
     return None, None, bare
@@ -127,10 +133,25 @@ class Places:
         Column of time, displacement and force.
     units : tuple of str
         Their units.
+    signs : tuple of float
+        1, or -1 for a channel that counts the other way.
+    notes : tuple of str
+        What the user should know of the choice.
     """
 
     columns: tuple[int, int, int]
     units: tuple[str, str, str]
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Place:
+    """One channel: its column, its unit, and how surely it is the one meant (lower is surer)."""
+
+    column: int
+    unit: str | None
+    rank: int = 0
 
 
 def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Places:
@@ -143,7 +164,7 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     below : sequence of str
         Units from a row of their own or from a file's properties; empty where there are none.
     choice : Choice
-        What the user says: ``force=kN`` or ``3=force[kN]``.
+        What the user says: ``force=kN``, ``3=force[kN]``, or ``force=-kN`` for a force that counts the other way.
 
     Raises
     ------
@@ -152,68 +173,109 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     """
     # A binary file may have names of several lines.
     titles = [" ".join(title.split()) for title in titles]
-    layout: dict[str, tuple[int, str | None]] = {}
-    ranks: dict[str, int] = {}
+    layout = _recognised(titles, below)
+    notes: list[str] = []
+    for name, meaning in choice.columns.items():
+        notes += _apply(layout, titles, name, meaning)
+    _require_all(layout, titles)
+    units = [str(layout[channel].unit).strip() for channel in UNITS]
+    signs = [-1.0 if unit.startswith("-") and len(unit) > 1 else 1.0 for unit in units]
+    bare = [unit.removeprefix("-") if sign < 0 else unit for unit, sign in zip(units, signs, strict=True)]
+    known = [known_unit(tidy(unit), UNITS[channel], channel) for unit, channel in zip(bare, UNITS, strict=True)]
+    columns = [layout[channel].column for channel in UNITS]
+    return Places(
+        (columns[0], columns[1], columns[2]),
+        (known[0], known[1], known[2]),
+        (signs[0], signs[1], signs[2]),
+        tuple(notes),
+    )
+
+
+def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place]:
+    """The channels that names and units tell; of several the one whose name is surest."""
+    layout: dict[str, _Place] = {}
     for i, title in enumerate(titles):
         channel, unit, bare = channel_of(title)
-        given = below[i].strip().strip("[]()") if i < len(below) else ""
-        score = _RANK.get(fold(bare), 99)
-        if channel is not None and score < ranks.get(channel, 100):
-            layout[channel], ranks[channel] = (i, unit or given or None), score
-    for name, meaning in choice.columns.items():
-        _tell(layout, titles, name, meaning)
-    shown = ", ".join(titles[:12]) or "none"
+        if channel is None:
+            continue
+        unit = unit or (below[i].strip().strip("[]()") if i < len(below) else "") or None
+        rank = _RANK.get(fold(bare), 99)
+        if unit is not None and tidy(unit) not in UNITS[channel]:
+            rank += _WORST
+        if channel not in layout or rank < layout[channel].rank:
+            layout[channel] = _Place(i, unit, rank)
+    return layout
+
+
+def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:
+    """Ask for the channels and units that are missing."""
     missing = [channel for channel in UNITS if channel not in layout]
     if missing:
+        shown = ", ".join(titles[:12]) or "none"
         spec = ",".join(f"NAME={ADVICE[channel].replace(' ', '')}" for channel in missing)
         raise DataError(
             f"no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
             f"or say which by 'FILE?{spec}' (columns: {shown:.100})"
         )
-    bare_units = [channel for channel in UNITS if layout[channel][1] is None]
-    if bare_units:
-        spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare_units)
-        names = ", ".join(f"'{titles[layout[channel][0]]}'" for channel in bare_units)
-        raise DataError(
-            f"column {names}: there is no unit; write {ADVICE[bare_units[0]]}, or say it by 'FILE?{spec}'"
-        )
-    units = [known_unit(tidy(str(layout[channel][1])), UNITS[channel], channel) for channel in UNITS]
-    columns = [layout[channel][0] for channel in UNITS]
-    return Places((columns[0], columns[1], columns[2]), (units[0], units[1], units[2]))
+    bare = [channel for channel in UNITS if layout[channel].unit is None]
+    if bare:
+        spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare)
+        names = ", ".join(f"'{titles[layout[channel].column]}'" for channel in bare)
+        raise DataError(f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'")
 
 
-def _tell(layout: dict[str, tuple[int, str | None]], titles: Sequence[str], name: str, meaning: str) -> None:
-    """What a user says of one column."""
+def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning: str) -> list[str]:
+    """Put what a user says of one column into the layout; notes of what the file itself says otherwise."""
     tests: tuple[Callable[[int, str], bool], ...] = (
         lambda i, title: name == str(i + 1) or name == title,
         lambda i, title: fold(name) == fold(channel_of(title)[2]),
-        lambda i, title: layout.get(name, (-1, None))[0] == i,
+        lambda i, title: name in layout and layout[name].column == i,
         lambda i, title: channel_of(title)[0] == channel_of(name)[0] is not None,
     )
-    place = next((i for test in tests for i, title in enumerate(titles) if test(i, title)), None)
-    if place is None:
+    column = next((i for test in tests for i, title in enumerate(titles) if test(i, title)), None)
+    if column is None:
         raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
     channel, unit, _ = channel_of(meaning)
+    before = layout.get(channel) if channel is not None else None
     if channel is not None:
-        layout[channel] = (place, unit or channel_of(titles[place])[1])
-        return
-    known = next((key for key, (i, _) in layout.items() if i == place), None)
-    if known is None:
-        raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
-    layout[known] = (place, meaning)
+        layout[channel] = _Place(column, unit or channel_of(titles[column])[1])
+    else:
+        channel = next((key for key, place in layout.items() if place.column == column), None)
+        if channel is None:
+            raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
+        before = layout[channel]
+        layout[channel] = _Place(column, meaning)
+    return _overruled(channel, before, layout[channel], titles)
 
 
-def signals_from(time: Real, moved: Real, pulled: Real, units: Sequence[str], path: Path, origin: str) -> Signals:
-    """The channels as signals, time in seconds.
+def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequence[str]) -> list[str]:
+    """What the file says otherwise than the user."""
+    if before is not None and before.column != now.column:
+        return [f"{channel} is '{titles[now.column]}' as you said, not '{titles[before.column]}'"]
+    own = channel_of(titles[now.column])
+    if own[0] not in (None, channel):
+        return [f"'{titles[now.column]}' is {channel} as you said; its name says {own[0]}"]
+    given, unit = before.unit if before is not None else own[1], now.unit or ""
+    if given is not None and tidy(given) != tidy(unit.removeprefix("-")):
+        return [f"'{titles[now.column]}' is in {unit} as you said; the file says {given}"]
+    return []
+
+
+def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str) -> Signals:
+    """The channels (time, displacement, force) as signals, time in seconds.
 
     Raises
     ------
     DataError
         If a value is so large that it cannot be a measurement, as in a broken binary file.
     """
-    for name, values in (("time", time), ("displacement", moved), ("force", pulled)):
-        if not isinstance(values, np.memmap) and (np.abs(values[np.isfinite(values)]) > _LARGEST).any():
+    for name, channel in zip(UNITS, values, strict=True):
+        if not isinstance(channel, np.memmap) and (np.abs(channel[np.isfinite(channel)]) > _LARGEST).any():
             raise DataError(f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel")
-    factor = TIME_UNITS[units[0]]
-    clock = time if factor == 1.0 else time * factor
-    return Signals(clock, moved, pulled, units[1], units[2], path.name, {"file": path.name, "format": origin})
+    factors = (TIME_UNITS[places.units[0]] * places.signs[0], *places.signs[1:])
+    # A mapped channel stays mapped, and exact values stay the same bits, where nothing is to be done.
+    clock, moved, pulled = (c if f == 1.0 else c * f for c, f in zip(values, factors, strict=True))
+    facts = {"file": path.name, "format": origin}
+    if places.notes:
+        facts["note columns"] = "; ".join(places.notes)
+    return Signals(clock, moved, pulled, places.units[1], places.units[2], path.name, facts)

@@ -47,8 +47,7 @@ def signals(path: Path, choice: Choice) -> Signals:
             values.append([np.nan if cell in MISSING else float(cell.replace(",", ".")) for cell in cells])
         except ValueError:
             raise DataError(f"line {line}: no number in its first {width} columns") from None
-    time, moved, pulled = np.array(values, dtype=float).T
-    return signals_from(time, moved, pulled, places.units, path, "RepTate LAOS")
+    return signals_from(list(np.array(values, dtype=float).T), places, path, "RepTate LAOS")
 
 
 def _with_unit(title: str) -> str:

@@ -13,6 +13,8 @@ from .titles import is_unit
 
 _WORDS = re.compile(r"[^\W\d_eE]")
 """What no row of numbers has."""
+MOST_UNITS = 0.6
+"""Share of the cells of a row of units that are known ones."""
 _SEARCHED = 500
 """Lines that may stand above the numbers."""
 
@@ -31,12 +33,15 @@ class Layout:
         Of a row below the names; empty where there is none.
     start : int
         Lines above the first row of numbers.
+    first : sequence of str
+        The cells of that row.
     """
 
     separator: str
     titles: list[str]
     units: list[str]
     start: int
+    first: Sequence[str] = ()
 
 
 def layout_of(head: str) -> Layout:
@@ -47,17 +52,19 @@ def layout_of(head: str) -> Layout:
     for separator in dict.fromkeys((surest, *SEPARATORS)):
         named = next((i for i in worded if _names_all(_cells(lines[i], separator))), None)
         if named is not None:
-            return _named([_cells(line, separator) for line in lines[: named + 2]], named, separator)
+            return _named([_cells(line, separator) for line in lines[: named + 3]], named, separator)
     return _unnamed([_cells(line, surest) for line in lines], surest)
 
 
 def _named(rows: Sequence[list[str]], named: int, separator: str) -> Layout:
     units = rows[named + 1] if named + 1 < len(rows) and _are_units(rows[named + 1]) else []
-    return Layout(separator, rows[named], units, named + 1 + bool(units))
+    start = named + 1 + bool(units)
+    return Layout(separator, rows[named], units, start, rows[start] if start < len(rows) else ())
 
 
 def _names_all(row: Sequence[str]) -> bool:
-    return len(found_in(row)) == len(UNITS) and not any(map(is_number, row))
+    # Sensors may be called by a number of their own, which has no decimals.
+    return len(found_in(row)) == len(UNITS) and all(cell.isdigit() for cell in row if is_number(cell))
 
 
 def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
@@ -68,7 +75,7 @@ def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
     above = [row for row in rows[max(0, start - 2) : start] if len(row) >= len(rows[start])]
     units = above.pop() if above and _are_units(above[-1]) else []
     names = above[-1] if above else [str(i) for i in range(1, len(rows[start]) + 1)]
-    return Layout(separator, names, units, start)
+    return Layout(separator, names, units, start, rows[start])
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -83,4 +90,6 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _are_units(row: Sequence[str]) -> bool:
     filled = [cell.strip("[]() ") for cell in row if cell.strip()]
-    return bool(filled) and all(is_unit(cell) for cell in filled)
+    # A channel that is none of the three may have a unit of its own, such as the day of a date.
+    known = sum(1 for cell in filled if is_unit(cell))
+    return known >= max(1, MOST_UNITS * len(filled)) and not any(map(is_number, filled))

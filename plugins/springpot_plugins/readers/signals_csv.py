@@ -9,20 +9,16 @@ memory: its numbers go to a temporary file that is mapped, and all that follows 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryFile
-from typing import IO
-
-import numpy as np
 
 from springpot.errors import DataError
-from springpot.measurement import TIME_UNITS, Choice, Measurement, Reader, Signals, measurement_from_signals
-from springpot.rheology import Real
+from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
 
 from .blocks import is_dynamic
-from .channels import UNITS, found_in, places_of, signals_from
+from .channels import UNITS, Places, channel_of, found_in, places_of, signals_from
+from .clock import seconds_of
 from .signal_layout import Layout, layout_of
+from .signal_rows import Rows
 from .text import encoding_of, head_text
 from .titles import heading
 
@@ -61,87 +57,33 @@ def signals(path: Path, choice: Choice) -> Signals:
         if encoding is None:
             raise DataError("this is no text file; save the signals as CSV in UTF-8")
         layout = layout_of(head_text(head))
-        places = places_of(layout.titles, layout.units, choice)
+        titles, units = _with_clock(layout)
+        places = places_of(titles, units, choice)
+        rows = Rows(layout, places, CHUNK)
         with path.open(encoding=encoding, newline=None) as text:
-            channels = _numbers(text, path, layout, list(places.columns), TIME_UNITS[places.units[0]])
+            channels = rows.read(text, path.stat().st_size <= IN_MEMORY)
     except UnicodeDecodeError as error:
         raise DataError(f"byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror or error}") from None
-    return signals_from(channels[0], channels[1], channels[2], ("s", *places.units[1:]), path, "text")
+    # Time is in seconds by now, and all count as they should.
+    told = Places(places.columns, ("s", *places.units[1:]), notes=(*places.notes, *rows.notes))
+    return signals_from(channels, told, path, "text")
+
+
+def _with_clock(layout: Layout) -> tuple[list[str], list[str]]:
+    """Names and units of the columns, where those of timestamps are in seconds whatever their names say."""
+    titles = list(layout.titles)
+    units = [*layout.units, *[""] * (len(titles) - len(layout.units))]
+    for i, cell in enumerate(layout.first[: len(titles)]):
+        if seconds_of(cell) is not None:
+            titles[i], units[i] = channel_of(titles[i])[2], "s"
+    return titles, units
 
 
 def read(path: Path, choice: Choice) -> Measurement:
     """The measurement of one row that the signals give."""
     return measurement_from_signals([signals(path, choice)])
-
-
-def _numbers(text: IO[str], path: Path, layout: Layout, places: list[int], clock: float) -> list[Real]:
-    """The three channels, in memory or mapped; time times `clock` is in seconds."""
-    small = path.stat().st_size <= IN_MEMORY
-    pieces: list[Real] = []
-    with TemporaryFile() as a, TemporaryFile() as b, TemporaryFile() as c:
-        rows = 0
-        for piece in _pieces(text, layout, places):
-            rows += len(piece)
-            if clock != 1.0:
-                piece[:, 0] *= clock
-            if small:
-                pieces.append(piece)
-            else:
-                for stream, column in zip((a, b, c), piece.T, strict=True):
-                    column.tofile(stream)
-        if not rows:
-            raise DataError("there is a header but no row of numbers below it")
-        if small:
-            return list(np.concatenate(pieces).T.copy())
-        # The mapping outlives the closed file.
-        return [np.memmap(stream, dtype=float, mode="r", shape=(rows,)) for stream in (a, b, c)]
-
-
-def _pieces(text: IO[str], layout: Layout, places: list[int]) -> Iterator[Real]:
-    """Rows (m, 3) below the names, piece by piece."""
-    for _ in range(layout.start):
-        text.readline()
-    line = layout.start
-    while lines := text.readlines(CHUNK):
-        first, line = line + 1, line + len(lines)
-        if layout.separator != ",":
-            lines = [raw.replace(",", ".") for raw in lines]
-        yield _piece(lines, first, layout, places)
-
-
-def _piece(lines: list[str], first: int, layout: Layout, places: list[int]) -> Real:
-    filled = [raw for raw in lines if not raw.isspace()]
-    if not filled:
-        return np.empty((0, 3))
-    delimiter = None if layout.separator == " " else layout.separator
-    try:
-        values: Real = np.loadtxt(filled, delimiter=delimiter, usecols=places, ndmin=2, comments="#", quotechar='"')
-        return values
-    except ValueError:
-        # Something is missing or misspelt: go slowly and say where.
-        return _slowly(lines, first, layout, places)
-
-
-def _slowly(lines: list[str], first: int, layout: Layout, places: list[int]) -> Real:
-    rows = []
-    for number, raw in enumerate(lines, first):
-        if not raw.strip() or raw.lstrip().startswith("#"):
-            continue
-        bare = raw.rstrip("\r\n")
-        parts = bare.split() if layout.separator == " " else bare.split(layout.separator)
-        cells = [cell.strip().strip('"') for cell in parts]
-        row = []
-        for place in places:
-            cell = cells[place] if place < len(cells) else ""
-            try:
-                row.append(float(cell) if cell else np.nan)
-            except ValueError:
-                where = f"line {number}, column '{layout.titles[place]}'"
-                raise DataError(f"{where}: '{cell:.30}' is no number") from None
-        rows.append(row)
-    return np.array(rows, dtype=float).reshape(-1, 3)
 
 
 READER = Reader(

@@ -39,7 +39,7 @@ def signals(path: Path, choice: Choice) -> Signals:
     if len({len(values) for values in chosen}) > 1:
         lengths = ", ".join(f"{titles[i]}: {len(columns[titles[i]])}" for i in places.columns)
         raise DataError(f"time, displacement and force differ in length ({lengths})")
-    return signals_from(chosen[0], chosen[1], chosen[2], places.units, path, "MATLAB")
+    return signals_from(chosen, places, path, "MATLAB")
 
 
 def read(path: Path, choice: Choice) -> Measurement:

@@ -64,7 +64,7 @@ def _signals(file: Any, choice: Choice, path: Path) -> Signals:
     places = places_of(titles, units, choice)
     made = [_values(channels[i], titles[i], i >= len(set(channels))) for i in places.columns]
     length = min(map(len, made))
-    return signals_from(made[0][:length], made[1][:length], made[2][:length], places.units, path, "TDMS")
+    return signals_from([values[:length] for values in made], places, path, "TDMS")
 
 
 def _values(channel: Any, title: str, is_clock: bool) -> Real:

@@ -1,5 +1,6 @@
 """Time signals as CSV, MATLAB, TDMS and RepTate LAOS: the same test gives the same stiffness."""
 
+import datetime
 import io
 
 import numpy as np
@@ -139,3 +140,61 @@ def test_laos_with_angle_and_torque_and_without_names(folder):
     content = samples.laos("#time\tq\tTorque\n#s\trad\tN-m")
     check(folder.write(content), "N m/rad")
     check(folder.write(samples.laos("")), "Pa")
+
+
+def machine(titles, units, columns, separator="\t", decimal=","):
+    """An export of a test machine: a report, names, units, numbers, and another table below."""
+    head = f"MTS793|MPT|DEU\n\nBediener\t\tZeit:\t33,8\ts\nPrüfer :\tKh\n\n{separator.join(titles)}\n"
+    body = samples.rows(columns, separator, decimal)
+    return f"{head}{separator.join(units)}\n{body}\n\nDatenerfassung\t\tZeit:\t99\ts\n{titles[0]}\n7\n".encode(
+        "latin-1"
+    )
+
+
+def test_prefixes_of_channels_sensor_numbers_and_a_second_table(folder):
+    titles = ("Datum", "Laufzeit", "Ch 1 Kraft Sollwert", "Ch 1 Kraft", "Ch 1 Weg", "1944 B", "1281068")
+    day = np.full_like(TIME, 41883.0)
+    columns = (day, TIME, 9 * PULLED, PULLED, MOVED, 5 * MOVED, 7 * MOVED)
+    path = folder.write(machine(titles, ("d", "s", "kN", "kN", "mm", "mm", "mm"), columns))
+    check(path, "kN/mm")
+    found = signals_to_measurement([f"{path}?1944 B=displacement[mm]"])
+    np.testing.assert_allclose(found.stiffness, [EXPECTED / 5], rtol=1e-5)
+    notes = " ".join(found.provenance.values())
+    assert "displacement is '1944 B' as you said, not 'Ch 1 Weg'" in notes
+    assert "the table ends above line" in notes
+
+
+def test_volts_beside_calibrated_channels(folder):
+    text = csv("Time [s],Force [V],Displacement [V]").splitlines()
+    rows = [
+        f"{line},{moved!r},{pulled!r}"
+        for line, moved, pulled in zip(text[1:], MOVED.tolist(), PULLED.tolist(), strict=True)
+    ]
+    content = "\n".join(["Time [s],Force [V],Displacement [V],Displacement [mm],Force [kN]", *rows]) + "\n"
+    check(folder.write(content), "kN/mm")
+    with pytest.raises(DataError, match=r"unknown unit \[V\] for displacement"):
+        signals_to_measurement([folder.write(csv("Time [s],Displacement [V],Force [kN]"))])
+
+
+@pytest.mark.parametrize(
+    "style", ["%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%fZ", "%H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p"]
+)
+def test_timestamps_with_and_without_a_date(folder, style):
+    start = datetime.datetime(2014, 9, 1, 13, 25, 39)
+    stamps = [(start + datetime.timedelta(seconds=t)).strftime(style) for t in np.round(TIME, 6).tolist()]
+    rows = [f"{stamp};{q!r};{u!r}" for stamp, q, u in zip(stamps, MOVED.tolist(), PULLED.tolist(), strict=True)]
+    found = signals_to_measurement([folder.write("\n".join(["Timestamp;Disp [mm];Force [N]", *rows]) + "\n")])
+    np.testing.assert_allclose(found.omega, [2.0], rtol=1e-4)
+    np.testing.assert_allclose(found.stiffness, [EXPECTED], rtol=1e-3)
+
+
+def test_a_force_that_counts_the_other_way(folder):
+    path = folder.write(f"t [s],x [mm],F [N]\n{samples.rows((TIME, MOVED, -PULLED))}\n")
+    assert "storage and loss are negative" in " ".join(signals_to_measurement([path]).provenance.values())
+    check(path, "N/mm", "?F=-N")
+
+
+def test_a_unit_that_the_file_says_otherwise_is_told(folder):
+    path = folder.write(csv("time [s],x [mm],F [N]"))
+    found = signals_to_measurement([f"{path}?F=kN"])
+    assert "'F [N]' is in kN as you said; the file says N" in " ".join(found.provenance.values())
