@@ -95,7 +95,10 @@ def lacking(roles: set[str]) -> str:
     if is_dynamic({*roles, "omega"}):
         return "missing frequency [Hz] or omega [rad/s]"
     missing = [] if roles & FREQUENCIES else ["frequency [Hz] or omega [rad/s]"]
-    if not roles & MODULI:
+    angles = {"phase", "loss_factor", "damping_ratio", "damping"}
+    if not roles & {"storage", "magnitude", "loss", "viscosity"} and roles & angles:
+        missing.append("storage [unit] or magnitude [unit]")
+    elif not roles & MODULI:
         missing.append("storage [unit] and loss [unit]")
     else:
         missing.append("storage [unit]" if "loss" in roles else "loss [unit], phase [deg] or loss_factor [-]")
@@ -105,9 +108,10 @@ def lacking(roles: set[str]) -> str:
 def is_dynamic(roles: set[str]) -> bool:
     """Whether columns of these roles give a complex modulus against frequency."""
     modulus = {"storage", "loss"} <= roles or (
-        bool(roles & {"storage", "magnitude", "viscosity"}) and bool(roles & {"phase", "loss_factor"})
+        bool(roles & {"storage", "magnitude", "viscosity"})
+        and bool(roles & {"phase", "loss_factor", "damping_ratio"})
     )
-    modulus |= {"storage", "damping"} <= roles
+    modulus |= "damping" in roles and bool(roles & {"storage", "magnitude"})
     modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
     modulus |= {"storage_compliance", "loss_compliance"} <= roles
     return modulus and bool(roles & FREQUENCIES)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.measurement import known_unit
+from springpot.measurement import MODULUS_UNITS, known_unit
 from springpot.rheology import Real
 
 from .grid import MISSING, is_number
@@ -22,9 +22,18 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     """The columns, with storage and loss, or a magnitude, in Pa for what is no modulus.
 
     |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'');
-    K'' = omega c for a damping coefficient beside a storage stiffness.
+    K'' = omega c for a damping coefficient beside a storage stiffness, or K' = sqrt(|K|^2 - (omega c)^2) beside a
+    dynamic one; tan delta = 2 xi for the damping ratio xi = W / (2 pi K' X^2) of ISO 22762-1, W the work of a cycle.
+
+    Raises
+    ------
+    DataError
+        If a damping coefficient alone gives more than the whole stiffness.
     """
     found = dict(roles)
+    if "damping_ratio" in found:
+        column = found.pop("damping_ratio")
+        found["loss_factor"] = _column(column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-")
     if "viscosity" in found:
         column = found.pop("viscosity")
         found["magnitude"] = _column(column, "magnitude", _omega(found) * _si(column, VISCOSITY_UNITS))
@@ -34,7 +43,10 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         found["storage"] = _column(other, "storage", _omega(found) * _si(other, VISCOSITY_UNITS))
     elif "damping" in found and "loss" not in found:
         column = found.pop("damping")
-        found["loss"] = _column(column, "loss", _omega(found) * _si(column, DAMPING_UNITS), "N/m")
+        loss = _omega(found) * _si(column, DAMPING_UNITS)
+        found["loss"] = _column(column, "loss", loss, "N/m")
+        if "storage" not in found:
+            found["storage"] = _rest(found.pop("magnitude"), loss, column)
     elif found.keys() >= set(COMPLIANCES):
         elastic, viscous = (found.pop(role) for role in COMPLIANCES)
         # A compliance of zero gives no finite modulus, which the measurement refuses.
@@ -43,6 +55,16 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         found["storage"] = _column(elastic, "storage", modulus.real)
         found["loss"] = _column(viscous, "loss", modulus.imag)
     return found
+
+
+def _rest(size: Column, loss: Real, damping: Column) -> Column:
+    """Storage stiffness in N/m from the dynamic one, where the loss is known."""
+    whole = _si(size, MODULUS_UNITS)
+    left = whole**2 - loss**2
+    if (left < 0).any():
+        row = int(np.argmax(left < 0))
+        raise damping.error("omega times the damping coefficient is more than the whole dynamic stiffness", row)
+    return _column(size, "storage", np.sqrt(left), "N/m")
 
 
 def unlogged(column: Column, base: str) -> Column:

@@ -28,14 +28,21 @@ KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "s
 """Further columns of instruments that are kept as conditions."""
 _PAIRS = (
     ("storage", "loss"),
-    *((size, angle) for size in ("magnitude", "storage", "viscosity") for angle in ("phase", "loss_factor")),
+    *(
+        (size, angle)
+        for size in ("magnitude", "storage", "viscosity")
+        for angle in ("phase", "loss_factor", "damping_ratio")
+    ),
     ("storage", "damping"),
+    ("magnitude", "damping"),
     VISCOSITIES,
     COMPLIANCES,
 )
 """What gives a complex modulus, best first."""
 _REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
 """Columns that say once more what the chosen ones say."""
+RATIOS = ("loss_factor", "damping_ratio")
+"""Plain numbers, which need no unit."""
 _MEANT = {*UNITS, "repeat"} - {"time"}
 
 
@@ -238,7 +245,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
 
 
 def _has_all_units(headings: Sequence[Heading]) -> bool:
-    known = [h for h in headings if h.role in UNITS and h.role not in ("amplitude", "loss_factor")]
+    known = [h for h in headings if h.role in UNITS and h.role not in ("amplitude", *RATIOS)]
     return len(known) > 2 and all(heading.unit is not None for heading in known)
 
 
@@ -278,7 +285,7 @@ def _require_units(roles: Mapping[str, Column]) -> None:
     bare = [
         Heading(column.title, column.title, role, None)
         for role, column in roles.items()
-        if column.unit is None and role in UNITS and role not in ("loss_factor", "storage_sd", "loss_sd")
+        if column.unit is None and role in UNITS and role not in (*RATIOS, "storage_sd", "loss_sd")
     ]
     if bare:
         raise ask_units(bare)

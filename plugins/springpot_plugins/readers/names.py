@@ -45,6 +45,8 @@ NAMES: dict[str, tuple[str, ...]] = {
             "storagemodul",
             "stormod",
         ),
+        *("effectivestiffness", "keff", "equivalentstiffness", "keq", "effektivesteifigkeit", "rigiditeeffective"),
+        *("horizontalstiffness", "kh", "shearstiffness", "rigidezefectiva", "rigidezzaefficace"),
         *("storagemod", "re(k)", "re(k*)", "rek*", "re(g)", "re(e)", "re(e*)", "kstorage", "kstor", "storagek"),
         *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
         *("moduledecisaillementdestockage", "moduledestockageencisaillement"),
@@ -105,6 +107,23 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("dampingcoefficient", "dampingconstant", "viscousdamping", "equivalentdamping", "equivalentviscousdamping"),
         *("ceq", "cdyn", "dampfungskoeffizient", "dampfungskonstante", "coefficientdamortissement"),
         *("coeficientedeamortiguamiento", "coefficientedismorzamento"),
+    ),
+    "damping_ratio": (
+        *("dampingratio", "equivalentdampingratio", "equivalentviscousdampingratio", "effectivedampingratio", "heq"),
+        *(
+            "ξ",
+            "ζ",
+            "xi",
+            "zeta",
+            "ξeq",
+            "ξeff",
+            "zetaeq",
+            "xieq",
+            "effectivedamping",
+            "dampfungsgrad",
+            "dampfungsmass",
+        ),
+        *("lehrschesdampfungsmass", "aquivalentedampfung", "tauxdamortissement", "razondeamortiguamiento"),
     ),
     "storage_sd": (
         *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
@@ -194,7 +213,7 @@ def fold(name: str) -> str:
 _ROLE_OF = {fold(name): role for role, names in reversed(NAMES.items()) for name in names}
 _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(names)}
 _MEANS = ("mean", "avg")
-AVERAGED = MODULI | {"phase", "loss_factor"}
+AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio"}
 """What may be the mean of several measurements: ``G'_mean``."""
 _FURTHER = re.compile(r"\((?:[^()]*)\)$")
 

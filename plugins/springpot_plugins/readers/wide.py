@@ -20,7 +20,15 @@ from .names import FREQUENCIES, MODULI, ROLES, fold
 from .said import CURVES, WHOLE
 from .titles import UNITS, Heading, heading, plainly, tidy
 
-_VALUES = MODULI | {"phase", "loss_factor", "out_of_phase_viscosity", "loss_compliance", "storage_sd", "loss_sd"}
+_VALUES = MODULI | {
+    "phase",
+    "loss_factor",
+    "damping_ratio",
+    "out_of_phase_viscosity",
+    "loss_compliance",
+    "storage_sd",
+    "loss_sd",
+}
 """What differs from curve to curve."""
 _COPY = re.compile(r"\.(\d{1,3})\Z")
 """What programs put behind a title that comes again."""

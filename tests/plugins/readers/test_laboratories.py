@@ -154,3 +154,45 @@ def test_a_hint_that_is_typed_as_it_stands_gives_no_numbers(folder, header):
     hint = str(caught.value).partition("?")[2].partition("'")[0]
     with pytest.raises(DataError):
         folder.open(text, "?" + hint)
+
+
+def stiffness_table(header, *columns):
+    rows = "\n".join(",".join(number(v) for v in row) for row in zip(OMEGA / (2 * np.pi), *columns, strict=True))
+    return f"{header}\n{rows}\n"
+
+
+LOSS, STORAGE = STIFFNESS.imag, STIFFNESS.real
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("Frequency [Hz],Effective stiffness [kN/m],Loss factor", (STORAGE, LOSS / STORAGE)),
+        ("Frequency [Hz],K_eff [kN/m],Damping ratio [%]", (STORAGE, 50 * LOSS / STORAGE)),
+        ("Frequenz [Hz],Effektive Steifigkeit [kN/m],Dämpfungsgrad [-]", (STORAGE, LOSS / STORAGE / 2)),
+        ("Frequency [Hz],Effective stiffness [kN/m],h_eq", (STORAGE, LOSS / STORAGE / 2)),
+        ("Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]", (abs(STIFFNESS), LOSS / OMEGA)),
+        ("Frequency [Hz],Storage stiffness [kN/m],Damping coefficient [N s/mm]", (STORAGE, LOSS / OMEGA)),
+        ("Frequency [Hz],Effective stiffness [kN/m],c_eq [kN*s/m]", (STORAGE, LOSS / OMEGA)),
+    ],
+)
+def test_the_words_of_bearings_and_dampers(folder, header, columns):
+    found = folder.open(stiffness_table(header, *columns))
+    in_kilonewton = {"kN/m": 1.0, "N/m": 1e-3}[found.units.stiffness]
+    np.testing.assert_allclose(found.stiffness * in_kilonewton, STIFFNESS, rtol=1e-9)
+
+
+def test_a_stiffness_that_may_be_either_is_asked_for(folder):
+    text = stiffness_table("Frequency [Hz],Stiffness [kN/m],Loss factor", STORAGE, LOSS / STORAGE)
+    with pytest.raises(DataError, match=r"missing storage \[unit\] or magnitude \[unit\]; if Stiffness"):
+        folder.open(text)
+    found = folder.open(text, "?Stiffness=storage[kN/m]")
+    np.testing.assert_allclose(found.stiffness, STIFFNESS, rtol=1e-9)
+
+
+def test_a_damping_coefficient_beyond_the_whole_stiffness(folder):
+    text = stiffness_table(
+        "Frequency [Hz],Dynamic stiffness [kN/m],Damping coefficient [kN s/m]", LOSS / 2, LOSS / OMEGA
+    )
+    with pytest.raises(DataError, match="more than the whole dynamic stiffness"):
+        folder.open(text)
