@@ -326,6 +326,15 @@ class TimeTest:
         return float(self.time[-1] - self.start)
 
     @cached_property
+    def seen(self) -> tuple[float, float]:
+        """One over the longest and over the shortest time since the load moved, in rad/s."""
+        clock = self.time - self.start
+        shortest = float(np.min(clock[clock > 0.0], initial=self.duration))
+        if self.kind not in ("relaxation", "creep"):
+            shortest = float(np.median(np.diff(self.time)))
+        return 1.0 / self.duration, 1.0 / max(shortest, self.rise, 1e-300)
+
+    @cached_property
     def start(self) -> float:
         """When the load first moves, in s."""
         moving = np.flatnonzero(np.diff(self.loading.value) != 0.0)

@@ -3,6 +3,16 @@
 from .identify import identify
 from .parts import Test
 from .predicted import predicted
+from .prediction import Known, TestPrediction, predict_test
 from .result import PartResult, TimeIdentification
 
-__all__ = ["PartResult", "Test", "TimeIdentification", "identify", "predicted"]
+__all__ = [
+    "Known",
+    "PartResult",
+    "Test",
+    "TestPrediction",
+    "TimeIdentification",
+    "identify",
+    "predict_test",
+    "predicted",
+]

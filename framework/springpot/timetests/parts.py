@@ -66,9 +66,7 @@ class InTimePart:
     @property
     def log_omega(self) -> float:
         """Logarithm of the angular frequency in the middle of what it saw."""
-        clock = self.test.time - self.test.start
-        shortest = float(np.min(clock[clock > 0.0], initial=self.test.duration))
-        return -0.5 * float(np.log(shortest) + np.log(self.test.duration))
+        return float(np.mean(np.log(self.test.seen)))
 
     def residual(self, model: Model, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""

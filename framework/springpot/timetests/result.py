@@ -57,6 +57,8 @@ class PartResult:
         Root mean square of the residuals over their noise.
     alone : float
         The same with parameters of its own.
+    seen : tuple of float
+        Angular frequencies in rad/s, or one over the times, between which the test tells something.
     """
 
     name: str
@@ -66,6 +68,7 @@ class PartResult:
     floor: float
     ratio: float
     alone: float
+    seen: tuple[float, float] = (0.0, np.inf)
 
     @classmethod
     def of(cls, part: Part, model: Model, theta: Real, reference: float, alone: float) -> PartResult:
@@ -79,12 +82,13 @@ class PartResult:
             sd = np.asarray(part.sd, dtype=float)
             error = float(np.sqrt(np.mean((weighted * sd) ** 2))) / size
             floor = float(np.sqrt(np.mean(sd**2))) / size
-            return cls(test.name, test.kind, len(test), error, floor, ratio, alone)
+            return cls(test.name, test.kind, len(test), error, floor, ratio, alone, test.seen)
         sd = np.concatenate([part.sd.real, part.sd.imag])
         size_of_each = np.tile(test.magnitude, 2)
         error = float(np.sqrt(2.0 * np.mean((weighted * sd / size_of_each) ** 2)))
         floor = float(np.sqrt(2.0 * np.mean((sd / size_of_each) ** 2)))
-        return cls(test.name, "sweep", len(test), error, floor, ratio, alone)
+        seen = float(test.omega.min()), float(test.omega.max())
+        return cls(test.name, "sweep", len(test), error, floor, ratio, alone, seen)
 
     @property
     def agrees(self) -> bool:
@@ -170,6 +174,11 @@ class TimeIdentification:
         return ends(self.theta, reach, log, bounds)
 
     @property
+    def seen(self) -> tuple[float, float]:
+        """Angular frequencies in rad/s between which the tests together tell something."""
+        return min(test.seen[0] for test in self.tests), max(test.seen[1] for test in self.tests)
+
+    @property
     def relative_rms(self) -> float:
         """Error of the worst test: root mean square of the residual over that of the signal."""
         return max(test.error for test in self.tests)
@@ -232,7 +241,13 @@ class TimeIdentification:
             "relative_rms": self.relative_rms,
             "tests": [test.to_dict() for test in self.tests],
             "covariance": self.in_printed_units().tolist(),
-            "reference_temperature": self.reference,
+            "kept": {
+                "theta": self.theta.tolist(),
+                "covariance": (self.slopes @ self.covariance @ self.slopes.T).tolist(),
+                "units": {"stiffness": self.units.stiffness, "amplitude": self.units.amplitude},
+                "reference": self.reference,
+                "seen": list(self.seen),
+            },
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "optimiser": "native",

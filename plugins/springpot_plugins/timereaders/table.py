@@ -37,6 +37,10 @@ EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement
 """What to write in a hint."""
 STEADY = 0.5
 """Kelvin by which a temperature may wander and still be one."""
+MOST_TIED = 0.5
+"""Share of rows that may repeat the printed time of the row before: more is no rounding, but another table."""
+ENOUGH = 20
+"""Rows of a table from which such repeats are taken for rounding."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
@@ -165,6 +169,7 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
         temperature = _temperature(section, place, origin)
     said = {"temperature": temperature, "name": name, "provenance": origin}
     _require_units(section, path)
+    section = _without_ties(section, origin)
     clock = _clock(section)
     pair = _pair(section)
     if pair is not None:
@@ -196,6 +201,19 @@ def _clock(section: Section) -> Real:
     assert place is not None
     unit = known_unit(section.titles[place].unit, TIME_UNITS, "time")
     return section.column(place) * TIME_UNITS[unit]
+
+
+def _without_ties(section: Section, origin: dict[str, str]) -> Section:
+    """The table without rows whose time is that of the row before, as printed digits make now and then."""
+    place = _first(section, "time")
+    assert place is not None
+    clock = section.column(place)
+    tied = np.concatenate([[False], np.diff(clock) == 0.0])
+    if not tied.any() or len(clock) < ENOUGH or tied.mean() > MOST_TIED:
+        return section
+    origin["note time"] = f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
+    kept = np.flatnonzero(~tied).tolist()
+    return replace(section, lines=[section.lines[i] for i in kept], numbers=[section.numbers[i] for i in kept])
 
 
 def _require_units(section: Section, path: Path) -> None:

@@ -1,0 +1,332 @@
+"""Another test of the same specimen: what a fitted model says of it, with a band, and whether it holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.identification import Identification, require_conditions
+from springpot.identification.uncertainty import student
+from springpot.measurement import (
+    AMPLITUDE_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    Measurement,
+    TimeTest,
+    Units,
+    noise_of,
+)
+from springpot.rheology import Model, Real
+
+from .parts import SweepPart, Test
+from .predicted import predicted
+from .result import TimeIdentification
+
+SCHEMA = "springpot.prediction/1"
+ENDLESS = 1e12
+"""Variance of a search coordinate that the data do not determine: a million natural sizes."""
+VAGUE = 0.5
+"""Expected error from which a fit says nothing of a test: it may be off by its own size."""
+NEAR = 2.0
+"""Factor by which a time may lie beyond those that a fit saw and still be one of them."""
+HOLDS = 2.0
+"""Error over what was to be expected up to which a prediction holds: nineteen of twenty of a normal error do."""
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """A model with its parameters and how well they are known.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters, in `units`.
+    covariance : ndarray, shape (p, p)
+        Of these parameters.
+    units : Units
+        Of the test that they were fitted to.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    misfit : float
+        Relative error that the fit itself has.
+    dof : float
+        Degrees of freedom behind the covariance.
+    seen : tuple of float
+        Angular frequencies in rad/s, or one over the times, between which the fitted tests told something.
+    """
+
+    model: Model
+    theta: Real
+    covariance: Real
+    units: Units
+    reference: float
+    misfit: float
+    dof: float
+    seen: tuple[float, float]
+
+    @classmethod
+    def of(cls, found: TimeIdentification | Identification) -> Known:
+        """From a fit to tests in time, or to a sweep."""
+        if isinstance(found, TimeIdentification):
+            points = sum(test.points for test in found.tests)
+            turn = found.slopes
+            return cls(
+                found.model,
+                found.theta,
+                turn @ found.covariance @ turn.T,
+                found.units,
+                found.reference,
+                found.relative_rms,
+                max(points - len(found.theta), 1),
+                found.seen,
+            )
+        coordinates, data = found.fit.task.coordinates, found.measurement
+        covariance = np.nan_to_num(found.uncertainty.covariance, nan=0.0, posinf=ENDLESS)
+        turn = coordinates.slopes(found.theta, coordinates.size[0])
+        return cls(
+            found.model,
+            found.theta,
+            turn @ covariance @ turn.T,
+            data.units,
+            data.reference_temperature,
+            found.relative_rms,
+            max(found.fit.dof, 1),
+            (float(data.omega.min()), float(data.omega.max())),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class TestPrediction:
+    """What a model says of a test that it was not fitted to.
+
+    Attributes
+    ----------
+    model, test : str
+        Their names.
+    kind : str
+        Of the test; ``sweep`` for one at frequencies.
+    at : ndarray, shape (m,)
+        Time in s, or frequency in Hz for K' and again for K''.
+    value, low, high : ndarray, shape (m,)
+        Prediction and its band, from the uncertainty of the parameters alone.
+    measured : ndarray, shape (m,)
+        What the test gave.
+    error : float
+        Root mean square of the difference over that of the signal.
+    expected : float
+        The same as it was to be expected: from the parameters, the misfit of the fit itself and the test's noise.
+    bias : float
+        Mean difference over the size of the signal: above zero where the model says too much.
+    inside : float
+        Share of the samples at times (or frequencies) that the fitted tests saw.
+    error_inside : float
+        The error of these alone; nan where there are none.
+    unit : str
+        Of the value.
+    """
+
+    __test__ = False  # pytest takes it for a test otherwise
+
+    model: str
+    test: str
+    kind: str
+    at: Real
+    value: Real
+    low: Real
+    high: Real
+    measured: Real
+    error: float
+    expected: float
+    bias: float
+    inside: float
+    error_inside: float
+    unit: str
+
+    @property
+    def verdict(self) -> str:
+        """``holds``, ``fails``, or ``vague`` where the fit hardly says anything of this test."""
+        if self.error > HOLDS * self.expected:
+            return "fails"
+        return "vague" if self.expected > VAGUE else "holds"
+
+    @property
+    def holds(self) -> bool:
+        """Whether the fit says something of this test, and the difference is no larger than was to be expected."""
+        return self.verdict == "holds"
+
+    @property
+    def says(self) -> str:
+        """One sentence."""
+        size = f"{100 * self.error:.2g} % off, where {100 * self.expected:.2g} % was to be expected"
+        beyond = ""
+        if self.inside < 1.0:
+            beyond = f"; {100 * (1.0 - self.inside):.0f} % of it lies beyond what the fitted tests saw"
+            if self.inside > 0.0:
+                beyond += f", {100 * self.error_inside:.2g} % off within"
+        if self.verdict == "vague":
+            return f"the fit hardly says anything of {self.test}: {size}{beyond}"
+        if self.holds:
+            return f"the prediction of {self.test} holds: {size}{beyond}"
+        way = "too much" if self.bias > 0 else "too little"
+        worst = int(np.argmax(np.abs(self.value - self.measured)))
+        place = f"{self.at[worst]:.3g} {'Hz' if self.kind == 'sweep' else 's'}"
+        mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {place}"
+        return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.prediction/1``."""
+        clock = "frequency" if self.kind == "sweep" else "time"
+        columns = (self.at, self.value, self.low, self.high, self.measured)
+        names = (clock, "value", "low", "high", "measured")
+        return {
+            "schema": SCHEMA,
+            "model": self.model,
+            "data": self.test,
+            "kind": self.kind,
+            "unit": self.unit,
+            "verdict": self.verdict,
+            "holds": self.holds,
+            "error": self.error,
+            "expected_error": self.expected,
+            "bias": self.bias,
+            "inside": self.inside,
+            "error_inside": self.error_inside if self.inside > 0.0 else None,
+            "says": self.says,
+            "points": [
+                dict(zip(names, row, strict=True))
+                for row in zip(*(column.tolist() for column in columns), strict=True)
+            ],
+        }
+
+
+def predict_test(known: Known | TimeIdentification | Identification, test: Test) -> TestPrediction:
+    """Predict a test and judge the prediction.
+
+    Parameters
+    ----------
+    known : Known, TimeIdentification or Identification
+        A fit to other tests of the specimen.
+    test : TimeTest or Measurement
+        The test.
+
+    Returns
+    -------
+    TestPrediction
+        In the units of the fit where both are of one kind.
+
+    Raises
+    ------
+    SpringpotError
+        If the model needs a condition that the test lacks, or one is of a stiffness and the other of a modulus.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> from springpot.timetests import identify, predict_test
+    >>> model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.01, 100.0, 60)
+    >>> theta = model.theta(k=400.0, c=60.0, alpha=0.5)
+    >>> scatter = 1.0 + 0.01 * np.random.default_rng(1).normal(size=60)
+    >>> fit = identify(springpot.TimeTest.of_relaxation(t, scatter * model.relaxation(theta, t), "kPa"), model)
+    >>> predict_test(fit, springpot.TimeTest.of_compliance(t, scatter * model.creep(theta, t), "kPa")).holds
+    True
+    """
+    if not isinstance(known, Known):
+        known = Known.of(known)
+    if isinstance(test, Measurement):
+        require_conditions(known.model, test)
+    elif "temperature" in known.model.needs and test.temperature is None:
+        raise DataError(f"{test.name}: {known.model.name} needs its temperature: add '?temperature=25[degC]'")
+    theta, covariance = _in_units_of(known, test.units)
+    compared = _in_time(test, known, theta) if isinstance(test, TimeTest) else _at_frequencies(test, known, theta)
+    by_theta, missed = compared.by_theta, compared.value - compared.measured
+    reach = np.sqrt(np.maximum(np.einsum("mi,ij,mj->m", by_theta, covariance, by_theta), 0.0))
+    wide = student(0.95, known.dof) * reach
+    known_error = np.hypot(reach, compared.noise) / compared.size
+    inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
+    return TestPrediction(
+        known.model.name,
+        test.name,
+        test.kind if isinstance(test, TimeTest) else "sweep",
+        compared.at,
+        compared.value,
+        compared.value - wide,
+        compared.value + wide,
+        compared.measured,
+        _rms(missed / compared.size),
+        float(np.hypot(_rms(known_error), known.misfit)),
+        float(np.mean(missed / compared.size * np.sign(compared.measured))),
+        float(np.mean(inside)),
+        _rms((missed / compared.size)[inside]) if inside.any() else float("nan"),
+        test.response_unit if isinstance(test, TimeTest) else test.units.stiffness,
+    )
+
+
+def _rms(values: Real) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
+    """Parameters and their covariance in the units of a test."""
+    own = known.units
+    if (own.stiffness in PRESSURE_UNITS) != (units.stiffness in PRESSURE_UNITS):
+        raise DataError(
+            f"the fit is in {own.stiffness} and the test in {units.stiffness}: a stiffness is no modulus; "
+            "convert one of them by its geometry"
+        )
+    stiffer = MODULUS_UNITS[own.stiffness] / MODULUS_UNITS[units.stiffness]
+    longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+    powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters]
+    factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
+    return known.theta * factors, known.covariance * np.outer(factors, factors)
+
+
+class _Compared(NamedTuple):
+    """A test and its prediction, sample by sample, and the size that differences are shares of.
+
+    The rate is the angular frequency, or one over the time since the load moved.
+    """
+
+    at: Real
+    rate: Real
+    value: Real
+    by_theta: Real
+    measured: Real
+    noise: Real
+    size: Real
+
+
+def _in_time(test: TimeTest, known: Known, theta: Real) -> _Compared:
+    found = predicted(known.model, theta, test, known.reference)
+    # At the very instant of a step the answer may be endless, and no instrument reads it.
+    seen = ~np.isin(test.time, test.loading.jumps[0])
+    measured = test.response[seen]
+    noise = noise_of(test).sd[seen]
+    since = np.maximum(test.time[seen] - test.start, 1e-300)
+    rate = (
+        1.0 / since
+        if test.kind in ("relaxation", "creep")
+        else np.full(len(since), float(np.sqrt(np.prod(test.seen))))
+    )
+    size = np.full(len(since), _rms(measured))
+    return _Compared(test.time[seen], rate, found.value[seen], found.by_theta[seen], measured, noise, size)
+
+
+def _at_frequencies(test: Measurement, known: Known, theta: Real) -> _Compared:
+    """K' and then K'', each point a share of its |K|."""
+    at = replace(test, reference=known.reference).points
+    value, slopes = known.model.stiffness(theta, at), known.model.jacobian(theta, at)
+    sd = SweepPart(test).sd
+    return _Compared(
+        np.tile(test.frequency, 2),
+        np.tile(test.omega, 2),
+        np.concatenate([value.real, value.imag]),
+        np.concatenate([slopes.real, slopes.imag]),
+        np.concatenate([test.storage, test.loss]),
+        np.concatenate([sd.real, sd.imag]),
+        np.tile(test.magnitude, 2) / np.sqrt(2.0),
+    )
