@@ -18,6 +18,8 @@ from springpot.registry import parse_model, plugins
 from springpot.rheology import Handoff, Layer, Model, Prony, Real, Writer, prony_of
 
 ZERO_CELSIUS = 273.15
+_EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
+"""A frequency and its unit."""
 LARGEST = 10_000_000
 """Bytes of a fit's JSON: it has some thousand."""
 
@@ -184,11 +186,8 @@ def _band(text: str) -> tuple[float, float]:
     """Angular frequencies of a band such as ``1Hz:48Hz``."""
     edges = []
     for part in text.split(":"):
-        match = re.fullmatch(r"\s*([-+.\deE]+?)\s*([^\d\s].*?)\s*", part)
-        try:
-            number = float(match[1]) if match else np.nan
-        except ValueError:
-            number = np.nan
+        match = _EDGE.fullmatch(part)
+        number = float(match[1]) if match else np.nan
         if match is None or not 0.0 < number < np.inf:
             raise DataError(f"'{text}' is no band: write two frequencies with their units, such as 1Hz:48Hz")
         edges.append(number * FREQUENCY_UNITS[known_unit(match[2], FREQUENCY_UNITS, "the band")])

@@ -20,6 +20,7 @@ from springpot.identification import Identification, Objective, default_objectiv
 from springpot.identification.kept import fit_of, uncertainty_of
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Model
+from springpot.timetests import Known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -102,7 +103,7 @@ class KeptComparison:
         return dict(self.kept)
 
 
-Loaded = Identification | Diagnosis | KeptLadder | KeptComparison
+Loaded = Identification | Diagnosis | KeptLadder | KeptComparison | Known
 
 
 def load(path: str | Path) -> Loaded:
@@ -115,7 +116,7 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, Diagnosis, KeptLadder or KeptComparison
+    Identification, Known, Diagnosis, KeptLadder or KeptComparison
         By the schema that the file names.
 
     Raises
@@ -278,8 +279,13 @@ def _comparison(answer: dict[str, Any]) -> KeptComparison:
     return KeptComparison(answer["data"], judgements, tuple(answer["notes"]), answer)
 
 
+def _fit_in_time(answer: dict[str, Any]) -> Known:
+    return Known.read(answer, parse_model(str(answer["model"])))
+
+
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.identification/1": _fit,
+    "springpot.identification-in-time/1": _fit_in_time,
     "springpot.diagnosis/1": _diagnosis,
     "springpot.discovery/1": _ladder,
     "springpot.comparison/1": _comparison,

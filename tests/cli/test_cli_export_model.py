@@ -14,7 +14,7 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     fit = springpot("identify", data, "--model", "maxwell + parallel-dashpot", "--json").json
     path = tmp_path / "fit.json"
     path.write_text(json.dumps(fit), encoding="utf-8")
-    answer = springpot("export-model", path, "--to", "csv", "--band", "1rad/s:100rad/s", "--dashpot")
+    answer = springpot("export-model", path, "--to", "csv", "--band", "1.0rad/s:1e2 rad/s", "--dashpot")
     assert answer.code == 0, answer.err
     assert f"weight [{fit['parameters']['k']['unit']}]" in answer.out
     tau = fit["parameters"]["c"]["value"] / fit["parameters"]["k"]["value"]

@@ -51,7 +51,7 @@ def test_inspect_says_what_was_understood(springpot, relaxed):
 
 def test_identify_from_one_test(springpot, relaxed):
     answer = springpot("identify", relaxed, "--model", "fractional-maxwell", "--json").json
-    assert answer["schema"] == "springpot.identification/1"
+    assert answer["schema"] == "springpot.identification-in-time/1"
     assert answer["parameters"]["k"]["low"] < 400.0 < answer["parameters"]["k"]["high"]
     assert answer["tests"][0]["over_floor"] == pytest.approx(1.0, abs=0.25)
     assert np.array(answer["covariance"]).shape == (3, 3)
@@ -64,6 +64,43 @@ def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept,
     for word in ("3 tests", "sweep", "relaxation", "creep", "x floor alone"):
         assert word in answer.out
     assert figure.stat().st_size > 10_000
+
+
+@pytest.fixture
+def fit(springpot, relaxed, tmp_path):
+    path = tmp_path / "fit.json"
+    path.write_text(springpot("identify", relaxed, "-m", "fractional-maxwell", "--json").out)
+    return path
+
+
+def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
+    table, picture = tmp_path / "predicted.csv", tmp_path / "predicted.png"
+    told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
+    assert told.code == 0, told.err
+    assert "the prediction of creep holds" in told.out
+    assert table.read_text().startswith("time [s],value [-],low [-],high [-],measured [-]")
+    assert picture.stat().st_size > 5_000
+    answer = springpot("predict", fit, "--history", swept, "--json").json
+    assert (answer["kind"], answer["verdict"]) == ("sweep", "holds")
+
+
+def test_predict_the_force_of_a_displacement_alone(springpot, fit, write, tmp_path):
+    path = write("time [s],displacement [mm]\n0,0\n1,1\n2,0.5\n", "course.csv")
+    springpot("predict", fit, "--history", path).is_one_line("a stiffness is no modulus")
+    strained = write("time [s],strain [%]\n0,0\n1,1\n2,0.5\n", "strain.csv")
+    answer = springpot("predict", fit, "--history", strained, "--json").json
+    assert (answer["verdict"], answer["unit"], len(answer["points"])) == ("not-judged", "Pa", 3)
+
+
+def test_predict_frequencies_from_a_test_in_time(springpot, fit):
+    answer = springpot("predict", fit, "--frequency", "0.1,1", "--json").json
+    exact = MODEL.stiffness(THETA, 2 * np.pi * np.array([0.1, 1.0]))
+    assert [row["storage"] for row in answer["points"]] == pytest.approx(exact.real, rel=0.05)
+    springpot("predict", fit, "--frequency", "1", "--history", "x.csv").is_one_line("or a --history")
+
+
+def test_export_from_a_fit_to_tests_in_time(springpot, fit):
+    assert "uniaxialMaterial" in springpot("export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz").out
 
 
 def test_what_is_for_sweeps_is_refused(springpot, relaxed):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import timetests
 from .common import FILE, emit, json_option
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ SPACED = 25
 @click.argument("fit", type=FILE, metavar="FIT.json")
 @click.option("--frequency", "-f", metavar="HZ", help="In Hz: numbers with commas, or a range such as 0.1..100.")
 @click.option("--omega", "-w", metavar="RAD/S", help="In rad/s instead.")
+@click.option("--history", metavar="FILE", help="A test in time, or a sweep, that is predicted and compared.")
 @click.option("--temperature", "-t", type=float, metavar="DEGC", help="In degC, where the model depends on it.")
 @click.option("--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data.")
 @click.option("--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True)
@@ -30,6 +32,7 @@ def command(
     fit: Path,
     frequency: str | None,
     omega: str | None,
+    history: str | None,
     temperature: float | None,
     amplitude: float | None,
     level: float,
@@ -40,20 +43,27 @@ def command(
     """Storage and loss that the model of FIT.json has at other frequencies, temperatures or amplitudes.
 
     FIT.json is what 'springpot identify DATA --model EXPR --json' prints. The band is that of the model's curve.
+    With --history another test of the specimen is predicted, in time or at frequencies, and it is told whether the
+    prediction holds; where only what is imposed is in FILE, the answer to it is given.
     """
     from springpot.errors import DataError
     from springpot.files import write_text
     from springpot.identification import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
+    from springpot.timetests import Known
 
     if figure is not None:
         check_figure_path(figure)
-    if (frequency is None) == (omega is None):
-        raise click.UsageError("give --frequency (Hz) or --omega (rad/s)", click.get_current_context())
+    if [frequency, omega, history].count(None) != 2:
+        advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
+        raise click.UsageError(advice, click.get_current_context())
     found = load(fit)
-    if not isinstance(found, Identification):
+    if not isinstance(found, Identification | Known):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
+    if history is not None:
+        timetests.predict(found, history, temperature, output, figure, as_json)
+        return
     predicted = found.predict(
         None if frequency is None else numbers(frequency),
         omega=None if omega is None else numbers(omega),

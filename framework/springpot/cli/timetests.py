@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 from .common import emit, opened
 
 if TYPE_CHECKING:
+    from springpot.identification import Identification
     from springpot.measurement import TimeTest
-    from springpot.timetests import Test, TimeIdentification
+    from springpot.timetests import Known, Test, TestPrediction, TimeIdentification
 
 SWEEPS_ONLY = ("optimiser", "objective", "budget", "restarts", "seed")
 """Options of searches among sweeps."""
@@ -168,3 +169,57 @@ def _sized(entry: dict[str, Any]) -> str:
     from springpot.report.numbers import number
 
     return f"{number(entry['value'])} {entry['unit']}"
+
+
+def predict(
+    found: Identification | Known,
+    spec: str,
+    temperature: float | None,
+    output: Path | None,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """``springpot predict --history``: another test of the specimen, and whether its prediction holds."""
+    from springpot.files import write_text
+    from springpot.timetests import predict_test
+
+    predicted = predict_test(found, _asked(spec, temperature))
+    if output is not None:
+        write_text(output, _table_text(predicted))
+    if figure is not None:
+        from springpot.report.timetests import figure_prediction
+
+        figure_prediction(predicted, figure)
+    emit(predicted, as_json, lambda: print(f"{predicted.model}: {predicted.says}"))
+    for path in (output, figure):
+        if path is not None and not as_json:
+            print(f"written: {path}")
+
+
+def _asked(spec: str, temperature: float | None) -> Test:
+    """The test to be predicted: in time, measured or only planned, or else a sweep."""
+    from dataclasses import replace
+
+    from springpot.errors import DataError
+    from springpot.registry import open_in_time
+
+    mark = "," if "?" in spec else "?"
+    in_time = open_in_time(f"{spec}{mark}answer=none")
+    if not in_time:
+        return opened(spec)
+    if len(in_time) > 1:
+        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
+    test = in_time[0]
+    return test if temperature is None else replace(test, temperature=temperature)
+
+
+def _table_text(predicted: TestPrediction) -> str:
+    """A CSV table with units in its header."""
+    clock = "frequency [Hz]" if predicted.kind == "sweep" else "time [s]"
+    unit = predicted.unit
+    names = [clock, f"value [{unit}]", f"low [{unit}]", f"high [{unit}]"]
+    columns = [predicted.at, predicted.value, predicted.low, predicted.high]
+    if predicted.judged:
+        names, columns = [*names, f"measured [{unit}]"], [*columns, predicted.measured]
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return "\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows)]) + "\n"

@@ -15,7 +15,16 @@ from springpot.plain import plain
 from springpot.rheology import Real
 
 from .signals import stiffness_unit
-from .units import AMPLITUDE_UNITS, MODULUS_UNITS, PRESSURE_UNITS, Units
+from .units import (
+    AMPLITUDE_UNITS,
+    ANGLE_UNITS,
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    MODULUS_UNITS,
+    PRESSURE_UNITS,
+    TORQUE_UNITS,
+    Units,
+)
 
 CONTROLS = ("displacement", "force")
 STEADY = 0.02
@@ -114,6 +123,8 @@ class TimeTest:
         Shown in reports.
     provenance : mapping of str to str
         Where the data come from.
+    measured : bool
+        Whether the response was measured; otherwise it is zero and only asked for.
 
     Raises
     ------
@@ -136,6 +147,7 @@ class TimeTest:
     temperature: float | None = None
     name: str = "test"
     provenance: Mapping[str, str] = field(default_factory=dict)
+    measured: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -287,6 +299,33 @@ class TimeTest:
             name,
             provenance or {},
         )
+
+    @classmethod
+    def planned(
+        cls,
+        time: ArrayLike,
+        imposed: ArrayLike,
+        unit: str,
+        *,
+        temperature: float | None = None,
+        name: str = "planned",
+    ) -> TimeTest:
+        """A test that is only to be predicted: displacement, strain, force or stress against time, by its unit.
+
+        The answer is asked for in N and m, Pa and shares, or N m and rad.
+        """
+        clock, course = np.asarray(time, dtype=float), np.asarray(imposed, dtype=float)
+        if unit == "%":
+            course, unit = 0.01 * course, "-"
+        pairs = ((LENGTH_UNITS, FORCE_UNITS, "m", "N"), ({"-": 1.0}, PRESSURE_UNITS, "-", "Pa"))
+        for lengths, forces, length, force in (*pairs, (ANGLE_UNITS, TORQUE_UNITS, "rad", "N m")):
+            if unit in lengths or unit in forces:
+                control = "displacement" if unit in lengths else "force"
+                units = (unit, force) if unit in lengths else (length, unit)
+                _require_numbers(clock, course, name, control)
+                loading = _from_rest(clock, course, 0.0)
+                return cls(clock, 0.0 * clock, loading, control, *units, temperature, name, {}, False)
+        raise DataError(f"{name}: [{unit}] is no unit of a displacement, strain, force or stress")
 
     def __len__(self) -> int:
         return len(self.time)

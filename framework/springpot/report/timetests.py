@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.measurement import Measurement, TimeTest
 from springpot.rheology import Model, Real
-from springpot.timetests import Test, TimeIdentification, predicted
+from springpot.timetests import Test, TestPrediction, TimeIdentification, predicted
 from springpot.timetests.parts import InTimePart, parts_of_specimen
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
@@ -108,3 +108,48 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, model: Model, theta: Re
     row[2].set(xlabel="f [Hz]", ylabel="error [% of |K|]")
     row[2].axhline(0.0, color=INK, lw=0.5)
     logarithmic(row[2], "x")
+
+
+def figure_prediction(found: TestPrediction, path: str | Path | None = None) -> Figure:
+    """A predicted test with its band, over logarithmic and linear time, or K' and K'' over the frequency.
+
+    Parameters
+    ----------
+    found : TestPrediction
+        The prediction.
+    path : str or Path, optional
+        Where to write it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    with blank(9.0, 3.6) as figure:
+        row = figure.subplots(1, 2)
+        if found.kind == "sweep":
+            half = len(found.at) // 2
+            for axes, name, rows in zip(row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True):
+                _draw_predicted(axes, found, rows)
+                axes.set(xlabel="f [Hz]", ylabel=f"{name} [{found.unit}]")
+                logarithmic(axes, "x")
+        else:
+            for axes in row:
+                _draw_predicted(axes, found, slice(None))
+                axes.set(xlabel="t [s]", ylabel=f"[{found.unit}]")
+            if found.at[0] > 0.0:
+                logarithmic(row[0], "x")
+        row[0].set_title(f"{found.test}: {found.verdict}")
+        row[0].legend()
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def _draw_predicted(axes: Axes, found: TestPrediction, rows: slice) -> None:
+    order = np.argsort(found.at[rows])
+    at = found.at[rows][order]
+    if found.judged:
+        axes.plot(found.at[rows], found.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
+    axes.fill_between(at, found.low[rows][order], found.high[rows][order], color=COLOURS[0], alpha=0.2, lw=0)
+    axes.plot(at, found.value[rows][order], color=COLOURS[0], label=f"{found.model}, predicted")

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
-from springpot.identification import Identification, require_conditions
+from springpot.identification import Identification, Prediction, require_conditions
 from springpot.identification.uncertainty import student
 from springpot.measurement import (
     AMPLITUDE_UNITS,
+    KELVIN,
     MODULUS_UNITS,
     PRESSURE_UNITS,
     Measurement,
@@ -19,7 +21,7 @@ from springpot.measurement import (
     Units,
     noise_of,
 )
-from springpot.rheology import Model, Real
+from springpot.rheology import Model, Points, Real
 
 from .parts import SweepPart, Test
 from .predicted import predicted
@@ -99,6 +101,64 @@ class Known:
             (float(data.omega.min()), float(data.omega.max())),
         )
 
+    @classmethod
+    def read(cls, answer: dict[str, Any], model: Model) -> Known:
+        """From the JSON of an identification from tests in time."""
+        kept = answer["kept"]
+        points = sum(int(test["points"]) for test in answer["tests"])
+        return cls(
+            model,
+            np.array(kept["theta"], dtype=float),
+            np.array(kept["covariance"], dtype=float),
+            Units(str(kept["units"]["stiffness"]), str(kept["units"]["amplitude"])),
+            float(kept["reference"]),
+            float(answer["relative_rms"]),
+            max(points - len(model.parameters), 1),
+            (float(kept["seen"][0]), float(kept["seen"][1])),
+        )
+
+    def predict(
+        self,
+        frequency: ArrayLike | None = None,
+        *,
+        omega: ArrayLike | None = None,
+        temperature: float | None = None,
+        amplitude: float | None = None,
+        level: float = 0.95,
+    ) -> Prediction:
+        """K at frequencies in Hz or angular frequencies in rad/s, with a band; see `Identification.predict`.
+
+        Raises
+        ------
+        DataError
+            If there are no such frequencies, or the model needs a temperature (degC) or an amplitude.
+        """
+        if (frequency is None) == (omega is None):
+            raise DataError("give frequency [Hz] or omega [rad/s]")
+        rate = omega if frequency is None else 2.0 * np.pi * np.asarray(frequency, dtype=float)
+        omega = np.atleast_1d(np.asarray(rate, dtype=float))
+        if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
+            raise DataError("frequencies are a list of numbers, finite and above zero")
+        given = {"temperature": temperature, "amplitude": amplitude}
+        for name in sorted(self.model.needs):
+            if given.get(name) is None:
+                raise DataError(f"{self.model.name} needs {name}: give it")
+        conditions = {name: np.full(len(omega), value) for name, value in given.items() if value is not None}
+        warm = conditions.get("temperature")
+        kelvin = None if warm is None else warm + KELVIN
+        points = Points(np.log(omega), conditions.get("amplitude"), kelvin, self.reference)
+        value, slopes = self.model.stiffness(self.theta, points), self.model.jacobian(self.theta, points)
+        quantile = student(level, self.dof)
+        real, imaginary = (quantile * _reach(part, self.covariance) for part in (slopes.real, slopes.imag))
+        wide = real + 1j * imaginary
+        return Prediction(self.model.name, omega, value, value - wide, value + wide, conditions, self.units, level)
+
+
+def _reach(slopes: Real, covariance: Real) -> Real:
+    """Standard deviation (m,) of something whose derivatives by the parameters are `slopes` (m, p)."""
+    variance: Real = np.einsum("mi,ij,mj->m", slopes, covariance, slopes)
+    return np.sqrt(np.maximum(variance, 0.0))
+
 
 @dataclass(frozen=True, eq=False)
 class TestPrediction:
@@ -128,6 +188,8 @@ class TestPrediction:
         The error of these alone; nan where there are none.
     unit : str
         Of the value.
+    judged : bool
+        Whether the test was measured; otherwise there is nothing to judge by.
     """
 
     __test__ = False  # pytest takes it for a test otherwise
@@ -146,10 +208,13 @@ class TestPrediction:
     inside: float
     error_inside: float
     unit: str
+    judged: bool = True
 
     @property
     def verdict(self) -> str:
-        """``holds``, ``fails``, or ``vague`` where the fit hardly says anything of this test."""
+        """``holds``, ``fails``, ``vague`` where the fit hardly says anything of this test, or ``not-judged``."""
+        if not self.judged:
+            return "not-judged"
         if self.error > HOLDS * self.expected:
             return "fails"
         return "vague" if self.expected > VAGUE else "holds"
@@ -162,6 +227,9 @@ class TestPrediction:
     @property
     def says(self) -> str:
         """One sentence."""
+        if not self.judged:
+            wide = _rms(0.5 * (self.high - self.low)) / max(_rms(self.value), 1e-300)
+            return f"{self.test} is predicted to within {100 * wide:.2g} % by the uncertainty of the parameters"
         size = f"{100 * self.error:.2g} % off, where {100 * self.expected:.2g} % was to be expected"
         beyond = ""
         if self.inside < 1.0:
@@ -191,9 +259,9 @@ class TestPrediction:
             "unit": self.unit,
             "verdict": self.verdict,
             "holds": self.holds,
-            "error": self.error,
-            "expected_error": self.expected,
-            "bias": self.bias,
+            "error": self.error if self.judged else None,
+            "expected_error": self.expected if self.judged else None,
+            "bias": self.bias if self.judged else None,
             "inside": self.inside,
             "error_inside": self.error_inside if self.inside > 0.0 else None,
             "says": self.says,
@@ -244,7 +312,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     theta, covariance = _in_units_of(known, test.units)
     compared = _in_time(test, known, theta) if isinstance(test, TimeTest) else _at_frequencies(test, known, theta)
     by_theta, missed = compared.by_theta, compared.value - compared.measured
-    reach = np.sqrt(np.maximum(np.einsum("mi,ij,mj->m", by_theta, covariance, by_theta), 0.0))
+    reach = _reach(by_theta, covariance)
     wide = student(0.95, known.dof) * reach
     known_error = np.hypot(reach, compared.noise) / compared.size
     inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
@@ -263,6 +331,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         float(np.mean(inside)),
         _rms((missed / compared.size)[inside]) if inside.any() else float("nan"),
         test.response_unit if isinstance(test, TimeTest) else test.units.stiffness,
+        not isinstance(test, TimeTest) or test.measured,
     )
 
 
@@ -304,8 +373,8 @@ def _in_time(test: TimeTest, known: Known, theta: Real) -> _Compared:
     found = predicted(known.model, theta, test, known.reference)
     # At the very instant of a step the answer may be endless, and no instrument reads it.
     seen = ~np.isin(test.time, test.loading.jumps[0])
-    measured = test.response[seen]
-    noise = noise_of(test).sd[seen]
+    measured = test.response[seen] if test.measured else found.value[seen]
+    noise = noise_of(test).sd[seen] if test.measured else np.zeros(len(measured))
     since = np.maximum(test.time[seen] - test.start, 1e-300)
     rate = (
         1.0 / since

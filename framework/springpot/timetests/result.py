@@ -16,7 +16,7 @@ from springpot.rheology import Model, Real
 if TYPE_CHECKING:
     from .parts import Part
 
-SCHEMA = "springpot.identification/1"
+SCHEMA = "springpot.identification-in-time/1"
 LEVEL = 0.95
 AGREE = 1.5
 """A test that the common parameters miss by this many times what its own would leave does not agree with the others:
@@ -230,7 +230,7 @@ class TimeIdentification:
         return tuple(said)
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain data, schema ``springpot.identification/1``; an interval without an end has None."""
+        """As plain data, schema ``springpot.identification-in-time/1``; an interval without an end has None."""
         return {
             "schema": SCHEMA,
             "model": self.model.name,

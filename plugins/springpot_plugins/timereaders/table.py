@@ -57,11 +57,14 @@ class Manner:
         Seconds that a step took.
     temperature : float, optional
         In degC.
+    planned : bool
+        Whether the answer may be missing, since it is to be predicted (``answer=none``).
     """
 
     control: str | None = None
     ramp: float = 0.0
     temperature: float | None = None
+    planned: bool = False
 
 
 def recognises(head: bytes) -> float:
@@ -112,12 +115,13 @@ def _manner(choice: Choice, path: Path) -> tuple[Manner, dict[str, str]]:
     """What is said of the whole test, and the rest, which is of columns."""
     columns = dict(choice.columns)
     control = columns.pop("control", None)
+    planned = columns.pop("answer", "") == "none"
     if control is not None and control not in CONTROLS:
         raise DataError(f"{path}: control is displacement or force, not '{control:.20}'")
     ramp = _constant(columns, "ramp", TIME_UNITS, "0.05[s]", path)
     warm = _constant(columns, "temperature", TEMPERATURE_UNITS, "25[degC]", path)
     seconds = 0.0 if ramp is None else ramp[0] * TIME_UNITS[ramp[1]]
-    return Manner(control, seconds, None if warm is None else temperature_in_celsius(*warm)), columns
+    return Manner(control, seconds, None if warm is None else temperature_in_celsius(*warm), planned), columns
 
 
 def _constant(
@@ -189,7 +193,16 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
             unit = section.titles[place].unit
             whole = unit if role == "relaxation" else _inverse(unit, path)
             return make(clock, section.column(place), whole, rise=manner.ramp, **said)  # type: ignore[arg-type]
+    if manner.planned and (alone := _alone(section)) is not None:
+        unit = section.titles[alone].unit
+        return TimeTest.planned(clock, section.column(alone), unit, temperature=temperature, name=name)
     raise _lacking(section, path)
+
+
+def _alone(section: Section) -> int | None:
+    """The column of what is imposed, where there is nothing else."""
+    found = [i for i, title in enumerate(section.titles) if title.role in ("displacement", "force")]
+    return found[0] if len(found) == 1 else None
 
 
 def _first(section: Section, role: str) -> int | None:

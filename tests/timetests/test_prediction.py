@@ -1,0 +1,108 @@
+"""Fit one test, predict another: the band, and whether it holds."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import DataError
+from springpot.measurement import Measurement, TimeTest, Units
+from springpot.registry import parse_model
+from springpot.timetests import Known, identify, predict_test
+
+MODEL = parse_model("fractional-zener")
+TRUE = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
+T = np.geomspace(0.01, 100.0, 150)
+
+
+def scatter(seed, n=150):
+    return 1.0 + 0.01 * np.random.default_rng(seed).normal(size=n)
+
+
+def relaxed(seed=1):
+    return TimeTest.of_relaxation(T, MODEL.relaxation(TRUE, T) * scatter(seed), "kPa")
+
+
+def crept(factor=1.0, seed=2):
+    return TimeTest.of_compliance(T, factor * MODEL.creep(TRUE, T) * scatter(seed), "kPa")
+
+
+def swept(unit="kPa", size=1.0):
+    omega = np.geomspace(0.03, 30.0, 25)
+    return Measurement(
+        omega, size * MODEL.stiffness(TRUE, omega) * scatter(3, 25), units=Units(unit, "-"), name="sweep"
+    )
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return identify(relaxed(), MODEL)
+
+
+def test_another_test_of_the_specimen_holds(fit):
+    for test in (crept(), swept(), swept("Pa", 1e3)):
+        found = predict_test(fit, test)
+        assert found.holds, found.says
+        assert "holds" in found.says
+        assert found.error < 0.03
+
+
+def test_another_specimen_does_not_hold_and_it_is_told_which_way(fit):
+    found = predict_test(fit, crept(1.3))
+    assert found.verdict == "fails"
+    assert found.bias == pytest.approx(1 / 1.3 - 1.0, abs=0.05)
+    assert "too little on average" in found.says
+
+
+def test_a_sweep_predicts_a_test_in_time():
+    found = predict_test(springpot.identify(swept(), MODEL), relaxed())
+    assert found.error < 0.05
+    assert found.verdict in ("holds", "fails")
+    assert found.inside < 1.0
+    assert "beyond what the fitted tests saw" in found.says
+
+
+def test_the_band_holds_the_truth(fit):
+    """At a level of 95 % the true curve lies within 1.5 times the band everywhere, for several noises."""
+    outside = 0
+    for seed in range(5, 15):
+        found = predict_test(identify(relaxed(seed), MODEL), crept())
+        exact = MODEL.creep(TRUE, T)
+        middle, wide = 0.5 * (found.high + found.low), 0.5 * (found.high - found.low)
+        outside += bool(np.any(np.abs(exact - middle) > 1.5 * wide))
+    assert outside <= 2
+
+
+def test_a_fit_that_does_not_determine_the_test_says_so():
+    early = T < 0.02
+    few = TimeTest.of_relaxation(T[early][:8], relaxed().response[early][:8], "kPa")
+    assert predict_test(identify(few, MODEL), crept()).verdict in ("vague", "fails")
+
+
+def test_a_planned_test_is_predicted_and_not_judged(fit):
+    t = np.linspace(0.0, 5.0, 200)
+    found = predict_test(fit, TimeTest.planned(t, 2.0 * np.sin(t), "%"))
+    assert found.verdict == "not-judged"
+    assert found.unit == "Pa"
+    assert found.value == pytest.approx(1e3 * MODEL.respond(fit.theta, t, 0.02 * np.sin(t)), rel=1e-4, abs=1e-3)
+    assert found.to_dict()["error"] is None
+
+
+def test_what_was_written_predicts_the_same(fit, tmp_path):
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit.to_dict()))
+    again = springpot.load(path)
+    assert isinstance(again, Known)
+    assert np.array_equal(predict_test(again, crept()).high, predict_test(fit, crept()).high)
+    predicted = again.predict(omega=[1.0])
+    assert predicted.stiffness[0] == pytest.approx(MODEL.stiffness(fit.theta, np.ones(1))[0])
+    assert predicted.low.real[0] < predicted.storage[0] < predicted.high.real[0]
+
+
+def test_a_stiffness_is_no_modulus(fit):
+    omega = np.ones(3)
+    with pytest.raises(DataError, match="a stiffness is no modulus"):
+        predict_test(fit, Measurement(omega, omega + 1j, units=Units("kN/m", "mm")))
