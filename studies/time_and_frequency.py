@@ -135,8 +135,8 @@ def report(found: Sequence[Row], joint: Sequence[tuple[int, TimeIdentification]]
     headers = ("temperature", "model", "test", "error %", "x floor alone", "x floor together", "agrees")
     return (
         "# One polystyrene, three tests, five temperatures\n\n"
-        "Written by `python studies/time_and_frequency.py`; its text says what was done. Errors are root mean squares "
-        "over that of the signal (of |K| for oscillation). *Seen before* is the share of a test at times or "
+        "Written by `python studies/time_and_frequency.py`; its text says what was done. Errors are root mean "
+        "squares over that of the signal (of |K| for oscillation). *Seen before* is the share of a test at times or "
         "frequencies that the fitted test reached, *error within* the error there; the rest is extrapolated.\n\n"
         f"Of {len(found)} predictions {counts['holds']} hold, {counts['fails']} do not, and of {counts['vague']} the "
         "fit hardly says anything.\n\n"
