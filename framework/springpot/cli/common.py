@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+NARROWEST, USUAL, WIDEST = 60, 120, 140
+"""Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
 FILE = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
@@ -71,6 +74,47 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
             if key.startswith("note "):
                 print(f"note: {measured.name}: {value}", file=sys.stderr)
     return measured if interface is None else through(measured, interface)
+
+
+def known_options(command: F) -> F:
+    """Add what a user knows beforehand: ``--fix``, ``--bounds`` and ``--exclude``."""
+    for option in (
+        click.option("--exclude", multiple=True, metavar="WHERE", help="Leave out rows: frequency=40..60, row=3."),
+        click.option("--bounds", multiple=True, metavar="NAME=LOW:HIGH", help="Keep a parameter within: k1=0:200."),
+        click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in printed units."),
+    ):
+        command = option(command)
+    return command
+
+
+def known_from(options: dict[str, Any]) -> dict[str, Any]:
+    """The arguments ``fix``, ``bounds`` and ``exclude`` of Python, taken out of a command's options."""
+    from springpot.constraints import bounds_of, values_of
+
+    return {
+        "fix": values_of(options.pop("fix")),
+        "bounds": bounds_of(options.pop("bounds")),
+        "exclude": options.pop("exclude"),
+    }
+
+
+def verbose_option(command: F) -> F:
+    """Add ``--verbose``."""
+    return click.option("--verbose", "-v", is_flag=True, help="Everything that was found, not only what leads.")(
+        command
+    )
+
+
+def window() -> int:
+    """Columns of the terminal; a usual window where the text goes elsewhere."""
+    return max(NARROWEST, min(get_terminal_size((USUAL, 24)).columns, WIDEST))
+
+
+def quoted(text: str) -> str:
+    """An argument as a shell takes it, in a command that is shown to be copied."""
+    from shlex import quote
+
+    return quote(text)
 
 
 @contextmanager

@@ -8,21 +8,43 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import geometry_option, json_option, judged_option, opened, seed_option
+from .common import (
+    geometry_option,
+    json_option,
+    judged_option,
+    known_from,
+    known_options,
+    opened,
+    quoted,
+    seed_option,
+    verbose_option,
+    window,
+)
 from .faults import BAD_INPUT, FAULT, exit_code
+from .waiting import Waiting
 
 if TYPE_CHECKING:
+    from springpot.diagnosis import Diagnosis
     from springpot.measurement import Measurement
-    from springpot.rheology import Model
 
 
 @click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
 @click.argument("data", nargs=-1, required=True, metavar="DATA...")
 @judged_option
+@known_options
 @seed_option
 @geometry_option
+@verbose_option
 @json_option
-def command(data: tuple[str, ...], model: str | None, seed: int | None, geometry: str | None, as_json: bool) -> int:
+def command(
+    data: tuple[str, ...],
+    model: str | None,
+    seed: int | None,
+    geometry: str | None,
+    verbose: bool,
+    as_json: bool,
+    **options: Any,
+) -> int:
     """Where a model fails on DATA, which physical effect is missing, how sure that is, and what to measure next.
 
     Without --model any linear passive material is judged: what is missing then is no part of the material.
@@ -33,26 +55,48 @@ def command(data: tuple[str, ...], model: str | None, seed: int | None, geometry
     from springpot.registry import parse_model
 
     expression = None if model is None else parse_model(model)
+    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     lines = as_json and len(data) > 1
     worst = 0
     for i, name in enumerate(data):
         if i and not as_json:
             print()
         opener = partial(opened, name, geometry)
-        code = exit_code(partial(_answer, opener, expression, seed or 0, as_json, lines))
+        shown = partial(_json, line=lines) if as_json else partial(_text, verbose=verbose, named=name, model=model)
+        code = exit_code(partial(_answer, opener, arguments, shown))
         if code not in (0, BAD_INPUT, FAULT):  # interrupted, or nobody reads on
             return code
         worst = max(worst, code)
     return worst
 
 
-def _answer(opener: Callable[[], Measurement], model: Model | None, seed: int, as_json: bool, line: bool) -> int:
+Shown = Callable[["Diagnosis", "Measurement"], str]
+
+
+def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown: Shown) -> int:
     from springpot.api import diagnose
-    from springpot.report.answers import diagnosis_text
-    from springpot.report.jsontext import to_json
 
     measurement = opener()
-    diagnosis: Any = diagnose(measurement, model, seed=seed)
-    text = to_json(diagnosis, None if line else 2) if as_json else diagnosis_text(diagnosis, measurement)
-    print(text, flush=True)
+    judged = arguments["model"].name if arguments["model"] else "any material"
+    with Waiting() as waiting:
+        waiting.told(f"diagnosing {judged} of {measurement.name}")
+        diagnosis = diagnose(measurement, **arguments)
+    print(shown(diagnosis, measurement), flush=True)
     return 0
+
+
+def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> str:
+    from springpot.report.jsontext import to_json
+
+    return to_json(diagnosis, None if line else 2)
+
+
+def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None) -> str:
+    """The answer, and the command that goes on from it."""
+    from springpot.report.answers import diagnosis_text
+
+    text = diagnosis_text(diagnosis, measurement, window(), verbose)
+    if diagnosis.best is None:
+        return text
+    judged = "" if model is None else f" --model {quoted(model)}"
+    return f"{text}\n\nnext: springpot discover {quoted(named)}{judged} --accept {diagnosis.best.effect}"

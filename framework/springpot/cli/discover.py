@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from .common import FILE, data_argument, emit, geometry_option, json_option, judged_option, opened, seed_option
+from .common import (
+    FILE,
+    data_argument,
+    emit,
+    geometry_option,
+    json_option,
+    judged_option,
+    known_from,
+    known_options,
+    opened,
+    seed_option,
+    verbose_option,
+    window,
+)
+from .waiting import Waiting
 
 
 @click.command(
@@ -19,8 +34,10 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, jud
 @click.option("--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left.")
 @click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf).")
+@known_options
 @seed_option
 @geometry_option
+@verbose_option
 @json_option
 def command(
     data: str,
@@ -32,7 +49,9 @@ def command(
     figure: Path | None,
     seed: int | None,
     geometry: str | None,
+    verbose: bool,
     as_json: bool,
+    **options: Any,
 ) -> None:
     """Add effects that are missing from a model of DATA and show how far each lowers the error.
 
@@ -57,16 +76,34 @@ def command(
     expression = None if model is None else parse_model(model)
     effects = [plugins().effect(name) for name in accept]
     measurement = opened(data, geometry)
-    ladder = discover(measurement, expression, accept=None if auto else effects, seed=seed or 0)
+    wanted = None if auto else effects
+    again = again_with(data, model, accept, auto, seed, geometry, options)
+    with Waiting() as waiting:
+        waiting.told(f"looking for what is missing in {measurement.name}")
+        ladder = discover(measurement, expression, accept=wanted, seed=seed or 0, **known_from(options))
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:
-        choice = ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
-        named = [] if model is None else ["--model", model]
-        again = ["springpot", "discover", data, *named, *choice, "--seed", str(seed or 0)]
-        again += [] if geometry is None else ["--geometry", geometry]
         write_report(ladder, measurement, report, again)
-    emit(ladder, as_json, lambda: print(ladder_text(ladder)))
+    emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
     for path in (figure, report):
         if path is not None and not as_json:
             print(f"\nwritten: {path}")
+
+
+def again_with(
+    data: str,
+    model: str | None,
+    accept: tuple[str, ...],
+    auto: bool,
+    seed: int | None,
+    geometry: str | None,
+    options: dict[str, Any],
+) -> list[str]:
+    """The command that makes the same report again."""
+    again = ["springpot", "discover", data]
+    again += [] if model is None else ["--model", model]
+    again += ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
+    again += [part for name in ("fix", "bounds", "exclude") for text in options[name] for part in (f"--{name}", text)]
+    again += ["--seed", str(seed or 0)]
+    return again + ([] if geometry is None else ["--geometry", geometry])

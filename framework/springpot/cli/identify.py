@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.errors import DataError
+from springpot.errors import SpringpotError
 
 from . import timetests
 from .common import (
@@ -16,23 +17,39 @@ from .common import (
     emit,
     geometry_option,
     json_option,
+    known_from,
+    known_options,
     model_option,
     opened,
+    quoted,
     seed_option,
+    verbose_option,
+    window,
 )
+from .faults import BAD_INPUT, FAULT, exit_code
+from .waiting import Waiting
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
+    from springpot.rheology import Model
+    from springpot.timetests import Test
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
+OPTIMISER = (
+    "With options as in pso-paper:particles=40; see 'springpot list optimisers'. By default the native solver."
+)
 
 
 @click.command(
     "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
 )
-@click.argument("data", metavar="DATA...", nargs=-1, required=True)
+@click.argument("data", nargs=-1, required=True, metavar="DATA...")
 @model_option
-@click.option("--optimiser", metavar="NAME", help="See 'springpot list optimisers'; the native solver by default.")
+@known_options
+@click.option("--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too.")
+@click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV.")
+@click.option("--optimiser", metavar="NAME", help=OPTIMISER)
 @click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
 @click.option(
     "--budget", type=POSITIVE, metavar="N", help="Evaluations of each restart; the native solver ends by itself."
@@ -42,100 +59,124 @@ INTERVALS = ("jacobian", "profile", "bootstrap")
 @geometry_option
 @click.option("--intervals", type=click.Choice(INTERVALS), default="jacobian", show_default=True)
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw data, fit and residuals (.png, .svg or .pdf).")
+@verbose_option
 @json_option
 def command(
-    data: tuple[str, ...], model: str, geometry: str | None, figure: Path | None, as_json: bool, **options: Any
-) -> None:
-    """Parameters of a model that fit DATA, a file or a registered data set, best.
+    data: tuple[str, ...],
+    model: str,
+    geometry: str | None,
+    joint: bool,
+    as_csv: bool,
+    figure: Path | None,
+    verbose: bool,
+    as_json: bool,
+    **options: Any,
+) -> int:
+    """Parameters of a model that fit DATA, files or registered data sets, best.
 
-    Conditions choose part of the data: nist-srm2491@temperature=20. Tests in time (relaxation, creep, startup,
-    recovery, any record of displacement and force) are identified together with each other and with sweeps of the
-    same specimen, each weighed by its own noise: springpot identify sweep.csv relaxation.csv --model fractional-zener
+    Conditions choose part of the data: nist-srm2491@temperature=20 or damper.csv@frequency=1..10. Of several sweeps
+    each gets a row of its own, or with --json a line of JSON; one that cannot be used is named on stderr. Tests in
+    time (relaxation, creep, startup, recovery, any record of displacement and force) are identified together with
+    each other and with sweeps of the same specimen, each weighed by its own noise:
+    springpot identify sweep.csv relaxation.csv --model fractional-zener
     """
-    from springpot.api import identify
+    from springpot.constraints import values_of
+    from springpot.measurement import joined
     from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
+    alone = joint or len(data) == 1
     if figure is not None:
+        if not alone:
+            raise click.UsageError(
+                "--figure draws one fit: name one DATA, or give --joint", click.get_current_context()
+            )
         check_figure_path(figure)
+    if as_csv and as_json:
+        raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_model(model)
-    tests = timetests.named_tests(data, geometry)
+    tests = _tests_in_time(data, geometry)
     if tests is not None:
         timetests.identify(tests, model, figure, as_json, options)
-        return
-    if len(data) > 1:
-        raise DataError(
-            f"{data[1]}: a second sweep; name one, or sweeps together with tests in time of the same specimen"
-        )
-    found = identify(opened(data[0], geometry), expression, **options)
+        return 0
+    arguments = {**options, **known_from(options), "start": values_of(options["start"])}
+    if len(data) > 1 and not joint:
+        if figure is not None:
+            advice = "--figure draws one fit: name one DATA, or give --joint"
+            raise click.UsageError(advice, click.get_current_context())
+        return _each(data, expression, geometry, arguments, as_csv, as_json)
+    measured = [opened(name, geometry) for name in data]
+    found = _fitted(joined(measured) if len(measured) > 1 else measured[0], expression, arguments)
     if figure is not None:
-        draw(found, figure)
-    emit(found, as_json, lambda: show(found, figure))
+        found.plot(figure)
+    if as_csv:
+        from springpot.report.fits import many_csv
+
+        print(many_csv([found]), end="")
+    else:
+        emit(found, as_json, lambda: _show(found, data, model, figure, verbose))
+    return 0
 
 
-def draw(found: Identification, path: Path) -> None:
-    """Write the figure of data, fit and residuals, and of the spectrum where the data choose one."""
-    from springpot.identification import is_material
-    from springpot.report.curves import Fit
-    from springpot.report.figures import figure_identification
-    from springpot.report.spectrum import figure_material
-
-    if is_material(found.model):
-        figure_material(found, path)
-        return
-    figure_identification(found.measurement, [Fit(found.model, found.theta)], path)
+def _tests_in_time(data: tuple[str, ...], geometry: str | None) -> list[Test] | None:
+    """The tests that DATA name, where one of them is a test in time."""
+    try:
+        return timetests.named_tests(data, geometry)
+    except SpringpotError:
+        if len(data) == 1:
+            raise
+        return None  # which of them cannot be used is told when its turn comes
 
 
-def show(found: Identification, figure: Path | None) -> None:
-    """Print the result for people."""
-    from springpot.report.numbers import number, percent, seconds
-    from springpot.report.reference import reference_note
-    from springpot.report.spectrum import in_words
-    from springpot.report.text import indented
-    from springpot.rheology.drawing import drawing_of
+def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:
+    """The fit, with the floors that its text tells, while those who wait are told what is being done."""
+    from springpot.api import identify
 
-    result = found.to_dict()
-    data = found.measurement
-    low, high = number(float(data.frequency.min()), 3), number(float(data.frequency.max()), 3)
-    print(f"{result['model']} fitted to {data.name} ({len(data)} points, {low} to {high} Hz)\n")
-    print(indented(drawing_of(found.model)) + "\n")
-    _show_parameters("parameter", result["parameters"])
-    if result["search_parameters"]:
-        print()
-        _show_parameters("search form", result["search_parameters"])
-    if refers := reference_note(data, [found.model.network]):
-        print(f"\n{refers}")
-    objective = result["objective"]
-    if found.spectrum is not None:
-        print(f"\nspectrum    {in_words(found.spectrum, data.units.stiffness)}")
-    print(f"\nerror       {percent(result['relative_rms'])} of |K| (relative rms){_beside_floors(found)}")
-    print(f"objective   {objective['name']}, {number(objective['value'])}")
-    spent = f"{result['evaluations']} evaluations in {seconds(result['seconds'])}"
-    print(f"optimiser   {result['optimiser']}, {result['status']}, {spent}")
-    for note in result["notes"]:
-        print(f"note        {note}")
+    with Waiting() as waiting:
+        waiting.told(f"fitting {model.name} to {measured.name}")
+        found = identify(measured, model, **arguments)
+        waiting.told(f"judging {model.name} of {measured.name}")
+        _ = found.standing
+    return found
+
+
+def _each(
+    data: tuple[str, ...],
+    model: Model,
+    geometry: str | None,
+    arguments: dict[str, Any],
+    as_csv: bool,
+    as_json: bool,
+) -> int:
+    """A row for each file that can be used; what is there is printed even where the rest is interrupted."""
+    from springpot.report.fits import many_csv, many_text
+    from springpot.report.jsontext import to_json
+
+    found: list[Identification] = []
+    worst = 0
+    for name in data:
+
+        def answer(name: str = name) -> int:
+            found.append(_fitted(opened(name, geometry), model, arguments))
+            if as_json:
+                print(to_json(found[-1], None), flush=True)
+            return 0
+
+        code = exit_code(answer)
+        worst = max(worst, code)
+        if code not in (0, BAD_INPUT, FAULT):
+            print(f"interrupted: {len(found)} of {len(data)} are done", file=sys.stderr)
+            break
+    if found and not as_json:
+        print(many_csv(found) if as_csv else many_text(found), end="" if as_csv else "\n")
+    return worst
+
+
+def _show(found: Identification, data: tuple[str, ...], model: str, figure: Path | None, verbose: bool) -> None:
+    from springpot.report.fits import identification_text
+
+    print(identification_text(found, window(), verbose))
     if figure is not None:
         print(f"figure      {figure}")
-
-
-def _beside_floors(found: Identification) -> str:
-    """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
-    from springpot.report.numbers import number, percent
-
-    standing = found.standing
-    if standing is None or not standing.noise_floor > 0.0:
-        return ""
-    ratio = number(found.relative_rms / standing.noise_floor, 2)
-    noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
-    return f", {noise}; material floor {percent(standing.material_floor, 2)}"
-
-
-def _show_parameters(heading: str, parameters: dict[str, dict[str, Any]]) -> None:
-    from springpot.report.numbers import with_interval
-    from springpot.report.text import Table
-
-    rows = [
-        [name, *with_interval(entry["value"], entry.get("low"), entry.get("high")), entry["unit"]]
-        for name, entry in parameters.items()
-    ]
-    Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).show()
+    if found.standing is not None and not found.standing.good_enough and len(data) == 1:
+        print(f"\nnext: springpot diagnose {quoted(data[0])} --model {quoted(model)}")

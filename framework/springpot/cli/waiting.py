@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from threading import Lock, Timer
+from threading import Event, Lock, Thread
+from time import monotonic
 from types import TracebackType
 
 PATIENCE = 1.0
@@ -13,22 +14,21 @@ WIDTH = 100
 
 
 class Waiting:
-    """Tells stages of a long answer: in place on a terminal, else each kind of stage in a line of its own."""
+    """Tells stages of a long answer: in place and with seconds on a terminal, else each kind of stage in a line."""
 
     def __init__(self) -> None:
-        self._timer = Timer(PATIENCE, self._begin)
-        self._timer.daemon = True
-        self._lock = Lock()
-        self._begun, self._stage, self._kind = False, "", ""
+        self._thread = Thread(target=self._tick, daemon=True)
+        self._lock, self._over = Lock(), Event()
+        self._began, self._begun, self._stage, self._kind = monotonic(), False, "", ""
 
     def __enter__(self) -> Waiting:
-        self._timer.start()
+        self._thread.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._timer.cancel()
+        self._over.set()
         with self._lock:
             if self._begun and sys.stderr.isatty():
                 print(f"\r{' ' * WIDTH}\r", end="", file=sys.stderr, flush=True)
@@ -41,15 +41,20 @@ class Waiting:
             if self._begun:
                 self._show()
 
-    def _begin(self) -> None:
-        with self._lock:
-            self._begun = True
-            if self._stage:
-                self._show()
+    def _tick(self) -> None:
+        """Show the stage once a second: on a terminal the seconds are the sign that work goes on."""
+        while not self._over.wait(PATIENCE):
+            with self._lock:
+                if self._over.is_set():
+                    return
+                self._begun = True
+                if self._stage:
+                    self._show()
 
     def _show(self) -> None:
         if sys.stderr.isatty():
-            print(f"\r{self._stage:{WIDTH}.{WIDTH}}", end="", file=sys.stderr, flush=True)
+            line = f"{self._stage}, {monotonic() - self._began:.0f} s"
+            print(f"\r{line:{WIDTH}.{WIDTH}}", end="", file=sys.stderr, flush=True)
             return
         kind = self._stage.split()[0]  # one line for all the models that are fitted, not one for each
         if kind != self._kind:

@@ -8,6 +8,7 @@ from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
+from .joining import joined
 from .measurement import CONDITIONS, HELD, KELVIN, Measurement, misspelt
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
@@ -76,6 +77,7 @@ __all__ = [
     "guarded_line",
     "harmonics_of",
     "independent",
+    "joined",
     "known_unit",
     "measurement_from_signals",
     "misspelt",

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
 from springpot.diagnosis.words import plain
+from springpot.identification import Value as Measured
 from springpot.measurement import Measurement
 
-from .numbers import number, percent, with_interval
+from .numbers import number, percent
 from .reference import effects_note, reference_note
-from .text import Table
+from .text import Table, wrapped
+from .values import OPEN, shown
 
-SHOWN = 6
-"""Candidates in a table; JSON has all."""
+SHOWN = 5
+"""Effects in a table; `verbose` and JSON have all."""
+HOPELESS = 0.01
+"""Probability below which an effect that is not ruled out matters to nobody: one in a hundred data sets."""
+PLACES, NOTES = 3, 2
+"""Places of failure and notes that are told where not everything is asked for."""
+USUAL = 120
+"""Columns of a window, where none is known."""
+SPARE = ("delta BIC", "predicted", "verdict", "cannot be told from")
+"""Columns that a narrow window goes without, the first first; the sentences say the same."""
 RANKED = frozenset({"probability", "delta BIC", "predicted", "after"})
 SEEN_AT = 8
 """Absent effects that are named."""
@@ -21,8 +31,10 @@ NOTHING = 1e-6
 """Share of its old value below which a parameter is nothing."""
 
 
-def diagnosis_text(diagnosis: Diagnosis, measurement: Measurement | None = None) -> str:
-    """The whole answer: verdict, error, where, ranking, what is absent, what to measure next.
+def diagnosis_text(
+    diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
+) -> str:
+    """The answer: verdict, error, where, the effects that matter, what to measure next.
 
     Parameters
     ----------
@@ -30,17 +42,46 @@ def diagnosis_text(diagnosis: Diagnosis, measurement: Measurement | None = None)
         The answer.
     measurement : Measurement, optional
         Its data, to say which temperature the constants of a shift refer to.
+    width : int
+        Columns of the window.
+    verbose : bool
+        Everything that was found, not only what leads.
     """
+    notes, most = diagnosis.notes, len(diagnosis.notes)
+    if not verbose:
+        most = NOTES
     parts = [
-        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}\n{diagnosis.says}",
+        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{_held(diagnosis)}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
-        where_text(diagnosis),
-        ranking_text(diagnosis, measurement),
-        _absent(diagnosis),
+        where_text(diagnosis, len(diagnosis.where) if verbose else PLACES),
+        ranking_text(diagnosis, measurement, width, verbose),
+        _absent(diagnosis) if verbose or diagnosis.verdict == "adequate" else "",
         _next(diagnosis),
-        "\n".join(f"note: {note}" for note in diagnosis.notes),
+        "\n".join(f"note: {note}" for note in notes[:most]),
+        _more(diagnosis, verbose, len(notes) - most),
     ]
-    return "\n\n".join(part for part in parts if part)
+    # A table has its own widths; what is told in sentences is broken at words.
+    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+
+
+def _held(diagnosis: Diagnosis) -> str:
+    """What a user held, which no test of the model could move."""
+    held = ", ".join(f"{name} = {number(value)}" for name, value in diagnosis.model.held.items())
+    return f" (with {held} held)" if held else ""
+
+
+def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
+    """What -v would tell beside this."""
+    if verbose:
+        return ""
+    absent = len(absent_effects(diagnosis)) if diagnosis.verdict != "adequate" else 0
+    kinds = ((len(diagnosis.where) - PLACES, "place"), (absent, "absent effect"), (notes, "note"))
+    left = [f"{count} {word}{'s' if count > 1 else ''}" for count, word in kinds if count > 0]
+    return f"-v tells {', '.join(left)} more" if left else ""
+
+
+def _is_table(part: str) -> bool:
+    return "\n---" in part
 
 
 def error_line(diagnosis: Diagnosis) -> str:
@@ -76,11 +117,11 @@ def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str =
     return f"{shown} ({times_floor(value, floor)} {sign})"
 
 
-def where_text(diagnosis: Diagnosis) -> str:
+def where_text(diagnosis: Diagnosis, most: int = 100) -> str:
     """Where the model fails, a line each."""
     if not diagnosis.where:
         return "" if diagnosis.verdict == "adequate" else f"where it fails: {nowhere(diagnosis)}"
-    return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where)])
+    return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])])
 
 
 def nowhere(diagnosis: Diagnosis) -> str:
@@ -94,17 +135,28 @@ def nowhere(diagnosis: Diagnosis) -> str:
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
-    """Leading effects that are not ruled out; the best one in any case."""
+    """Leading effects that are neither ruled out nor hopeless; the best one in any case."""
     open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
-    return (open_ones or list(diagnosis.candidates[:1]))[:most]
+    matter = [c for c in open_ones if c.verdict == "missing" or c.probability >= HOPELESS]
+    return (matter or open_ones[:1] or list(diagnosis.candidates[:1]))[:most]
 
 
-def ranking_text(diagnosis: Diagnosis, measurement: Measurement | None = None) -> str:
+def ranking_text(
+    diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
+) -> str:
     """The leading effects as a table, what their constants refer to, and the sentence of physics of each."""
-    rows = worth_showing(diagnosis)
+    rows = list(diagnosis.candidates) if verbose else worth_showing(diagnosis)
     if not rows or diagnosis.verdict == "adequate":
         return ""
-    floor = diagnosis.error.noise_floor
+    table = _ranking(rows, diagnosis.error.noise_floor)
+    if not verbose:
+        table = table.without(SPARE, width)
+    physics = wrapped("\n".join(f"  {row.effect}: {row.says}" for row in rows[:3]), width)
+    note = "" if measurement is None else wrapped(effects_note(measurement, (row.effect for row in rows)), width)
+    return "\n\n".join(part for part in (table.plain(), note, physics) if part)
+
+
+def _ranking(rows: list[Candidate], floor: float) -> Table:
     headers = (
         "effect",
         "verdict",
@@ -128,9 +180,7 @@ def ranking_text(diagnosis: Diagnosis, measurement: Measurement | None = None) -
         )
         for row in rows
     ]
-    physics = "\n".join(f"  {row.effect}: {row.says}" for row in rows[:3])
-    note = "" if measurement is None else effects_note(measurement, (row.effect for row in rows))
-    return "\n\n".join(part for part in (Table(headers, cells, RANKED).plain(), note, physics) if part)
+    return Table(headers, cells, RANKED)
 
 
 def probability(value: float) -> str:
@@ -139,9 +189,9 @@ def probability(value: float) -> str:
 
 
 def value_text(value: Value) -> str:
-    """``0.42 [0.40, 0.44] kg``."""
-    shown = " ".join(part for part in with_interval(value.value, value.low, value.high) if part)
-    return shown if value.unit == "-" else f"{shown} {value.unit}"
+    """``0.42 [0.40, 0.44] kg``; what the data leave open is called so."""
+    told = " ".join(part for part in shown(Measured(value.value, value.low, value.high, value.unit)) if part != "-")
+    return told if value.unit == "-" or told.startswith(OPEN) else f"{told} {value.unit}"
 
 
 def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
@@ -165,7 +215,7 @@ def _next(diagnosis: Diagnosis) -> str:
     return f"next experiment: {advice.says}"
 
 
-def ladder_text(ladder: Ladder) -> str:
+def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> str:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = [
@@ -190,9 +240,9 @@ def ladder_text(ladder: Ladder) -> str:
         parameters_text(last),
         reference_note(_data(last), [last.model.network]),
         "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
-        f"at the last step: {diagnosis_text(ladder.diagnosis, _data(last))}",
+        f"at the last step: {diagnosis_text(ladder.diagnosis, _data(last), width, verbose)}",
     ]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
 
 
 def _data(step: Step) -> Measurement:
@@ -202,7 +252,7 @@ def _data(step: Step) -> Measurement:
 def parameters_text(step: Step) -> str:
     """The parameters of a step with their intervals."""
     rows = [
-        (name, *with_interval(value.value, value.low, value.high), value.unit)
+        (name, *shown(Measured(value.value, value.low, value.high, value.unit)), value.unit)
         for name, value in step.parameters.items()
     ]
     return Table(("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from unicodedata import combining, east_asian_width
 
 from springpot.plain import below, plain
@@ -33,6 +34,17 @@ class Table:
         widths = [max(map(width, column)) for column in zip(self.headers, *self.rows, strict=True)]
         rule = ["-" * w for w in widths]
         return "\n".join(self._line(cells, widths) for cells in (self.headers, rule, *self.rows))
+
+    def without(self, spare: Sequence[str], columns: int) -> Table:
+        """The table without as many of the spare columns, the first first, as make it fit so many columns."""
+        table = self
+        for header in spare:
+            if max(map(width, table.plain().splitlines())) <= columns:
+                break
+            kept = [i for i, name in enumerate(table.headers) if name != header]
+            rows = [[row[i] for i in kept] for row in table.rows]
+            table = Table([table.headers[i] for i in kept], rows, table.right)
+        return table
 
     def _line(self, cells: Sequence[str], widths: Sequence[int]) -> str:
         padded = []
@@ -67,3 +79,15 @@ def width(text: str) -> int:
 def indented(text: str, by: str = "  ") -> str:
     """Every line of `text` behind `by`."""
     return "\n".join((by + line).rstrip() for line in text.splitlines())
+
+
+def wrapped(text: str, columns: int, by: str = "  ") -> str:
+    """Each line of `text` broken at words to fit so many columns, what follows set behind `by`."""
+    lines = []
+    for line in text.splitlines():
+        if width(line) <= columns:
+            lines.append(line)
+            continue
+        start = line[: len(line) - len(line.lstrip())]
+        lines += wrap(line, columns, subsequent_indent=start + by, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)

@@ -1,0 +1,91 @@
+"""Several measurements of one thing as one: specimens, days, temperatures in a file each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+from .measurement import Measurement
+from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS
+
+FILE = "file"
+
+
+def joined(measurements: Sequence[Measurement]) -> Measurement:
+    """All rows one after the other, in the units of the first, with the label ``file``.
+
+    Parameters
+    ----------
+    measurements : sequence of Measurement
+        Two or more, all of a stiffness or all of a modulus. Rows at the same frequency and conditions are repeats of
+        one another, whichever file they come from.
+
+    Returns
+    -------
+    Measurement
+        With standard deviations if all have them, and with the conditions, which all must have.
+
+    Raises
+    ------
+    DataError
+        If a stiffness is to join a modulus, or a condition is known of some only.
+    """
+    first = measurements[0]
+    for other in measurements[1:]:
+        if other.units.is_modulus != first.units.is_modulus:
+            kinds = f"{first.units.stiffness} and {other.units.stiffness}"
+            raise DataError(f"{first.name} and {other.name}: a stiffness and a modulus ({kinds}) are no joint test")
+        if lacking := sorted(set(first.conditions) ^ set(other.conditions)):
+            which = first if lacking[0] in other.conditions else other
+            raise DataError(f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column")
+    scale = [_factor(each, first) for each in measurements]
+    sd = None
+    if all(each.sd is not None for each in measurements):
+        sd = np.concatenate(
+            [by * each.sd for by, each in zip(scale, measurements, strict=True) if each.sd is not None]
+        )
+    return Measurement(
+        np.concatenate([each.omega for each in measurements]),
+        np.concatenate([by * each.stiffness for by, each in zip(scale, measurements, strict=True)]),
+        sd=sd,
+        conditions={name: _column(name, measurements) for name in first.conditions},
+        repeat=_repeats(measurements),
+        units=first.units,
+        name=" + ".join(each.name for each in measurements),
+        labels={FILE: np.concatenate([np.full(len(each), each.name) for each in measurements])},
+    )
+
+
+def _factor(other: Measurement, first: Measurement) -> float:
+    return MODULUS_UNITS[other.units.stiffness] / MODULUS_UNITS[first.units.stiffness]
+
+
+def _column(name: str, measurements: Sequence[Measurement]) -> Real:
+    if name != "amplitude":
+        return np.concatenate([each.conditions[name] for each in measurements])
+    first = measurements[0].units.amplitude
+    for each in measurements:
+        for table in (LENGTH_UNITS, STRAIN_UNITS):
+            if (first in table) != (each.units.amplitude in table):
+                units = f"{first} and {each.units.amplitude}"
+                raise DataError(f"{each.name}: amplitudes in {units} are of different kinds")
+    return np.concatenate(
+        [
+            each.conditions[name] * (AMPLITUDE_UNITS[each.units.amplitude] / AMPLITUDE_UNITS[first])
+            for each in measurements
+        ]
+    )
+
+
+def _repeats(measurements: Sequence[Measurement]) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Numbers of repeats that no two files share."""
+    numbers, last = [], 0
+    for each in measurements:
+        own = np.zeros(len(each), dtype=np.int64) if each.repeat is None else each.repeat - int(each.repeat.min())
+        numbers.append(own + last)
+        last += int(own.max()) + 1
+    return np.concatenate(numbers)

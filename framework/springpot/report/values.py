@@ -1,0 +1,26 @@
+"""A parameter as it is printed everywhere: its value, its interval, or that the data leave it open."""
+
+from __future__ import annotations
+
+from math import inf
+
+from springpot.identification import Value
+
+from .numbers import number, with_interval
+
+OPEN = "not determined"
+NOTHING = 1e-3
+"""Share of its upper end below which a parameter that may be zero is printed as zero."""
+
+
+def shown(value: Value) -> tuple[str, str]:
+    """A value and its interval as they are printed; where the data leave an end open, the other end."""
+    if value.fixed:
+        return number(value.value), "fixed"
+    if value.low == 0.0 and value.value < NOTHING * value.high < inf:
+        return "0", f"[0, {number(value.high, 2)}]"
+    if value.determined or value.value <= 0.0:
+        return with_interval(value.value, value.low, value.high)
+    if value.low > 0.0 and value.high == inf:
+        return "-", f"{OPEN}, above {number(value.low, 2)}"
+    return "-", OPEN
