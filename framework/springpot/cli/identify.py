@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.errors import SpringpotError
+from springpot.errors import OptionError, SpringpotError
 
 from . import timetests
 from .common import (
@@ -85,18 +85,16 @@ def command(
     from springpot.registry import parse_model
     from springpot.report.canvas import check_figure_path
 
-    alone = joint or len(data) == 1
     if figure is not None:
-        if not alone:
-            raise click.UsageError(
-                "--figure draws one fit: name one DATA, or give --joint", click.get_current_context()
-            )
         check_figure_path(figure)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_model(model)
     tests = _tests_in_time(data, geometry)
     if tests is not None:
+        for name in ("fix", "bounds", "exclude", "start"):
+            if options.pop(name):
+                raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
         timetests.identify(tests, model, figure, as_json, options)
         return 0
     arguments = {**options, **known_from(options), "start": values_of(options["start"])}
