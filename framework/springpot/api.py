@@ -30,6 +30,9 @@ T = TypeVar("T", Model, Effect)
 INTERVALS = ("jacobian", "profile", "bootstrap")
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
+BELIEVED = 0.1
+"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
+rigs and rheometers repeat a stiffness within a few per cent."""
 
 
 def read(spec: str | Path) -> Measurement:
@@ -139,8 +142,10 @@ def standing_of(found: Identification) -> Standing | None:
         [judged] = compare_objects(found.measurement, [found.model], np.random.default_rng(found.seed)).judgements
     except DataError:
         return None
-    error = judged.error
-    return Standing(error.noise_floor, error.noise_source, error.material_floor, not judged.fails, judged.says)
+    error, good, says = judged.error, not judged.fails, judged.says
+    if good and error.noise_source == "estimated" and error.relative_rms > BELIEVED:
+        good, says = False, f"{says}, but noise of {100 * error.noise_floor:.2g} % is no good measurement: repeat it"
+    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)
 
 
 def diagnose(

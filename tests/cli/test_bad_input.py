@@ -94,7 +94,6 @@ def test_no_such_condition(springpot, write):
         (["--model", "maxwell", "--figure", "a.bmp"], ["a.bmp", ".png"]),
         (["--model", "maxwell", "--figure", "no-folder/a.png"], ["no-folder"]),
         (["--model", "maxwell", "--modle", "x"], ["--modle"]),
-        (["--model", "maxwell", "more"], ["more"]),
     ],
 )
 def test_bad_option(springpot, write, arguments, words):

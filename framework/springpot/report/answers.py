@@ -5,7 +5,7 @@ from __future__ import annotations
 from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
 from springpot.diagnosis.words import plain
 from springpot.identification import Value as Measured
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, Units
 
 from .numbers import number, percent
 from .reference import effects_note, reference_note
@@ -47,11 +47,12 @@ def diagnosis_text(
     verbose : bool
         Everything that was found, not only what leads.
     """
+    held = _held(diagnosis, measurement)
     notes, most = diagnosis.notes, len(diagnosis.notes)
     if not verbose:
         most = NOTES
     parts = [
-        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{_held(diagnosis)}\n{diagnosis.says}",
+        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{held}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis, len(diagnosis.where) if verbose else PLACES),
         ranking_text(diagnosis, measurement, width, verbose),
@@ -64,10 +65,14 @@ def diagnosis_text(
     return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
 
 
-def _held(diagnosis: Diagnosis) -> str:
+def _held(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
     """What a user held, which no test of the model could move."""
-    held = ", ".join(f"{name} = {number(value)}" for name, value in diagnosis.model.held.items())
-    return f" (with {held} held)" if held else ""
+    told, units = [], Units() if measurement is None else measurement.units
+    known = {parameter.name: parameter for parameter in diagnosis.model.released().parameters}
+    for name, value in diagnosis.model.held.items():
+        factor, unit = units.of(known[name].unit)
+        told.append(f"{name} = {factor * value:g}" if unit == "-" else f"{name} = {factor * value:g} {unit}")
+    return f" (with {', '.join(told)} held)" if told else ""
 
 
 def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
