@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from itertools import islice
 from pathlib import Path
 
 from springpot.errors import DataError
@@ -9,6 +11,17 @@ from springpot.errors import DataError
 from .reader import Choice
 
 ADVICE = "write 'FILE?frequency=Hz' or 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+
+_TEMPERATURE = re.compile(
+    r"(?<![A-Za-z0-9.])(?:T\s?=?\s?)?([-+−]?\d{1,3}(?:[.,]\d{1,2})?)[ _]?(°C|deg ?C|C|K|°F|deg ?F)(?![A-Za-z0-9])"
+)
+_NAMED = re.compile(r"(?<![A-Za-z0-9.])(?:T|Temp|temp)[=_ ]?(-?\d{1,3}(?:[.,]\d{1,2})?)(?![A-Za-z0-9])")
+_NUMBER = re.compile(r"\d{1,3}")
+COLDEST_KELVIN = 100.0
+"""Below it a K in a name is more likely a thousand, as in PS5K."""
+SIBLINGS = 2
+"""Other files of the same name but for one number, from which that number is taken for a condition."""
+LISTED = 2000
 
 
 def is_file(text: str) -> bool:
@@ -61,3 +74,43 @@ def columns_of(said: str, text: str) -> dict[str, str]:
             raise DataError(f"'{short(text)}': column '{short(name)}' is given twice")
         found[name] = meaning
     return found
+
+
+def temperature_offer(path: Path) -> dict[str, str]:
+    """A note that offers the temperature that a file's name seems to state; empty where it states none.
+
+    It is offered and not taken: whether ``gel_20C`` is a temperature or a sample only the user knows.
+    """
+    stated = _stated_temperature(path.stem) or _number_among_siblings(path)
+    if stated is None:
+        return {}
+    text, number, unit = stated
+    offer = f"'{path}?temperature={number}[{unit}]'"
+    return {"note temperature": f"none in the file; if '{text}' in its name is one, open {offer}"}
+
+
+def _stated_temperature(stem: str) -> tuple[str, str, str] | None:
+    """Text, number and unit of ``gel_20C``, ``T=-5 degC`` or ``293K``."""
+    if match := _TEMPERATURE.search(stem):
+        number = match[1].replace(",", ".").replace("−", "-")
+        unit = {"C": "degC", "F": "degF"}.get(match[2][-1], "K")
+        if unit != "K" or float(number) >= COLDEST_KELVIN:
+            return match[0], number, unit
+    match = _NAMED.search(stem)
+    return (match[0], match[1].replace(",", "."), "degC") if match else None
+
+
+def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
+    """The number in which a file's name differs from several others: ``ps130`` beside ``ps145`` and ``ps160``."""
+    numbers = list(_NUMBER.finditer(path.stem))
+    if not numbers:
+        return None
+    try:
+        names = {entry.name for entry in islice(path.parent.iterdir(), LISTED)} - {path.name}
+    except OSError:
+        return None
+    for match in numbers:
+        pattern = re.escape(path.name[: match.start()]) + r"\d{1,3}" + re.escape(path.name[match.end() :])
+        if sum(1 for name in names if re.fullmatch(pattern, name)) >= SIBLINGS:
+            return match[0], match[0], "degC"
+    return None

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
@@ -17,7 +18,7 @@ from springpot.errors import DataError, SpringpotError
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
-from .naming import file_and_choice, is_file, short
+from .naming import file_and_choice, is_file, short, temperature_offer
 from .reader import Choice, Part, Reader
 from .selection import conditions, select
 from .signals import Signals, measurement_from_signals
@@ -160,7 +161,9 @@ def _confidence(reader: Reader, head: bytes) -> float:
 def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
-        return _guarded(reader, path, lambda: reader.read(path, choice))
+        found = _guarded(reader, path, lambda: reader.read(path, choice))
+        offer = {} if "temperature" in found.conditions else temperature_offer(path)
+        return replace(found, provenance={**found.provenance, **offer}) if offer else found
 
     return within_budget(path, read)
 

@@ -103,7 +103,12 @@ def measurement_of(
         if advice := misspelt(column.name):
             raise column.error(f"the name {advice}")
     extra, labels, units = _further(others)
-    provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **_doubts(roles)}
+    notes = {
+        **_doubts(roles),
+        **_runs_together(extra, labels, "note parts" in provenance),
+        **_negative_loss(stiffness),
+    }
+    provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
     return Measurement(
         omega=omega,
@@ -194,6 +199,46 @@ def _doubts(roles: Mapping[str, Column]) -> dict[str, str]:
     )
     ratio = f"a factor of {max(factor, 1 / factor):.0e}"
     return {} if factor == 1 else {"note units": f"storage in {storage} but loss in {loss}, {ratio}: a slip?"}
+
+
+NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature"})
+"""Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
+RUNS = frozenset(
+    (
+        *("run", "set", "test", "series", "specimen", "sample", "file", "batch", "cycle", "dataset", "measurement"),
+        *("probe", "lauf", "serie", "versuch", "messung", "essai", "prueba", "prova"),
+    )
+)
+"""Names of columns that tell one test from another, also where they hold numbers."""
+_MOST_RUNS = 0.5
+"""Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
+
+
+def _runs_together(numbers: Mapping[str, Real], words: Mapping[str, NDArray[np.str_]], known: bool) -> dict[str, str]:
+    """A note where a column says that the rows are of several tests: they are fitted as one set of data.
+
+    The label ``step`` of parts that were joined is `known` already from the note on them.
+    """
+    found = []
+    for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
+        values = np.unique(column[column == column])
+        if key == "step" and known:
+            continue
+        if 1 < len(values) <= max(2, _MOST_RUNS * len(column)):
+            first = values[0] if key in words else f"{values[0]:g}"
+            found.append(f"{len(values)} values of {key}, choose one by '@{key}={first}'")
+    return {"note together": f"rows of several tests are together: {'; '.join(found)}"} if found else {}
+
+
+def _negative_loss(stiffness: Complex) -> dict[str, str]:
+    """A note where the specimen gives work away, which no material does."""
+    count = int((stiffness.imag < 0).sum())
+    if not count:
+        return {}
+    note = f"negative in {count} of {len(stiffness)} rows: a specimen gives no work away"
+    if 2 * count > len(stiffness):
+        return {"note loss": f"{note}; check the sign of the force or of the phase"}
+    return {"note loss": f"{note}; noise, or the instrument at its limit"}
 
 
 def _complex(real: Real, imaginary: Real) -> Complex:

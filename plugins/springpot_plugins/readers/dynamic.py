@@ -210,6 +210,8 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
     measured = measurement_of(roles, others, block.name or "part", dict(provenance))
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
+    if said.overruled:
+        notes["note columns"] = "; ".join(said.overruled)
     return replace(measured, provenance={**measured.provenance, **notes})
 
 

@@ -11,8 +11,8 @@ from springpot.measurement import Choice
 
 from .flags import IGNORE, STATUS
 from .marks import logarithm
-from .names import ROLES, fold, role_of
-from .titles import USUAL, Heading, heading, is_unit
+from .names import FREQUENCIES, ROLES, fold, role_of
+from .titles import USUAL, Heading, heading, is_unit, tidy
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
@@ -33,11 +33,14 @@ class Told:
         Further columns of one value: ``frequency [Hz]`` and the number.
     keeps_flagged : bool
         Whether rows are kept that the instrument itself takes back.
+    overruled : tuple of str
+        What the file itself says otherwise.
     """
 
     headings: tuple[Heading, ...]
     constants: dict[str, str]
     keeps_flagged: bool = False
+    overruled: tuple[str, ...] = ()
 
 
 def told(headings: Sequence[Heading], choice: Choice) -> Told:
@@ -49,7 +52,7 @@ def told(headings: Sequence[Heading], choice: Choice) -> Told:
         If there is no such column, or what is said of it is neither a unit nor a meaning.
     """
     found, constants = list(headings), {}
-    told_of: set[int] = set()
+    named: set[int] = set()
     for name, meaning in choice.columns.items():
         if (name, meaning) == (STATUS, IGNORE):
             continue
@@ -63,14 +66,30 @@ def told(headings: Sequence[Heading], choice: Choice) -> Told:
             continue
         place = _place(found, name, role)
         found[place] = _meant(found[place], meaning)
-        told_of.add(place)
-    meant = {found[place].role for place in told_of}
-    # Of two columns that seem to be one thing, the one that was named is meant.
-    found = [
-        replace(each, role=None) if each.role in meant and place not in told_of else each
-        for place, each in enumerate(found)
-    ]
-    return Told(tuple(found), constants, choice.columns.get(STATUS) == IGNORE)
+        named.add(place)
+    meant = {str(found[place].role) for place in named} | {title.partition(" ")[0] for title in constants}
+    # Of two columns that seem to be one thing, the one that was named is meant, and a constant goes before any.
+    spare = [place for place, each in enumerate(found) if place not in named and _same(str(each.role), meant)]
+    overruled = [note for place in sorted(named) if (note := _difference(headings[place], found[place]))]
+    overruled += [f"'{headings[place].title}' is not used as {headings[place].role}, as you said" for place in spare]
+    for place in spare:
+        # Without a name it is no further condition either.
+        found[place] = replace(found[place], role=None, name="")
+    return Told(tuple(found), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
+
+
+def _same(role: str, meant: set[str]) -> bool:
+    """Whether a role is among those, where all frequencies are one."""
+    return role in meant or (role in FREQUENCIES and bool(meant & FREQUENCIES))
+
+
+def _difference(before: Heading, after: Heading) -> str:
+    """What the file says of a column that the user reads otherwise; nothing where it says nothing."""
+    if before.role is not None and after.role != before.role:
+        return f"'{before.title}' is {after.role or 'ignored'} as you said; its name says {before.role}"
+    if before.unit is not None and after.unit is not None and tidy(before.unit) != tidy(after.unit):
+        return f"'{before.title}' is in {after.unit} as you said; the file says {before.unit}"
+    return ""
 
 
 def _with_base(heading_: Heading, base: str) -> Heading:

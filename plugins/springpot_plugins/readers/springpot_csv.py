@@ -30,7 +30,7 @@ from springpot.measurement import (
 )
 
 from . import generic
-from .columns import TEXT, assign, measurement_of
+from .columns import NOTES_OF_VALUES, TEXT, assign, measurement_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
 
@@ -115,7 +115,7 @@ def text_from(measurement: Measurement) -> str:
     stream = io.StringIO()
     twice = {_TWICE: "some frequencies, as they were read"} if len(_twins(measurement)) else {}
     for key, value in {"name": measurement.name, **measurement.provenance, **twice}.items():
-        if not key.startswith(_UNIT):
+        if not key.startswith(_UNIT) and key not in NOTES_OF_VALUES:
             stream.write(f"# {key}: {guarded_line(' '.join(str(value).split()))}\n")
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([guarded(title) for title, _ in columns])

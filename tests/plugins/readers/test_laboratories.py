@@ -196,3 +196,73 @@ def test_a_damping_coefficient_beyond_the_whole_stiffness(folder):
     )
     with pytest.raises(DataError, match="more than the whole dynamic stiffness"):
         folder.open(text)
+
+
+SWEEP_TEXT = "omega [rad/s],G' [Pa],G'' [Pa]\n1,200,30\n2,190,31\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("gel_20C.csv", "temperature=20[degC]"),
+        ("gel -10 °C.csv", "temperature=-10[degC]"),
+        ("PI1000k_T=35_FS.csv", "temperature=35[degC]"),
+        ("gel_293.15K.csv", "temperature=293.15[K]"),
+        ("gel_25degC run.csv", "temperature=25[degC]"),
+    ],
+)
+def test_a_temperature_in_the_name_is_offered_and_not_taken(folder, name, said):
+    found = folder.open(SWEEP_TEXT, name=name)
+    assert "temperature" not in found.conditions
+    offered = found.provenance["note temperature"].partition("?")[2].rstrip("'")
+    assert offered == said
+    taken = folder.open(SWEEP_TEXT, f"?{offered}", name=name)
+    assert "note temperature" not in taken.provenance
+    expected = 20.0 if "293" in name else float(said.partition("=")[2].partition("[")[0])
+    np.testing.assert_allclose(taken.conditions["temperature"], expected)
+
+
+@pytest.mark.parametrize("name", ["PS5K.csv", "frequency-sweep_BB_280524-1.csv", "v2.csv", "C20.csv", "gel_10Hz.csv"])
+def test_other_numbers_in_a_name_are_no_temperatures(folder, name):
+    assert "note temperature" not in folder.open(SWEEP_TEXT, name=name).provenance
+
+
+def test_a_number_in_which_several_names_differ_is_offered(folder):
+    for number_ in ("145", "160"):
+        folder.write(SWEEP_TEXT, name=f"ps{number_}_data.csv")
+    note = folder.open(SWEEP_TEXT, name="ps130_data.csv").provenance["note temperature"]
+    assert "?temperature=130[degC]'" in note
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("?G'=kPa", "'G' [Pa]' is in kPa as you said; the file says Pa"),
+        ("?3=storage[Pa],2=loss[Pa]", "'G' [Pa]' is loss as you said; its name says storage"),
+        ("?frequency=1[Hz]", "'omega [rad/s]' is not used as omega, as you said"),
+    ],
+)
+def test_what_is_overruled_is_told(folder, said, told):
+    text = SWEEP_TEXT.replace("omega [rad/s]", "omega [rad/s]")
+    assert told in folder.open(text, said).provenance["note columns"]
+
+
+def test_a_constant_goes_before_a_column(folder):
+    np.testing.assert_allclose(folder.open(SWEEP_TEXT, "?frequency=1[Hz]").frequency, 1.0)
+
+
+@pytest.mark.parametrize(("title", "first"), [("run", "a"), ("set", "1"), ("Probe", "x y")])
+def test_rows_of_several_runs_are_never_together_without_a_word(folder, title, first):
+    values = [first, first, "2", "2"]
+    rows = [f"{w},200,30,{v}" for w, v in zip((1, 2, 1, 2), values, strict=True)]
+    text = "\n".join([f"omega [rad/s],G' [Pa],G'' [Pa],{title}", *rows]) + "\n"
+    note = folder.open(text).provenance["note together"]
+    choice = note.partition("'")[2].rstrip("'")
+    assert len(folder.open(text, choice)) == 2
+
+
+def test_a_loss_that_is_negative_is_told(folder):
+    few = folder.open("omega [rad/s],G' [Pa],G'' [Pa]\n1,200,30\n2,190,31\n3,180,-1\n")
+    assert "negative in 1 of 3 rows" in few.provenance["note loss"]
+    most = folder.open("omega [rad/s],G' [Pa],G'' [Pa]\n1,200,-30\n2,190,-31\n3,180,1\n")
+    assert "sign of the force" in most.provenance["note loss"]
