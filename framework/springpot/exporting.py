@@ -36,11 +36,14 @@ class Exported:
         Its format.
     handoff : Handoff
         What was written.
+    data : bytes, optional
+        The file, where the format is no text.
     """
 
     text: str
     writer: Writer
     handoff: Handoff
+    data: bytes | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -117,7 +120,8 @@ def exported(
     shown = {name: f"{printed[name][0]:.9g} {printed[name][1]}".strip() for name in model.names}
     stated = "" if units is None else units.stiffness
     handoff = Handoff(prony, model.name, shown, stated, units is not None and units.is_modulus, poisson)
-    return Exported(writer.written(handoff), writer, handoff)
+    text = writer.written(handoff)
+    return Exported(text, writer, handoff, None if writer.data is None else writer.data(handoff))
 
 
 Printed = dict[str, tuple[float, str]]

@@ -34,11 +34,17 @@ def command(
     It becomes a Prony series of as few terms as the tolerance on the band needs. Effects of rig and signals are
     refused, for they do not belong to the specimen: leave them out with --without.
     """
+    from springpot.errors import OptionError
     from springpot.exporting import exported
-    from springpot.files import write_text
+    from springpot.files import write_text, write_with
 
     found = exported(source, format_name, tolerance=tolerance, **options)
-    if output is not None:
+    if found.data is not None:
+        if output is None:
+            raise OptionError(f"{found.writer.name} is no text: name its file, -o damper{found.writer.suffix}")
+        data = found.data
+        write_with(output, lambda file: file.write(data))
+    elif output is not None:
         write_text(output, found.text)
     result = {
         "schema": "springpot.export-model/1",

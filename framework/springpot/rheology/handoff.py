@@ -78,6 +78,10 @@ class Writer:
         Whether it has room for a dashpot beside the terms.
     aliases : tuple of str
         Other names.
+    damper : bool
+        Whether the format describes a damper: it then needs a stiffness.
+    data : callable, optional
+        From a `Handoff` to the bytes of a file that is no text; `text` then says what is in it.
     """
 
     name: str
@@ -87,6 +91,8 @@ class Writer:
     solid: bool = False
     dashpot: bool = True
     aliases: tuple[str, ...] = ()
+    damper: bool = False
+    data: Callable[[Handoff], bytes] | None = None
 
     def written(self, handoff: Handoff) -> str:
         """The text, where the format can hold what is handed over.
@@ -111,6 +117,11 @@ class Writer:
             raise ModelError(f"{self.name} needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49")
         if not self.dashpot and prony.viscosity > 0.0:
             raise ModelError(f"{self.name} has no dashpot beside its terms: leave out --dashpot")
+        if self.damper and handoff.is_modulus:
+            raise ModelError(
+                f"{self.name} needs a stiffness, and {handoff.model} is a modulus in {handoff.unit}: "
+                "identify it with the --geometry of the damper"
+            )
         return self.text(handoff)
 
 

@@ -7,10 +7,20 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.rheology import Writer
 
-from . import abaqus, ansys, opensees, python, tables
+from . import abaqus, ansys, comsol, fmu, lsdyna, nastran, opensees, python, tables
 
 
 @hookimpl
 def springpot_writers() -> Iterable[Writer]:
     """All of them."""
-    return (*tables.WRITERS, python.WRITER, abaqus.WRITER, ansys.WRITER, *opensees.WRITERS)
+    return (
+        *tables.WRITERS,
+        python.WRITER,
+        abaqus.WRITER,
+        ansys.WRITER,
+        lsdyna.WRITER,
+        nastran.WRITER,
+        comsol.WRITER,
+        fmu.WRITER,
+        *opensees.WRITERS,
+    )

@@ -1,0 +1,64 @@
+"""Nastran: a damper as PBUSH and PBUSHT, whose stiffness and loss factor are tables of the frequency.
+
+For direct frequency response (MSC and Siemens Nastran). K is K' and GE is K''/K', both against f in cycles a unit of
+time, straight between their points.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from springpot.rheology import Handoff, Writer
+
+PROPERTY, STIFFNESS_TABLE, LOSS_TABLE = 100, 101, 102
+PER_DECADE = 32
+"""Points a decade: straight lines between them are within 0.02 % of a power law."""
+PAIRS = 4
+"""Pairs of numbers on a line of TABLED1."""
+WIDTH = 8
+"""Signs of a field."""
+
+
+def field(number: float) -> str:
+    """A real number in eight signs, with the point that Nastran asks for."""
+    for digits in range(7, 0, -1):
+        text = f"{number:.{digits}g}"
+        if "e" in text:
+            mantissa, exponent = text.split("e")
+            text = f"{mantissa if '.' in mantissa else mantissa + '.'}{int(exponent):+d}"
+        elif "." not in text:
+            text += "."
+        text = text.removeprefix("0") if text.startswith("0.") and len(text) > WIDTH else text
+        if len(text) <= WIDTH:
+            return text
+    return f"{number:.1e}"
+
+
+def _table(number: int, x: list[float], y: list[float]) -> list[str]:
+    lines = [f"TABLED1,{number}"]
+    pairs = [f"{field(a)},{field(b)}" for a, b in zip(x, y, strict=True)] + ["ENDT"]
+    lines += ["," + ",".join(pairs[i : i + PAIRS]) for i in range(0, len(pairs), PAIRS)]
+    return lines
+
+
+def to_nastran(handoff: Handoff) -> str:
+    """Property and tables, for a bush along the first axis of its element."""
+    low, high = np.log10(handoff.prony.band)
+    omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
+    stiffness = handoff.prony.stiffness(omega)
+    frequency = (omega / (2.0 * np.pi)).tolist()
+    lines = [f"$ {line}" for line in handoff.heading()]
+    lines += [
+        "$ K is the storage stiffness, GE the loss factor K''/K', against f in Hz",
+        f"PBUSH,{PROPERTY},K,{field(float(stiffness.real[0]))}",
+        f"PBUSHT,{PROPERTY},K,{STIFFNESS_TABLE}",
+        f",,GE,{LOSS_TABLE}",
+        *_table(STIFFNESS_TABLE, frequency, stiffness.real.tolist()),
+        *_table(LOSS_TABLE, frequency, (stiffness.imag / stiffness.real).tolist()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+WRITER = Writer(
+    "nastran", to_nastran, "Nastran: PBUSH and PBUSHT with tables of stiffness and loss factor", ".bdf", damper=True
+)
