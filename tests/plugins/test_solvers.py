@@ -62,6 +62,8 @@ def test_opensees_gives_k_over_the_band(frequency):
     done = subprocess.run(
         run, input=handed("openseespy").text, capture_output=True, text=True, timeout=120, check=False
     )
+    if "Failed to import openseespy" in done.stderr:
+        pytest.skip("openseespy lacks a library of this machine, such as libblas3")
     assert done.returncode == 0, done.stderr
     storage, loss = map(float, done.stdout.split()[-2:])
     exact = MODEL.stiffness(THETA, np.array([2 * np.pi * frequency]))[0]

@@ -3,9 +3,9 @@
 Its source is one C file without any header from elsewhere, in the unit for whoever has another machine, and
 compiled for this one where there is a C compiler. The state of a branch is the way of its dashpot,
 z' = (x - z) / tau, so that the force K_e x + sum of w (x - z) follows the displacement at once and no velocity is
-needed. In co-simulation a master gives the displacement at the beginning of a step, and the force lags by that step
-where it gives nothing else. With the displacement's derivative (``canInterpolateInputs``) there is no lag: the unit is
-exact for straight lines.
+needed. In co-simulation a master gives the displacement at the beginning of a step, and the force lags by that
+step where it gives nothing else. With the displacement's derivative (``canInterpolateInputs``) there is no lag:
+the unit is exact for straight lines.
 """
 
 from __future__ import annotations
