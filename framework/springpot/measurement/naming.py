@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 
 from springpot.errors import DataError
@@ -16,11 +16,13 @@ _TEMPERATURE = re.compile(
     r"(?<![A-Za-z0-9.])(?:T\s?=?\s?)?([-+−]?\d{1,3}(?:[.,]\d{1,2})?)[ _]?(°C|deg ?C|C|K|°F|deg ?F)(?![A-Za-z0-9])"
 )
 _NAMED = re.compile(r"(?<![A-Za-z0-9.])(?:T|Temp|temp)[=_ ]?(-?\d{1,3}(?:[.,]\d{1,2})?)(?![A-Za-z0-9])")
-_NUMBER = re.compile(r"\d{1,3}")
+_NUMBER = re.compile(r"(?<!\d)\d{2,3}(?!\d)")
 COLDEST_KELVIN = 100.0
 """Below it a K in a name is more likely a thousand, as in PS5K."""
 SIBLINGS = 2
 """Other files of the same name but for one number, from which that number is taken for a condition."""
+APART = 5
+"""Kelvin between such numbers, at least."""
 LISTED = 2000
 
 
@@ -110,7 +112,10 @@ def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
     except OSError:
         return None
     for match in numbers:
-        pattern = re.escape(path.name[: match.start()]) + r"\d{1,3}" + re.escape(path.name[match.end() :])
-        if sum(1 for name in names if re.fullmatch(pattern, name)) >= SIBLINGS:
+        pattern = re.escape(path.name[: match.start()]) + r"(\d{2,3})" + re.escape(path.name[match.end() :])
+        others = [int(found[1]) for name in names if (found := re.fullmatch(pattern, name))]
+        values = sorted([int(match[0]), *others])
+        # Numbers that only count the tests lie closer together than temperatures that somebody chose.
+        if len(others) >= SIBLINGS and min(b - a for a, b in pairwise(values)) >= APART:
             return match[0], match[0], "degC"
     return None

@@ -13,6 +13,7 @@ from springpot.measurement import Choice, Measurement, Part, known_unit
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
+from .choices import ask_base, ask_meaning, ask_units, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
@@ -20,7 +21,6 @@ from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined
 from .names import FREQUENCIES, rank
-from .said import ask_base, ask_meaning, ask_units, told
 from .table import Column
 from .titles import UNITS, Heading, heading, tidy
 
@@ -71,7 +71,7 @@ def measurement_from(
     DataError
         One line that says what was recognised and what is missing.
     """
-    blocks = told_apart(blocks)
+    blocks = with_distinct_names(blocks)
     chosen = chosen_blocks(blocks, choice)
     parts, refused = _opened(chosen, choice, provenance, further)
     chosen = [block for block in chosen if block.name not in refused]
@@ -115,7 +115,7 @@ def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
     """The blocks as they are listed for a user; none where there is but one."""
     if len(blocks) < 2:
         return ()
-    found = [(block, _reason_against(block)) for block in told_apart(blocks)]
+    found = [(block, _reason_against(block)) for block in with_distinct_names(blocks)]
     return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in found)
 
 
@@ -130,7 +130,7 @@ def _reason_against(block: Block) -> str:
     return ""
 
 
-def told_apart(blocks: Sequence[Block]) -> list[Block]:
+def with_distinct_names(blocks: Sequence[Block]) -> list[Block]:
     """The blocks, each with a name of its own where there are several."""
     if len(blocks) < 2:
         return list(blocks)
@@ -154,7 +154,7 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
     if not blocks:
         raise DataError("there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]")
     picked = _picked(blocks, choice.part) if choice.part else list(blocks)
-    usable = [block for block in picked if is_dynamic(_roles_told(block, choice))]
+    usable = [block for block in picked if is_dynamic(_roles_chosen(block, choice))]
     if usable and (len(usable) == len(picked) or not choice.part):
         return usable
     if len(picked) == 1:
@@ -169,15 +169,15 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
     )
 
 
-def _roles_told(block: Block, choice: Choice) -> set[str]:
+def _roles_chosen(block: Block, choice: Choice) -> set[str]:
     if not choice.columns:
         return block.roles
     try:
-        said = told(block.headings, choice)
+        chosen = with_choice(block.headings, choice)
     except DataError:
         # Options are for the parts that have such columns.
         return block.roles
-    return {h.role for h in said.headings if h.role} | {str(heading(title).role) for title in said.constants}
+    return {h.role for h in chosen.headings if h.role} | {str(heading(title).role) for title in chosen.constants}
 
 
 def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
@@ -194,24 +194,24 @@ def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
 
 
 def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], further: bool) -> Measurement:
-    said = told(block.headings, choice)
-    if any(each.log == "?" and each.role in _MEANT for each in said.headings):
-        raise ask_base([each for each in said.headings if each.log and each.role in _MEANT])
-    columns = _columns(block, said.headings)
-    columns += [_constant(title, value, block) for title, value in {**block.constants, **said.constants}.items()]
+    chosen = with_choice(block.headings, choice)
+    if any(each.log == "?" and each.role in _MEANT for each in chosen.headings):
+        raise ask_base([each for each in chosen.headings if each.log and each.role in _MEANT])
+    columns = _columns(block, chosen.headings)
+    columns += [_constant(title, value, block) for title, value in {**block.constants, **chosen.constants}.items()]
     roles = _roles(columns)
     _require_units(roles)
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
     roles, others, notes = cleaned(roles, others)
     roles = with_moduli(roles)
-    flags = flags_in(_named(others, STATUS), *_moduli(roles), said.keeps_flagged)
+    flags = flags_in(_named(others, STATUS), *_moduli(roles), chosen.keeps_flagged)
     roles = {role: rows_of(column, flags.keep) for role, column in roles.items()}
     others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
     measured = measurement_of(roles, others, block.name or "part", dict(provenance))
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
-    if said.overruled:
-        notes["note columns"] = "; ".join(said.overruled)
+    if chosen.overruled:
+        notes["note columns"] = "; ".join(chosen.overruled)
     return replace(measured, provenance={**measured.provenance, **notes})
 
 
@@ -252,9 +252,9 @@ def _has_all_units(headings: Sequence[Heading]) -> bool:
 
 
 def _constant(title: str, value: str, block: Block) -> Column:
-    said = heading(title)
-    unit = None if said.unit is None else tidy(said.unit)
-    return Column(title, said.role or said.name, unit, [value] * len(block.rows), block.lines)
+    named = heading(title)
+    unit = None if named.unit is None else tidy(named.unit)
+    return Column(title, named.role or named.name, unit, [value] * len(block.rows), block.lines)
 
 
 def _roles(columns: Sequence[Column]) -> dict[str, Column]:

@@ -12,13 +12,13 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, Reader, budget_of
 
 from .blocks import Block, blocks_of
+from .conditions_above import with_conditions_above
+from .curve_names import curve_in_cell
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of, pairs_in
 from .grid import Grid
-from .marks import stated_mark
+from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
-from .stated import with_stated
-from .wide import apart, said_already
+from .side_by_side import apart, has_condition
 
 _MOST_ENTRIES = 10_000
 
@@ -49,7 +49,7 @@ def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list
         blocks, below = blocks_of(grid, stacked=True)
         pairs += pairs_in(row for block in blocks for row in block.above)
         pairs += [] if blocks else pairs_in(below)
-        made += _named(title, with_stated(apart(blocks, choice)))
+        made += _named(title, with_conditions_above(apart(blocks, choice)))
     return made, pairs
 
 
@@ -76,11 +76,11 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
     """Blocks called by their sheet, and numbered where it has several; ``40 °C`` as a name is a temperature."""
-    mark = stated_mark(sheet)
-    if mark.title:
-        said = {mark.title: mark.value}
+    curve = curve_in_cell(sheet)
+    if curve.title:
+        condition = {curve.title: curve.value}
         blocks = [
-            block if said_already(mark, block.roles) else replace(block, constants={**said, **block.constants})
+            block if has_condition(curve, block.roles) else replace(block, constants={**condition, **block.constants})
             for block in blocks
         ]
     if len(blocks) == 1:

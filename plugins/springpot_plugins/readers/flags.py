@@ -73,7 +73,7 @@ def flags_in(status: Column | None, storage: Real | None, loss: Real | None, ign
     clipped = np.array([CLIPPED in each for each in words] or [False] * count, dtype=bool)
     if storage is not None and loss is not None:
         clipped |= _at_limit(storage, loss)
-    notes = _told(words)
+    notes = _flag_note(words)
     if not clipped.any():
         return Flags(~clipped, notes)
     what = f"{int(clipped.sum())} of {count} rows have a storage that was not measured (tan delta at its limit)"
@@ -89,7 +89,7 @@ def _words(cell: str) -> set[str]:
     return {word.strip("™® ") for word in re.split(r"[,;|]", cell)} - {""}
 
 
-def _told(words: Sequence[set[str]]) -> dict[str, str]:
+def _flag_note(words: Sequence[set[str]]) -> dict[str, str]:
     """How often each flag stands there that may mean a fault."""
     count = Counter(word for each in words for word in sorted(each) if word.casefold() not in WAYS)
     if not count:

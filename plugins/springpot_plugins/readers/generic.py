@@ -13,16 +13,16 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block, blocks_of, is_data, is_dynamic, is_header
+from .choices import ask_columns, numbered
+from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of, pairs_in
 from .grid import COMMENT, Grid, grid_of, head_grid, is_number
+from .header_facts import facts_of, pairs_in
 from .headings import headings_of
-from .lying import lying
 from .names import FREQUENCIES, MODULI
-from .said import ask_columns, numbered
-from .stated import with_stated
+from .side_by_side import apart
 from .text import head_text, text_of
-from .wide import apart
+from .transposed import upright
 
 
 def recognises(head: bytes) -> float:
@@ -61,12 +61,12 @@ def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
     grid = grid_of(text_of(path))
     blocks, _ = blocks_of(grid, stacked=True)
-    return parts_from(with_stated(apart(blocks)))
+    return parts_from(with_conditions_above(apart(blocks)))
 
 
 def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
     blocks, below = blocks_of(grid, strict=True, stacked=True)
-    if not blocks and (turned := lying(grid)) is not None:
+    if not blocks and (turned := upright(grid)) is not None:
         blocks, below = blocks_of(turned, strict=True)
     if not blocks:
         return [_without_names(grid, choice)], []
@@ -74,7 +74,7 @@ def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, st
     if rest:
         shown = " ".join(rest[0])
         raise DataError(f"'{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
-    return with_stated(apart(blocks, choice)), pairs_in([row for block in blocks for row in block.above])
+    return with_conditions_above(apart(blocks, choice)), pairs_in([row for block in blocks for row in block.above])
 
 
 def _without_names(grid: Grid, choice: Choice) -> Block:

@@ -68,8 +68,8 @@ def _has(part: Measurement, key: str, first: Measurement) -> bool:
     """Whether a part has a condition, in the unit of the first part."""
     if key == "amplitude" and part.units.amplitude != first.units.amplitude:
         return False
-    told = f"unit {key}"
-    return key in part.conditions and part.provenance.get(told) == first.provenance.get(told)
+    unit_key = f"unit {key}"
+    return key in part.conditions and part.provenance.get(unit_key) == first.provenance.get(unit_key)
 
 
 def _factor(unit: str, wanted: str) -> float | None:

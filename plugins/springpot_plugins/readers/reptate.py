@@ -39,8 +39,8 @@ def first_line(text: str) -> dict[str, str]:
 
 def recognises(head: bytes) -> float:
     """High for a first line of keys without the amplitude and frequency of a time signal."""
-    said = first_line(head_text(head[:8000]))
-    return 0.0 if not said or said.keys() & CLOCKS else 0.95
+    header = first_line(head_text(head[:8000]))
+    return 0.0 if not header or header.keys() & CLOCKS else 0.95
 
 
 def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
@@ -68,7 +68,7 @@ def _is_row(cells: list[str]) -> bool:
     return is_data(cells) and len(cells) > 2 and not cells[0].startswith(COMMENT)
 
 
-def _block(text: str, said: dict[str, str]) -> Block:
+def _block(text: str, header: dict[str, str]) -> Block:
     rows, lines, above = table_of(text)
     width = min(len(row) for row in rows)
     rows = [row[:width] for row in rows]
@@ -82,7 +82,7 @@ def _block(text: str, said: dict[str, str]) -> Block:
             headings[i] = found
         elif found.unit is not None:
             headings[i] = Heading(found.title, found.name, "omega" if i == 0 else _FORMAT[i].role, found.unit)
-    constants = {"temperature [degC]": said["T"]} if _is_number(said.get("T", "")) else {}
+    constants = {"temperature [degC]": header["T"]} if _is_number(header.get("T", "")) else {}
     if any(h.role == "temperature" and h.unit for h in headings):
         constants = {}
     return Block("", tuple(headings), rows, lines, constants=constants)
@@ -104,9 +104,9 @@ def read(path: Path, choice: Choice) -> Measurement:
         If it holds no such table.
     """
     text = text_of(path)
-    said = first_line(text)
-    block = _block(text, said)
-    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in said.items()}}
+    header = first_line(text)
+    block = _block(text, header)
+    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in header.items()}}
     return measurement_from([block], choice, path, origin)
 
 

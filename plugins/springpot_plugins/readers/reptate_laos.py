@@ -21,8 +21,8 @@ _FORMAT = ("time [s]", "strain [-]", "stress [Pa]")
 
 def recognises(head: bytes) -> float:
     """High for a first line with a frequency."""
-    said = first_line(head_text(head[:8000]))
-    return 0.96 if said.keys() & CLOCKS else 0.0
+    header = first_line(head_text(head[:8000]))
+    return 0.96 if header.keys() & CLOCKS else 0.0
 
 
 def signals(path: Path, choice: Choice) -> Signals:

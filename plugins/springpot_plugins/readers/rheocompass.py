@@ -10,11 +10,11 @@ from pathlib import Path
 from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block, blocks_of
+from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of, pairs_in
 from .grid import grid_of
+from .header_facts import facts_of, pairs_in
 from .names import fold
-from .stated import with_stated
 from .text import head_text, text_of
 
 _INTERVAL = re.compile(
@@ -47,13 +47,13 @@ def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
     blocks, _ = blocks_of(grid_of(text_of(path)))
     made, pairs, result = [], [], ""
     for i, block in enumerate(blocks, 1):
-        said = pairs_in(block.above)
-        pairs += said
-        result = next((value for key, value in said if fold(key) in _RESULTS - {"test"}), result)
-        number = next((value.split()[0] for key, value in said if _INTERVAL.match(f"{key}:") and value.split()), "")
+        here = pairs_in(block.above)
+        pairs += here
+        result = next((value for key, value in here if fold(key) in _RESULTS - {"test"}), result)
+        number = next((value.split()[0] for key, value in here if _INTERVAL.match(f"{key}:") and value.split()), "")
         name = f"{result} interval {number or i}".strip()
         made.append(_valid(replace(block, name=name)))
-    return with_stated(made), pairs
+    return with_conditions_above(made), pairs
 
 
 def _valid(block: Block) -> Block:

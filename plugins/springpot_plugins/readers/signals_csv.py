@@ -67,8 +67,8 @@ def signals(path: Path, choice: Choice) -> Signals:
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror or error}") from None
     # Time is in seconds by now, and all count as they should.
-    told = Places(places.columns, ("s", *places.units[1:]), notes=(*places.notes, *rows.notes))
-    return signals_from(channels, told, path, "text")
+    final = Places(places.columns, ("s", *places.units[1:]), notes=(*places.notes, *rows.notes))
+    return signals_from(channels, final, path, "text")
 
 
 def _with_clock(layout: Layout) -> tuple[list[str], list[str]]:

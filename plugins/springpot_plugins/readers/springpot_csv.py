@@ -151,8 +151,8 @@ def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
             (f"loss_sd [{unit}]", _cells(measurement.sd.imag)),
         ]
     for key, values in measurement.conditions.items():
-        told = units.get(key, measurement.provenance.get(f"{_UNIT}{key}", ""))
-        found.append((f"{key} [{told}]" if told else key, _cells(values)))
+        own_unit = units.get(key, measurement.provenance.get(f"{_UNIT}{key}", ""))
+        found.append((f"{key} [{own_unit}]" if own_unit else key, _cells(values)))
     if measurement.repeat is not None:
         found.append(("repeat", [str(value) for value in measurement.repeat.tolist()]))
     if measurement.harmonics is not None:

@@ -21,7 +21,7 @@ from springpot.measurement import (
     normal_unit,
 )
 
-from .marks import Mark, logarithm, plain_mark, quantity_mark
+from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
 from .names import FREQUENCIES, role_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
@@ -101,7 +101,7 @@ class Heading:
     log : str
         Base of the logarithm that the column holds, ``10`` or ``e``; ``?`` where the title does not say which,
         empty for plain numbers.
-    mark : Mark or None
+    curve : CurveName or None
         Which of several curves the column belongs to.
     """
 
@@ -111,7 +111,7 @@ class Heading:
     unit: str | None
     joined: bool = False
     log: str = ""
-    mark: Mark | None = None
+    curve: CurveName | None = None
 
 
 @lru_cache(maxsize=2048)
@@ -146,8 +146,8 @@ def heading(title: str, below: str | None = None) -> Heading:
         inner = below.strip()
         inner = inner[1:-1] if inner[:1] + inner[-1:] in ("[]", "()") else inner
         own = heading(title)
-        name = own.name if own.log or own.mark else title
-        return Heading(title, name, role_of(title) or own.role, inner.strip(), log=own.log, mark=own.mark)
+        name = own.name if own.log or own.curve else title
+        return Heading(title, name, role_of(title) or own.role, inner.strip(), log=own.log, curve=own.curve)
     return _marked(title) or _plain(title)
 
 
@@ -155,12 +155,12 @@ def _marked(title: str) -> Heading | None:
     """The title of one of several curves, or of logarithms."""
     if role_of(title) is not None:
         return None
-    if (marked := quantity_mark(title)) is not None:
-        stem, mark = marked
+    if (marked := curve_in_title(title)) is not None:
+        stem, curve = marked
         found = heading(stem) if stem != title else None
-        clocks = FREQUENCIES if mark.role in FREQUENCIES else {mark.role}
+        clocks = FREQUENCIES if curve.role in FREQUENCIES else {curve.role}
         if found is not None and found.role in UNITS and found.role not in {*clocks, "time"}:
-            return replace(found, title=title, mark=mark)
+            return replace(found, title=title, curve=curve)
     if (taken := logarithm(title)) is not None:
         base, inner = taken
         found = _plain(inner)
@@ -236,9 +236,9 @@ def _word(said: str) -> str:
 @lru_cache(maxsize=2048)
 def plainly(found: Heading) -> Heading:
     """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
-    if found.role is None and (marked := plain_mark(found.name)) is not None:
-        name, mark = marked
+    if found.role is None and (marked := curve_in_suffix(found.name)) is not None:
+        name, curve = marked
         role = role_of(name)
         if role in UNITS and role not in ("time", "temperature", "amplitude"):
-            return replace(found, role=role, name=name, mark=mark)
+            return replace(found, role=role, name=name, curve=curve)
     return found

@@ -13,7 +13,7 @@ from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of
+from .header_facts import facts_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 

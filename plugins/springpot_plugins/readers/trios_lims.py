@@ -8,8 +8,8 @@ from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of
 from .grid import lines_of
+from .header_facts import facts_of
 from .text import head_text, text_of
 from .titles import heading
 

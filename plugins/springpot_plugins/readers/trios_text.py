@@ -9,8 +9,8 @@ from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block, blocks_of
 from .dynamic import measurement_from, parts_from
-from .facts import facts_of, pairs_in
 from .grid import grid_of
+from .header_facts import facts_of, pairs_in
 from .text import head_text, text_of
 
 _STEP = re.compile(r"^[ \t]{0,20}\"?\[step\]", re.IGNORECASE | re.MULTILINE)

@@ -232,6 +232,9 @@ def test_a_number_in_which_several_names_differ_is_offered(folder):
         folder.write(SWEEP_TEXT, name=f"ps{number_}_data.csv")
     note = folder.open(SWEEP_TEXT, name="ps130_data.csv").provenance["note temperature"]
     assert "?temperature=130[degC]'" in note
+    for name in ("run10.csv", "run11.csv", "run12.csv"):
+        folder.write(SWEEP_TEXT, name=name)
+    assert "note temperature" not in folder.open(SWEEP_TEXT, name="run11.csv").provenance
 
 
 @pytest.mark.parametrize(

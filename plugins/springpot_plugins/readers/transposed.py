@@ -9,7 +9,7 @@ from .titles import heading
 _MOST_ROWS = 60
 
 
-def lying(grid: Grid) -> Grid | None:
+def upright(grid: Grid) -> Grid | None:
     """The table set upright, if each row begins with a name and goes on with numbers; None for other tables."""
     rows = [row for row in grid.rows if not row[0].strip().startswith(COMMENT)]
     rows = [_without_end(row) for row in rows]

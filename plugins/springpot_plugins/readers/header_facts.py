@@ -63,12 +63,12 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     for key, value in pairs:
         known = _KEY_OF.get(fold(key)) if len(key) < 60 else None
         value = " ".join(value.split())[:200]
-        said = quantity(value)
+        parsed = quantity(value)
         if (
             known is not None
             and value
             and value not in ("-", "Anonymous")
-            and not (said and said[0] == 0 and said[1])
+            and not (parsed and parsed[0] == 0 and parsed[1])
         ):
             found.setdefault(known, value)
     return {**found, **as_modulus(found)}
@@ -123,12 +123,12 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
 
 def _per_torque(text: str | None) -> float:
     """A stress constant in Pa/(N m); zero where it is missing or its unit is another."""
-    said = quantity(text or "")
-    unit = "" if said is None else _plain(said[1])
+    parsed = quantity(text or "")
+    unit = "" if parsed is None else _plain(parsed[1])
     match = re.match(r"^([kM]?)Pa/\(?([^()]+)\)?$", unit)
-    if said is None or match is None or match[2] not in _TORQUES:
+    if parsed is None or match is None or match[2] not in _TORQUES:
         return 0.0
-    return said[0] * {"": 1.0, "k": 1e3, "M": 1e6}[match[1]] / _TORQUES[match[2]]
+    return parsed[0] * {"": 1.0, "k": 1e3, "M": 1e6}[match[1]] / _TORQUES[match[2]]
 
 
 def _plain(unit: str) -> str:
@@ -137,10 +137,10 @@ def _plain(unit: str) -> str:
 
 def _in_si(text: str | None, pattern: str) -> float:
     """A quantity in SI; zero where it is missing or its unit is another."""
-    said = quantity(text or "")
-    if said is None:
+    parsed = quantity(text or "")
+    if parsed is None:
         return 0.0
-    match = re.match(pattern, _plain(said[1]))
+    match = re.match(pattern, _plain(parsed[1]))
     if match is None:
         return 0.0
-    return said[0] * (_SMALL[match[1]] if match.groups() else 1.0)
+    return parsed[0] * (_SMALL[match[1]] if match.groups() else 1.0)

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from springpot.errors import DataError
 from springpot.measurement import Choice
 
+from .curve_names import logarithm
 from .flags import IGNORE, STATUS
-from .marks import logarithm
 from .names import FREQUENCIES, ROLES, fold, role_of
 from .titles import USUAL, Heading, heading, is_unit, tidy
 
@@ -22,7 +22,7 @@ _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
 
 @dataclass(frozen=True)
-class Told:
+class Chosen:
     """Columns after what the user said.
 
     Parameters
@@ -43,7 +43,7 @@ class Told:
     overruled: tuple[str, ...] = ()
 
 
-def told(headings: Sequence[Heading], choice: Choice) -> Told:
+def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
     """The columns with the units and meanings that the user gives.
 
     Raises
@@ -75,7 +75,7 @@ def told(headings: Sequence[Heading], choice: Choice) -> Told:
     for place in spare:
         # Without a name it is no further condition either.
         found[place] = replace(found[place], role=None, name="")
-    return Told(tuple(found), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
+    return Chosen(tuple(found), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
 
 
 def _same(role: str, meant: set[str]) -> bool:

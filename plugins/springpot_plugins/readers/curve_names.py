@@ -32,7 +32,7 @@ _DERIVED = frozenset(
 
 
 @dataclass(frozen=True)
-class Mark:
+class CurveName:
     """Which of several curves a column belongs to.
 
     Parameters
@@ -82,17 +82,17 @@ def _without_closing(inner: str, opened: str) -> str:
     return inner
 
 
-def of_number(text: str, unit: str, whole: str = "") -> Mark:
+def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
     """The condition of a number with a unit."""
     plain = unit.replace("º", "°").replace("℃", "°C").replace("°", "").replace("deg", "").strip()
     known = _UNITS.get(plain, plain)
     name = "temperature" if known.startswith("deg") else "omega" if known == "rad/s" else "frequency"
     value = text.replace("−", "-").replace(",", ".").lstrip("+")
-    return Mark(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
+    return CurveName(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
 
 
 @lru_cache(maxsize=2048)
-def quantity_mark(title: str) -> tuple[str, Mark] | None:
+def curve_in_title(title: str) -> tuple[str, CurveName] | None:
     """A title without its temperature or frequency, and these; None for other titles."""
     match = _QUANTITY.search(title)
     if match is None or match.start() == 0:
@@ -103,20 +103,20 @@ def quantity_mark(title: str) -> tuple[str, Mark] | None:
         return None
     stem = f"{title[: match.start()]} {title[match.end() :].lstrip()}".strip()
     stem = re.sub(r"\s+_|_\s+", "_", stem)
-    return stem, of_number(match[1], match[2], re.sub(r"^at\s+", "", match[0].strip(" _,;@()[]")))
+    return stem, curve_of_number(match[1], match[2], re.sub(r"^at\s+", "", match[0].strip(" _,;@()[]")))
 
 
 @lru_cache(maxsize=2048)
-def plain_mark(name: str) -> tuple[str, Mark] | None:
+def curve_in_suffix(name: str) -> tuple[str, CurveName] | None:
     """A name without its last word, and this as the name of a curve: ``G'_A``; None for other names."""
     match = _PLAIN.match(name)
     if match is None or re.sub(r"[\d.]+$", "", match[2].lower()) in _DERIVED:
         return None
-    return match[1], Mark(match[2])
+    return match[1], CurveName(match[2])
 
 
 @lru_cache(maxsize=2048)
-def stated_mark(text: str) -> Mark:
+def curve_in_cell(text: str) -> CurveName:
     """What a cell above the columns of one curve says of it: ``T = 20 °C``, ``20 °C`` or a name."""
     text = text[:_LONGEST]
     match = _QUANTITY.search(f" {text}")
@@ -125,7 +125,7 @@ def stated_mark(text: str) -> Mark:
         f" {text}"[: match.start()],
         re.IGNORECASE,
     ):
-        mark = of_number(match[1], match[2], text)
-        if match.end() == len(text) + 1 and not mark.bare:
-            return mark
-    return Mark(text)
+        curve = curve_of_number(match[1], match[2], text)
+        if match.end() == len(text) + 1 and not curve.bare:
+            return curve
+    return CurveName(text)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from .blocks import Block
-from .marks import stated_mark
+from .curve_names import curve_in_cell
 from .names import FREQUENCIES, role_of
 from .titles import UNITS, tidy
 
@@ -22,31 +22,31 @@ _LONGEST = 1000
 """Signs of such a line."""
 
 
-def with_stated(blocks: Iterable[Block]) -> list[Block]:
+def with_conditions_above(blocks: Iterable[Block]) -> list[Block]:
     """The blocks, each with what the lines above it state of conditions that it has no column of."""
-    return [replace(block, constants={**stated_above(block), **block.constants}) for block in blocks]
+    return [replace(block, constants={**conditions_above(block), **block.constants}) for block in blocks]
 
 
-def stated_above(block: Block) -> dict[str, str]:
+def conditions_above(block: Block) -> dict[str, str]:
     """Conditions by title: ``temperature [degC]`` and the number; only those with a known unit."""
     there, found = block.roles, {}
     for row in block.above[-_NEAR:]:
-        said = _said_in([cell for cell in row if cell])
-        for role in {role for role, _, _ in said}:
+        conditions = _conditions_in([cell for cell in row if cell])
+        for role in {role for role, _, _ in conditions}:
             taken = there & FREQUENCIES if role in FREQUENCIES else role in there
-            told = {(unit, number) for each, unit, number in said if each == role}
+            values = {(unit, number) for each, unit, number in conditions if each == role}
             # Two temperatures in one line are those of two curves.
-            if not taken and len(told) == 1:
-                unit, number = told.pop()
+            if not taken and len(values) == 1:
+                unit, number = values.pop()
                 found[f"{role} [{unit}]"] = number
     return found
 
 
-def _said_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
+def _conditions_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
     """Role, unit and number of each condition in a line."""
     found = []
-    if len(cells) == 1 and (mark := stated_mark(cells[0].strip("#%/ "))).title:
-        return [(mark.role, tidy(mark.title.partition(" ")[2]), mark.value)]
+    if len(cells) == 1 and (curve := curve_in_cell(cells[0].strip("#%/ "))).title:
+        return [(curve.role, tidy(curve.title.partition(" ")[2]), curve.value)]
     text = "".join(f"{cell} " if cell.endswith((":", "=")) else f"{cell}, " for cell in cells)
     for name, bracket, number, behind in _STATED.findall(text[:_LONGEST].removesuffix(", ")):
         role, unit = role_of(name), tidy(bracket or behind)

@@ -14,10 +14,10 @@ from itertools import groupby
 from springpot.measurement import Choice
 
 from .blocks import Block, is_dynamic
+from .choices import CURVES, WHOLE
+from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
-from .marks import Mark, of_number, stated_mark
 from .names import FREQUENCIES, MODULI, ROLES, fold
-from .said import CURVES, WHOLE
 from .titles import UNITS, Heading, heading, plainly, tidy
 
 _VALUES = MODULI | {
@@ -50,10 +50,10 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
         What the user says; where it names columns by number or title, tables stay whole. ``curves`` says what the
         numbers are by which curves are called.
     """
-    said = {} if choice is None else choice.columns
-    if any(key not in ROLES and key not in WHOLE for key in said):
+    given = {} if choice is None else choice.columns
+    if any(key not in ROLES and key not in WHOLE for key in given):
         return list(blocks)
-    title = said.get(CURVES, "")
+    title = given.get(CURVES, "")
     return [part for block in blocks for segment in _segments(block) for part in _apart(segment, title)]
 
 
@@ -81,54 +81,56 @@ def _apart(block: Block, title: str) -> list[Block]:
         curves = _curves(headings, marked)
         if curves and all(_is_complete(columns) for _, columns in curves):
             above = block.above[:-1] if labels else block.above
-            certain = _are_temperatures([mark for mark, _ in curves])
-            told = [(_called(mark, title), columns) for mark, columns in curves]
-            made = [_part(block, above, mark, columns, certain) for mark, columns in told]
+            certain = _are_temperatures([curve for curve, _ in curves])
+            named = [(_called(curve, title), columns) for curve, columns in curves]
+            made = [_part(block, above, curve, columns, certain) for curve, columns in named]
             return [part for part in made if part.rows] or [block]
     return [block]
 
 
-def _called(mark: Mark, title: str) -> Mark:
+def _called(curve: CurveName, title: str) -> CurveName:
     """The curve, where the user says of what its name is the number: ``temperature [degC]``."""
-    said = heading(title)
-    if not title or mark.title or not is_number(mark.text) or said.role is None:
-        return mark
-    if said.role == "repeat":
-        return replace(mark, title="repeat", value=mark.text)
-    if said.unit is None:
-        return mark
-    return replace(mark, title=f"{said.role} [{tidy(said.unit)}]", value=mark.text.replace(",", "."))
+    meaning = heading(title)
+    if not title or curve.title or not is_number(curve.text) or meaning.role is None:
+        return curve
+    if meaning.role == "repeat":
+        return replace(curve, title="repeat", value=curve.text)
+    if meaning.unit is None:
+        return curve
+    return replace(curve, title=f"{meaning.role} [{tidy(meaning.unit)}]", value=curve.text.replace(",", "."))
 
 
-def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
-    return [(heading_, heading_.mark) for heading_ in headings]
+def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
+    return [(heading_, heading_.curve) for heading_ in headings]
 
 
-def _by_label(headings: Sequence[Heading], labels: Sequence[Mark | None]) -> list[tuple[Heading, Mark | None]]:
-    if not labels or any(heading_.mark for heading_ in headings):
+def _by_label(
+    headings: Sequence[Heading], labels: Sequence[CurveName | None]
+) -> list[tuple[Heading, CurveName | None]]:
+    if not labels or any(heading_.curve for heading_ in headings):
         return []
     return list(zip(map(_uncopied, headings), labels, strict=True))
 
 
-def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
+def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
     """Titles such as ``G'_A [Pa]``, if no column of moduli is without such a name."""
     if any(heading_.role in _VALUES for heading_ in headings):
         return []
     found = [plainly(heading_) for heading_ in headings]
-    return [(heading_, heading_.mark) for heading_ in found]
+    return [(heading_, heading_.curve) for heading_ in found]
 
 
-def _again(headings: Sequence[Heading]) -> list[tuple[Heading, Mark | None]]:
+def _again(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
     """Titles that come again: each time one does, the next curve begins."""
     seen: set[str] = set()
-    made: list[tuple[Heading, Mark | None]] = []
+    made: list[tuple[Heading, CurveName | None]] = []
     number, found = 1, [_uncopied(heading_) for heading_ in headings]
     for heading_ in found:
         key = fold(heading_.title)
         if key and key in seen:
             number, seen = number + 1, set()
         seen.add(key)
-        made.append((heading_, Mark(f"curve {number}")))
+        made.append((heading_, CurveName(f"curve {number}")))
     return made if number > 1 else []
 
 
@@ -140,7 +142,7 @@ def _uncopied(found: Heading) -> Heading:
     return found
 
 
-def _labels(block: Block) -> list[Mark | None]:
+def _labels(block: Block) -> list[CurveName | None]:
     """What the row above the titles says of each column; empty where it says nothing of that kind."""
     row = block.above[-1] if block.above else []
     if not 1 < len(row) <= len(block.headings) or (len(row) == 2 and row[0].endswith(":")):
@@ -151,43 +153,45 @@ def _labels(block: Block) -> list[Mark | None]:
         cells[0] = ""
         if unit not in UNITS[str(first.role)] or not all(is_number(cell) for cell in cells if cell):
             return []
-        marks = [of_number(cell, unit) if cell else None for cell in cells]
+        curve_names = [curve_of_number(cell, unit) if cell else None for cell in cells]
     elif any(map(is_number, cells)) and cells[0]:
         return []
     else:
-        marks = [stated_mark(cell) if cell else None for cell in cells]
-    if sum(mark is not None for mark in marks) < 2:
+        curve_names = [curve_in_cell(cell) if cell else None for cell in cells]
+    if sum(curve is not None for curve in curve_names) < 2:
         return []
-    marks += [None] * (len(block.headings) - len(marks))
-    for i in range(1, len(marks)):
+    curve_names += [None] * (len(block.headings) - len(curve_names))
+    for i in range(1, len(curve_names)):
         # One cell stands for those to its right, as where cells are merged.
-        marks[i] = marks[i] or marks[i - 1]
-    return marks
+        curve_names[i] = curve_names[i] or curve_names[i - 1]
+    return curve_names
 
 
-def _curves(headings: Sequence[Heading], marked: Sequence[tuple[Heading, Mark | None]]) -> list[tuple[Mark, Columns]]:
+def _curves(
+    headings: Sequence[Heading], marked: Sequence[tuple[Heading, CurveName | None]]
+) -> list[tuple[CurveName, Columns]]:
     """The columns of each curve, with those that all share; none where there is nothing to take apart."""
-    curves: dict[str, tuple[Mark, Columns]] = {}
+    curves: dict[str, tuple[CurveName, Columns]] = {}
     shared: Columns = []
-    for place, (heading_, mark) in enumerate(marked):
-        if mark is None:
+    for place, (heading_, curve) in enumerate(marked):
+        if curve is None:
             shared.append((place, heading_))
         else:
-            curves.setdefault(_key(mark), (mark, []))[1].append((place, heading_))
+            curves.setdefault(_key(curve), (curve, []))[1].append((place, heading_))
     if not curves or any(heading_.role in _VALUES for _, heading_ in shared):
         return []
     found = list(curves.values())
     if len(found) == 1 and not found[0][0].title:
         return []
     clock = _clock(found)
-    return [(mark, _with_shared(columns, shared, clock)) for mark, columns in found]
+    return [(curve, _with_shared(columns, shared, clock)) for curve, columns in found]
 
 
-def _key(mark: Mark) -> str:
-    return f"{mark.title}={float(mark.value):g}" if mark.title else mark.text.casefold()
+def _key(curve: CurveName) -> str:
+    return f"{curve.title}={float(curve.value):g}" if curve.title else curve.text.casefold()
 
 
-def _clock(curves: Sequence[tuple[Mark, Columns]]) -> Columns:
+def _clock(curves: Sequence[tuple[CurveName, Columns]]) -> Columns:
     """The columns before the moduli of the first curve, for the others that have no frequency."""
     columns = curves[0][1]
     first = next((i for i, (_, heading_) in enumerate(columns) if heading_.role in _VALUES), 0)
@@ -208,28 +212,30 @@ def _is_complete(columns: Columns) -> bool:
     """Whether the columns are a dynamic test, each role of which is there once."""
     roles = [str(heading_.role) for _, heading_ in columns if heading_.role]
     values = [role for role in roles if role in _VALUES or role in FREQUENCIES]
-    marks = {heading_.mark.role for _, heading_ in columns if heading_.mark and heading_.mark.title}
-    return len(values) == len(set(values)) and is_dynamic({*roles, *marks})
+    curve_names = {heading_.curve.role for _, heading_ in columns if heading_.curve and heading_.curve.title}
+    return len(values) == len(set(values)) and is_dynamic({*roles, *curve_names})
 
 
-def _are_temperatures(marks: Sequence[Mark]) -> bool:
+def _are_temperatures(curve_names: Sequence[CurveName]) -> bool:
     """Whether numbers before a mere C are temperatures: where they are several, and nothing else is."""
-    return len({mark.value for mark in marks}) > 1 and all(mark.role == "temperature" for mark in marks)
+    return len({curve.value for curve in curve_names}) > 1 and all(
+        curve.role == "temperature" for curve in curve_names
+    )
 
 
-def said_already(mark: Mark, roles: Iterable[str]) -> bool:
+def has_condition(curve: CurveName, roles: Iterable[str]) -> bool:
     """Whether columns of these roles say what a name says."""
-    return bool((FREQUENCIES if mark.role in FREQUENCIES else {mark.role}) & set(roles))
+    return bool((FREQUENCIES if curve.role in FREQUENCIES else {curve.role}) & set(roles))
 
 
-def _part(block: Block, above: list[list[str]], mark: Mark, columns: Columns, certain: bool) -> Block:
+def _part(block: Block, above: list[list[str]], curve: CurveName, columns: Columns, certain: bool) -> Block:
     places = [place for place, _ in columns]
     # A row that ends early has nothing for this curve.
     filled = [i for i, row in enumerate(block.rows) if any(row[place].strip() for place in places)]
     roles = {str(heading_.role) for _, heading_ in columns}
-    known = mark.title and (certain or not mark.bare) and not said_already(mark, roles)
-    stated: Mapping[str, str] = {mark.title: mark.value} if known else {}
-    name = " ".join(word for word in (block.name, mark.text) if word)
+    known = curve.title and (certain or not curve.bare) and not has_condition(curve, roles)
+    stated: Mapping[str, str] = {curve.title: curve.value} if known else {}
+    name = " ".join(word for word in (block.name, curve.text) if word)
     return replace(
         block,
         name=name,
