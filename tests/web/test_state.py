@@ -269,3 +269,20 @@ def test_a_broken_session_is_refused_in_one_line(data: Measurement, key: str, va
     with pytest.raises(DataError) as error:
         session_of(json.dumps(a_session(data) | {key: value}).encode())
     assert "\n" not in str(error.value)
+
+
+def test_signals_of_several_frequencies_are_one_measurement():
+    time = np.arange(0.0, 4.0, 0.005)
+
+    def signals(frequency: float) -> Measurement:
+        phase = 2 * np.pi * frequency * time
+        rows = zip(time, np.sin(phase), 3.0 * np.sin(phase + 0.4), strict=True)
+        text = "time [s],displacement [mm],force [kN]\n" + "".join(f"{t:.6g},{x:.9g},{f:.9g}\n" for t, x, f in rows)
+        return measured_in(f"{frequency}.csv", text.encode())[0]
+
+    both = joined(joined(signals(1.0), signals(2.0)), signals(5.0))
+    assert both.frequency == pytest.approx([1.0, 2.0, 5.0], rel=1e-6)
+    assert both.repeat is None
+    assert both.stiffness == pytest.approx(np.full(3, 3.0 * np.exp(0.4j)), rel=1e-6)
+    again = joined(both, both)
+    assert set(again.repeat.tolist()) == {0, 1}

@@ -173,8 +173,10 @@ def joined(one: Measurement, other: Measurement) -> Measurement:
     sd = None
     if one.sd is not None and other.sd is not None:
         sd = np.concatenate([one.sd, other.sd * factor])
-    repeats = [data.repeat if data.repeat is not None else np.zeros(len(data), dtype=int) for data in (one, other)]
-    repeat = np.concatenate([repeats[0], repeats[1] + repeats[0].max() + 1])
+    repeat = None
+    if one.repeat is not None or other.repeat is not None or np.intersect1d(one.omega, other.omega).size:
+        first, second = (np.zeros(len(d), dtype=int) if d.repeat is None else d.repeat for d in (one, other))
+        repeat = np.concatenate([first, second + first.max() + 1])
     provenance: Mapping[str, str] = {**one.provenance, "joined with": other.name}
     return Measurement(
         np.concatenate([one.omega, other.omega]),

@@ -121,11 +121,15 @@ class Desk:
         self._kept: OrderedDict[str, Line] = OrderedDict()
 
     async def open(self) -> None:
-        """Start all workers, so that the first answer need not wait for their imports."""
+        """Start a worker of each kind, so that the first answer need not wait for their imports.
+
+        Further ones start when they are needed: they would only take time from the first.
+        """
         for lane, workers in self._lanes.items():
-            self._free[lane] = asyncio.Queue()
-            for worker in workers:
-                await worker.start()
+            # The last who worked is the first who works again: it has the imports, and remembers ladders.
+            self._free[lane] = asyncio.LifoQueue()
+            await workers[0].start()
+            for worker in reversed(workers):
                 self._free[lane].put_nowait(worker)
 
     async def close(self) -> None:

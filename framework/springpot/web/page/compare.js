@@ -97,7 +97,12 @@ export class Compare {
       });
     });
     [spec.x.min, spec.x.max] = range([...this.app.scene.x, ...xs], spec.x.log, 0.03);
-    [spec.y.min, spec.y.max] = range([...spec.points.map((p) => p.y), ...all], spec.y.log, 0.06);
+    // A moving mass makes K' negative, and a resonance makes it huge: what is measured stays in sight.
+    const measured = spec.points.map((point) => point.y);
+    const most = Math.max(...measured.map(Math.abs));
+    if (all.some((y) => y <= 0)) spec.y.log = false;
+    const seen = all.map((y) => Math.max(-1.2 * most, Math.min(1.6 * most, y)));
+    [spec.y.min, spec.y.max] = range([...measured, ...seen], spec.y.log, 0.06);
     return spec;
   }
 

@@ -6,7 +6,7 @@ import { number } from "./numbers.js";
 // Where data come from; in the page while it is empty, and in a dialog later.
 function dropZone(app, done, place) {
   const id = (name) => `${name}-${place}`;
-  const file = h("input", { type: "file", id: id("file"), class: "file", onchange: () => open([...file.files]) });
+  const file = h("input", { type: "file", multiple: true, id: id("file"), class: "file", onchange: () => open([...file.files]) });
   const paste = h("textarea", { id: id("paste"), rows: "4", spellcheck: "false", placeholder: "frequency [Hz],storage [kN/m],loss [kN/m]\n1,102.8,73.2\n…" });
   const sets = h("select", { id: id("dataset"), class: "datasets" });
   listSets(sets, app.installed);
@@ -15,7 +15,7 @@ function dropZone(app, done, place) {
   const open = async (files) => {
     if (!files.length) return;
     done();
-    await app.openFile(files[0].name, await files[0].arrayBuffer(), "", joining());
+    await app.openFiles(files, joining());
   };
   return h("div", { class: "drop-zone", "data-drop": "" },
     h("p", {}, h("b", {}, "Drop a file here"), ", or"),
@@ -44,25 +44,25 @@ export function listenForDrops(app) {
     document.body.classList.add("dragging");
   });
   document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) document.body.classList.remove("dragging"); });
-  document.addEventListener("drop", async (event) => {
+  document.addEventListener("drop", (event) => {
     event.preventDefault();
     document.body.classList.remove("dragging");
-    const file = event.dataTransfer.files[0];
-    if (!file) return;
+    const files = [...event.dataTransfer.files];
+    if (!files.length) return;
     byId("open-dialog").close();
-    if (app.state && !/\.json$/i.test(file.name)) askWhere(app, file);
-    else app.openFile(file.name, await file.arrayBuffer());
+    if (app.state && !/\.json$/i.test(files[0].name)) askWhere(app, files);
+    else app.openFiles(files, false);
   });
 }
 
 // A second file either takes the place of the first or joins it; nobody but the user can know.
-function askWhere(app, file) {
+function askWhere(app, files) {
   const dialog = byId("open-dialog");
-  const open = async (onto) => {
+  const open = (onto) => {
     dialog.close();
-    app.openFile(file.name, await file.arrayBuffer(), "", onto);
+    app.openFiles(files, onto);
   };
-  put(dialog, h("h2", { id: "open-title" }, `Open ${file.name}`),
+  put(dialog, h("h2", { id: "open-title" }, `Open ${files.map((file) => file.name).join(", ")}`),
     h("p", {}, h("button", { type: "button", class: "primary", onclick: () => open(false) }, "Open instead"), " ",
       h("button", { type: "button", id: "add-data", onclick: () => open(true) }, "Add to the data"), " ",
       h("button", { type: "button", onclick: () => dialog.close() }, "Leave it")));
@@ -116,7 +116,7 @@ export class Data {
     const rows = data.columns.map((column) => h("tr", {}, h("th", { scope: "row" }, column.name),
       h("td", {}, plainly(column.from)), h("td", {}, plainly(column.to)), h("td", {}, column.unit)));
     const sweeps = data.scene.sweeps.length;
-    const facts = [`${data.scene.count} points`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
+    const facts = [`${data.scene.count} point${data.scene.count === 1 ? "" : "s"}`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
       data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];
     const shown = data.scene.rows.length;
     if (shown < data.scene.count) facts.push(`${shown} of them drawn`);

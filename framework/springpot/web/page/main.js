@@ -70,7 +70,9 @@ class App {
     byId("data-name").textContent = data ? data.scene.name : "";
     document.title = data ? `${data.scene.name} – springpot workbench` : "springpot workbench";
     document.body.classList.toggle("empty", !data);
-    byId("verdict").textContent = answer ? verdict(answer) : "Open data to see where a model fails and what is missing from it.";
+    let word = "Open data to see where a model fails and what is missing from it.";
+    if (data) word = this.refused ? "These data have no answer yet: see what is said beside them." : "";
+    byId("verdict").textContent = answer ? verdict(answer) : word;
     byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     enable(byId("undo"), this.history.canUndo ? "" : "there is nothing to undo");
     enable(byId("redo"), this.history.canRedo ? "" : "there is nothing to redo");
@@ -94,6 +96,27 @@ class App {
       this.render();
       byId("question")?.querySelector("select")?.focus();
     } else if (found) this.opened(found, onto);
+  }
+
+  // Several files are one test: time signals of one frequency each, or one sweep each.
+  async openFiles(files, join) {
+    if (files.length === 1) {
+      await this.openFile(files[0].name, await files[0].arrayBuffer(), "", join);
+      return;
+    }
+    let onto = join ? this.state.data : "";
+    let found = null;
+    for (const { name, bytes } of await Promise.all(files.map(async (file) => ({ name: file.name, bytes: await file.arrayBuffer() })))) {
+      const query = { name, ...(onto ? { onto } : {}) };
+      found = await this.compute((how) => api.upload(bytes, query, how));
+      if (found?.question) this.refused = `${found.question.says} (open it alone to be asked)`;
+      if (!found || found.question) {
+        this.render();
+        return;
+      }
+      onto = found.digest;
+    }
+    this.opened(found, join);
   }
 
   async openSet(name) {

@@ -10,7 +10,7 @@ export class ModelPanel {
   constructor(parent, app) {
     this.app = app;
     this.input = h("input", { id: "expression", list: "expressions", autocomplete: "off", spellcheck: "false",
-      placeholder: "material (any linear passive one)", "aria-describedby": "expression-says", oninput: () => this.complete() });
+      placeholder: "material", "aria-describedby": "expression-says", oninput: () => this.complete() });
     this.options = h("datalist", { id: "expressions" });
     this.judge = h("button", { id: "judge" }, "Judge this model");
     this.search = h("input", { id: "search", type: "search", placeholder: "search models ( / )", oninput: () => this.filter() });

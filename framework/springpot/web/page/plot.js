@@ -6,6 +6,7 @@ const LEFT = 62;
 const RIGHT = 10;
 const TOP = 10;
 const BOTTOM = 38;
+const MANY = 600; // points from which they are drawn small
 
 export function niceTicks(low, high, most = 6) {
   const rough = (high - low) / most || 1;
@@ -76,6 +77,7 @@ export class Plot {
     this.previewLayer = s("g", { class: "preview-layer" });
     this.extraLayer = s("g", { class: "extra-layer" });
     this.cursorLayer = s("g", { class: "cursor-layer" });
+    this.small = spec.points.length > MANY;
     this.marks = spec.points.map((point) => this.mark(point));
     const box = { x: LEFT, y: TOP, width: width - LEFT - RIGHT, height: height - TOP - BOTTOM };
     svg.replaceChildren(
@@ -86,8 +88,8 @@ export class Plot {
         ...(spec.shades || []).map((shade, lane) => this.shade(shade, lane)),
         ...(spec.bands || []).map((band) => this.band(band)),
         ...(spec.lines || []).map((line) => this.line(line)),
-        this.extraLayer, this.previewLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
-        this.cursorLayer),
+        this.extraLayer, s("g", { class: "points" }, ...this.marks.filter(Boolean)),
+        this.previewLayer, this.cursorLayer),
     );
   }
 
@@ -144,8 +146,9 @@ export class Plot {
     if (!Number.isFinite(cx) || !Number.isFinite(cy)) return null;
     const common = { "data-row": row, class: `mark ${kind}${out ? " out" : ""}` };
     if (out) return s("path", { ...common, d: `M${cx - 3} ${cy - 3}l6 6m0 -6l-6 6` });
-    if (kind === "loss") return s("rect", { ...common, x: cx - 3, y: cy - 3, width: 6, height: 6, stroke: colour });
-    return s("circle", { ...common, cx, cy, r: 3.4, fill: colour });
+    const half = this.small ? 1.3 : 3;
+    if (kind === "loss") return s("rect", { ...common, x: cx - half, y: cy - half, width: 2 * half, height: 2 * half, stroke: colour });
+    return s("circle", { ...common, cx, cy, r: 1.13 * half, fill: colour });
   }
 
   // The worst place over the whole height, the others as bars at the foot, one above the other.

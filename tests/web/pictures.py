@@ -1,0 +1,101 @@
+"""Makes the pictures of docs/workbench.md: ``python tests/web/pictures.py``, where Chromium and Pillow are."""
+
+from __future__ import annotations
+
+import io
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+import springpot
+
+ROOT = Path(__file__).resolve().parents[2]
+IMAGES = ROOT / "docs" / "images"
+COLOURS = 128
+MODEL = "fractional-maxwell"
+
+
+def damper() -> bytes:
+    found = re.search(
+        r"^```csv damper.csv\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S
+    )
+    assert found is not None
+    return found[1].encode()
+
+
+def unexplained() -> bytes:
+    """A structure that is in no library: ripples that grow with the logarithm of the frequency."""
+    rng, frequency = np.random.default_rng(1), np.geomspace(0.5, 50.0, 60)
+    model = springpot.parse_model(MODEL)
+    exact = model.stiffness(model.theta(k=400.0, c=60.0, alpha=0.55), 2 * np.pi * frequency)
+    ripple = 0.06 * np.sin(2 * np.pi * np.log(frequency) / np.log(3)) ** 3 * np.exp(1j * np.log(frequency) ** 2)
+    noise = 0.004 * (rng.normal(size=60) + 1j * rng.normal(size=60))
+    rows = zip(frequency, exact * (1 + ripple) * (1 + noise), strict=True)
+    lines = (f"{f:.5g},{k.real:.5g},{k.imag:.5g}\n" for f, k in rows)
+    return ("frequency [Hz],storage [kN/m],loss [kN/m]\n" + "".join(lines)).encode()
+
+
+def keep(page: Any, name: str) -> None:
+    """A picture of few colours, of which a page has no more."""
+    page.wait_for_timeout(700)
+    picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture.save(IMAGES / f"workbench-{name}.png", optimize=True)
+    print(name, (IMAGES / f"workbench-{name}.png").stat().st_size)
+
+
+def main() -> None:
+    bench = springpot.workbench(browser=False)
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+
+        def opened(name: str, content: bytes, model: str = "", **settings: Any) -> Any:
+            context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **settings})
+            page = context.new_page()
+            page.goto(bench.address)
+            page.locator("#dataset-first option").nth(1).wait_for(state="attached")
+            if not name:
+                return page
+            page.set_input_files("#file-first", {"name": name, "mimeType": "text/csv", "buffer": content})
+            if model:
+                page.locator("#effects li").first.wait_for()
+                page.locator("body:not([aria-busy])").wait_for()
+                page.fill("#expression", model)
+                page.press("#expression", "Enter")
+                page.locator(f"#verdict:has-text('{model}:')").wait_for()
+                page.locator("body:not([aria-busy])").wait_for()
+            return page
+
+        keep(opened("", b""), "empty")
+        page = opened("damper.csv", damper(), MODEL)
+        keep(page, "answered")
+        page.hover("#effect-inertia")
+        keep(page, "hovered")
+        page.click("#effect-inertia")
+        page.locator("#rungs li").nth(1).wait_for()
+        page.locator("body:not([aria-busy])").wait_for()
+        page.mouse.move(640, 780)
+        keep(page, "adequate")
+        keep(opened("ripples.csv", unexplained(), MODEL), "unexplained")
+        page = opened("notes.csv", b"hello\nworld\n")
+        page.locator("#data .error").wait_for()
+        keep(page, "refused")
+        phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True}
+        page = opened("damper.csv", damper(), MODEL, **phone)
+        page.tap("#effect-inertia")
+        page.locator("#compare").scroll_into_view_if_needed()
+        page.evaluate("() => scrollTo(0, 0)")
+        keep(page, "phone")
+        page = opened("damper.csv", damper(), MODEL, color_scheme="dark")
+        page.hover("#effect-inertia")
+        keep(page, "dark")
+        browser.close()
+    bench.close()
+
+
+if __name__ == "__main__":
+    main()
