@@ -1,7 +1,7 @@
 import pytest
 
 from springpot.errors import DataError
-from springpot.measurement import FREQUENCY_UNITS, MODULUS_UNITS, known_unit, temperature_in_celsius
+from springpot.measurement import FREQUENCY_UNITS, MODULUS_UNITS, known_unit, normal_unit, temperature_in_celsius
 
 
 @pytest.mark.parametrize(
@@ -45,3 +45,16 @@ def test_cycles_per_second_and_radians_per_second_are_never_mixed():
 )
 def test_temperatures(value, unit, celsius):
     assert temperature_in_celsius(value, unit) == pytest.approx(celsius)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit"),
+    [
+        ("µN.m", "uN m"), ("[°C]", "degC"), ("rad·s-1", "rad/s"),
+        ("mPa.s", "mPa s"), ("Pas", "Pa s"), ("1/Pa", "1/Pa"),
+        ("rad/(N.m)", "rad/N m"), ("dyn/cm2", "dyn/cm^2"), ("kN*s/m", "kN s/m"), ("Nm/rad", "N m/rad"), ("", "-"),
+    ],
+)  # fmt: skip
+def test_one_spelling_of_a_unit(written, unit):
+    assert normal_unit(written) == unit
+    assert normal_unit(unit) == unit

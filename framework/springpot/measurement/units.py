@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -74,21 +75,46 @@ _SPELLINGS = {
     "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in",
 }  # fmt: skip
 _SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
+_WITHOUT_BLANK = {"Nm": "N m", "mNm": "mN m", "uNm": "uN m", "kNm": "kN m", "Nmm": "N mm"}
 _SHOWN = 12
 
 
+_LONGEST = 60
+"""Signs of a unit that are looked at."""
+
+
+@lru_cache(maxsize=4096)
 def normal_unit(text: str) -> str:
-    """The usual spelling of a unit: `°C` and `degC` are one, but `mPa` and `MPa` stay two."""
-    unit = " ".join(text.translate(_SIGNS).split())
+    """The usual spelling of a unit as people and programs write it; those that are unknown are tidied only.
+
+    Examples
+    --------
+    >>> normal_unit("°C"), normal_unit("N.m"), normal_unit("rad·s-1"), normal_unit("[mPa.s]")
+    ('degC', 'N m', 'rad/s', 'mPa s')
+    """
+    unit = text.strip().strip("[]").strip()[:_LONGEST]
+    # Dots and hyphens between letters stand for a product: N.m, Pa-s.
+    unit = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", unit)
+    unit = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", unit)
+    unit = re.sub(r"\bsec(?:onds?)?\b", "s", unit)
+    unit = re.sub(r"^([mkM]?Pa)s$", r"\1 s", unit)
+    unit = " ".join(unit.translate(_SIGNS).split())
     if (spelt := _SPELLINGS.get(unit.lower())) is not None:
         return spelt
     unit = re.sub(r"(?<=/)(m|cm|mm|in)2$", r"\1^2", re.sub(r"\bdynes?\b", "dyn", unit))
     over, slash, under = (part.strip() for part in unit.partition("/"))
-    over = over.replace("Nm", "N m") if over in ("Nm", "mNm", "uNm", "kNm", "Nmm") else over
     if not slash and over.endswith("^-1") and " " in over:
         over, _, under = over[:-3].rpartition(" ")
         slash = "/"
-    return f"{over}{slash}{under}"
+    if not slash:
+        return _WITHOUT_BLANK.get(over, over)
+    return f"{_part(over)}/{_part(under)}"
+
+
+def _part(text: str) -> str:
+    """One side of a fraction; the one of 1/s stays."""
+    bare = text[1:-1].strip() if text[:1] + text[-1:] == "()" else text
+    return bare if bare in ("", "1") else normal_unit(bare)
 
 
 def known_unit(text: str, table: dict[str, float], what: str) -> str:

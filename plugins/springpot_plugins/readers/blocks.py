@@ -210,18 +210,23 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
     key = next(k for k, cell in enumerate(rows[start]) if is_number(cell))
     for j in range(start + 1, len(rows)):
         row = rows[j]
-        if len(row) == width and row[0][-1:] != ":":
-            try:
-                float(row[key].replace(",", "."))
-                continue
-            except ValueError:
-                pass
+        if len(row) == width and row[0][-1:] != ":" and _is_plain(row[key]):
+            continue
         if is_data(row) and not _ends(row):
             continue
         if len(row) == width and width > 1 and any(is_number(cell) for cell in row) and not _ends(row):
             continue
         return j
     return len(rows)
+
+
+def _is_plain(cell: str) -> bool:
+    """Whether a cell is a number as Python reads it, which is quicker than to match all ways of writing one."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def _ends(row: Sequence[str]) -> bool:

@@ -22,11 +22,11 @@ from springpot.measurement import (
     Choice,
     Signals,
     known_unit,
+    normal_unit,
 )
 from springpot.rheology import Real
 
 from .names import fold
-from .titles import tidy
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
@@ -103,7 +103,7 @@ def channel_of(title: str) -> tuple[str | None, str | None, str]:
 
 def _channel(title: str) -> tuple[str | None, str | None, str]:
     match = _BRACKETED.match(title)
-    bare = title if match and tidy(match[2]) in _ANY else re.sub(r"\s*\([^()]* .*$", "", title)
+    bare = title if match and normal_unit(match[2]) in _ANY else re.sub(r"\s*\([^()]* .*$", "", title)
     if (found := _OF.get(fold(bare))) is not None:
         return found, None, bare
     if (match := _BRACKETED.match(bare)) and match[1]:
@@ -113,7 +113,7 @@ def _channel(title: str) -> tuple[str | None, str | None, str]:
         stem, unit_text = bare[: match.start()], bare[match.end() :]
         channel = _OF.get(fold(stem))
         for unit in (unit_text.replace("_per_", "/"), unit_text.replace("_", " ")):
-            if channel is not None and tidy(unit) in UNITS[channel]:
+            if channel is not None and normal_unit(unit) in UNITS[channel]:
                 return channel, unit, stem
     return None, None, bare
 
@@ -181,7 +181,9 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     units = [str(layout[channel].unit).strip() for channel in UNITS]
     signs = [-1.0 if unit.startswith("-") and len(unit) > 1 else 1.0 for unit in units]
     bare = [unit.removeprefix("-") if sign < 0 else unit for unit, sign in zip(units, signs, strict=True)]
-    known = [known_unit(tidy(unit), UNITS[channel], channel) for unit, channel in zip(bare, UNITS, strict=True)]
+    known = [
+        known_unit(normal_unit(unit), UNITS[channel], channel) for unit, channel in zip(bare, UNITS, strict=True)
+    ]
     columns = [layout[channel].column for channel in UNITS]
     return Places(
         (columns[0], columns[1], columns[2]),
@@ -200,7 +202,7 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
             continue
         unit = unit or (below[i].strip().strip("[]()") if i < len(below) else "") or None
         rank = _RANK.get(fold(bare), 99)
-        if unit is not None and tidy(unit) not in UNITS[channel]:
+        if unit is not None and normal_unit(unit) not in UNITS[channel]:
             rank += _WORST
         if channel not in layout or rank < layout[channel].rank:
             layout[channel] = _Place(i, unit, rank)
@@ -256,7 +258,7 @@ def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequenc
     if own[0] not in (None, channel):
         return [f"'{titles[now.column]}' is {channel} as you said; its name says {own[0]}"]
     given, unit = before.unit if before is not None else own[1], now.unit or ""
-    if given is not None and tidy(given) != tidy(unit.removeprefix("-")):
+    if given is not None and normal_unit(given) != normal_unit(unit.removeprefix("-")):
         return [f"'{titles[now.column]}' is in {unit} as you said; the file says {given}"]
     return []
 

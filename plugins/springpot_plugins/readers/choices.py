@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from springpot.errors import DataError
-from springpot.measurement import Choice
+from springpot.measurement import Choice, normal_unit
 
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, ROLES, fold, role_of
-from .titles import USUAL, Heading, heading, is_unit, tidy
+from .titles import USUAL, Heading, heading, is_unit
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
@@ -87,7 +87,7 @@ def _difference(before: Heading, after: Heading) -> str:
     """What the file says of a column that the user reads otherwise; nothing where it says nothing."""
     if before.role is not None and after.role != before.role:
         return f"'{before.title}' is {after.role or 'ignored'} as you said; its name says {before.role}"
-    if before.unit is not None and after.unit is not None and tidy(before.unit) != tidy(after.unit):
+    if before.unit is not None and after.unit is not None and normal_unit(before.unit) != normal_unit(after.unit):
         return f"'{before.title}' is in {after.unit} as you said; the file says {before.unit}"
     return ""
 

@@ -26,48 +26,19 @@ from springpot.rheology import Complex, Real
 
 from .table import Column
 
-ROLES: dict[str, tuple[str, ...]] = {
-    "frequency": ("frequency", "freq", "f"),
-    "omega": ("omega", "ω", "w", "angular_frequency"),
-    "storage": ("storage", "storage_modulus", "storage_stiffness", "k'", "g'", "e'"),
-    "loss": ("loss", "loss_modulus", "loss_stiffness", "k''", "g''", "e''", 'k"', 'g"', 'e"'),
-    "magnitude": ("magnitude", "complex_modulus", "dynamic_stiffness", "|k|", "|g|", "|e|", "|k*|", "|g*|", "|e*|"),
-    "phase": ("phase", "phase_angle", "delta", "δ"),
-    "loss_factor": ("loss_factor", "tan_delta", "tandelta", "tan_δ", "tanδ", "eta"),
-    "storage_sd": ("storage_sd",),
-    "loss_sd": ("loss_sd",),
-    "temperature": ("temperature",),
-    "amplitude": ("amplitude", "strain_amplitude", "displacement_amplitude"),
-    "repeat": ("repeat",),
-}
+ROLES = (
+    *("frequency", "omega", "storage", "loss", "magnitude", "phase", "loss_factor", "storage_sd", "loss_sd"),
+    *("temperature", "amplitude", "repeat"),
+)
+"""What a measurement is made of, by the names of springpot's own tables; other names for them are in `names`."""
 TEXT = "text"
 """Unit that marks a column of words, so that a word that looks like a number stays a word."""
 
 
-def role_of(name: str) -> str | None:
-    """What a column of that name is, or None for a further condition."""
-    return next((role for role, names in ROLES.items() if name in names), None)
-
-
 def assign(columns: tuple[Column, ...]) -> tuple[dict[str, Column], list[Column]]:
-    """Columns by role, and the others.
-
-    Raises
-    ------
-    DataError
-        If two columns claim one role.
-    """
-    roles: dict[str, Column] = {}
-    others = []
-    for column in columns:
-        role = role_of(column.name)
-        if role is None:
-            others.append(column)
-        elif role in roles:
-            raise DataError(f"both '{roles[role].title}' and '{column.title}' give {role}; keep one")
-        else:
-            roles[role] = column
-    return roles, others
+    """Columns by role, and the others."""
+    roles = {column.name: column for column in columns if column.name in ROLES}
+    return roles, [column for column in columns if column.name not in ROLES]
 
 
 def measurement_of(
@@ -141,7 +112,7 @@ def _omega(roles: Mapping[str, Column]) -> Real:
     if "omega" in roles and "frequency" in roles:
         raise DataError("both omega and frequency are given; keep one")
     unit = _unit(column, FREQUENCY_UNITS, "write frequency [Hz] or omega [rad/s]")
-    if role_of(column.name) == "omega" and unit != "rad/s":
+    if column.name == "omega" and unit != "rad/s":
         raise column.error(f"omega is in rad/s; a column in {unit} is called frequency [{unit}]")
     values = column.numbers()
     wrong = values <= 0

@@ -6,10 +6,12 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from springpot.measurement import normal_unit
+
 from .blocks import Block
 from .curve_names import curve_in_cell
 from .names import FREQUENCIES, role_of
-from .titles import UNITS, tidy
+from .titles import UNITS
 
 _STATED = re.compile(
     r"(?:^|[,;|#%]\s*)([^\W\d][^\[\]=:,;|]{0,40}?)\s*(?:[\[(]([^\[\]()]{1,12})[\])])?\s*[=:]\s*"
@@ -46,10 +48,10 @@ def _conditions_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
     """Role, unit and number of each condition in a line."""
     found = []
     if len(cells) == 1 and (curve := curve_in_cell(cells[0].strip("#%/ "))).title:
-        return [(curve.role, tidy(curve.title.partition(" ")[2]), curve.value)]
+        return [(curve.role, normal_unit(curve.title.partition(" ")[2]), curve.value)]
     text = "".join(f"{cell} " if cell.endswith((":", "=")) else f"{cell}, " for cell in cells)
     for name, bracket, number, behind in _STATED.findall(text[:_LONGEST].removesuffix(", ")):
-        role, unit = role_of(name), tidy(bracket or behind)
+        role, unit = role_of(name), normal_unit(bracket or behind)
         if role in _ROLES and (bracket or behind) and unit in UNITS[str(role)]:
             found.append((str(role), unit, number.replace(",", ".")))
     return found

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, known_unit
+from springpot.measurement import Choice, Measurement, Part, known_unit, normal_unit
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
@@ -22,7 +22,7 @@ from .grid import is_number
 from .joining import joined
 from .names import FREQUENCIES, rank
 from .table import Column
-from .titles import UNITS, Heading, heading, tidy
+from .titles import UNITS, Heading, heading
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
 """Further columns of instruments that are kept as conditions."""
@@ -233,7 +233,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     complete = _has_all_units(headings)
     for heading_, column in zip(headings, cells, strict=False):
         name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
-        unit = None if heading_.unit is None else tidy(heading_.unit)
+        unit = None if heading_.unit is None else normal_unit(heading_.unit)
         if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
             unit = "rad/s"
@@ -253,7 +253,7 @@ def _has_all_units(headings: Sequence[Heading]) -> bool:
 
 def _constant(title: str, value: str, block: Block) -> Column:
     named = heading(title)
-    unit = None if named.unit is None else tidy(named.unit)
+    unit = None if named.unit is None else normal_unit(named.unit)
     return Column(title, named.role or named.name, unit, [value] * len(block.rows), block.lines)
 
 

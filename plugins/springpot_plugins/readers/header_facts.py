@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+
+from springpot.measurement import PRESSURE_UNITS, TORQUE_UNITS, normal_unit
 
 from .names import fold
 
@@ -44,11 +46,13 @@ KEYS: dict[str, tuple[str, ...]] = {
 }
 _KEY_OF = {fold(name): key for key, names in KEYS.items() for name in names}
 _QUANTITY = re.compile(r"^\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*[\[(]?(.*?)[\])]?\s*$")
-_TORQUES = {"N.m": 1.0, "Nm": 1.0, "N*m": 1.0, "mN.m": 1e-3, "mNm": 1e-3, "uN.m": 1e-6, "g.cm": 9.80665e-5}
-_SMALL = {"": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "k": 1e3}
-_INERTIA = r"^([munk]?)N\.?m\.?s(?:2|\^2)$"
-_COMPLIANCE = r"^([munk]?)rad/\(?N\.?m\)?$"
-_FRICTION = r"^([munk]?)N\.?m(?:/\(?rad/s\)?|\.?s/rad|\.?s)$"
+_PREFIXES = {"": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "k": 1e3}
+INERTIA_UNITS = {f"{p}N m {s}": f for p, f in _PREFIXES.items() for s in ("s^2", "s2")}
+FRICTION_UNITS = {f"{p}N m{s}": f for p, f in _PREFIXES.items() for s in (" s", " s/rad", "/rad/s")}
+COMPLIANCE_UNITS = {f"{p}rad/N m": f for p, f in _PREFIXES.items()}
+PER_ANGLE_UNITS = {"1/rad": 1.0, "rad^-1": 1.0, "rad-1": 1.0, "-": 1.0}
+_TORQUES = TORQUE_UNITS | {"g cm": 9.80665e-5}
+PER_TORQUE_UNITS = {f"{p}/{t}": a / b for p, a in PRESSURE_UNITS.items() for t, b in _TORQUES.items()}
 
 
 def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -101,15 +105,15 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     With stress = F_s torque and strain = F_g angle, a moment of inertia I takes I omega^2 F_s / F_g from the modulus,
     a friction b adds a viscosity b F_s / F_g, a compliance C is a spring F_s / (F_g C) in series.
     """
-    stress = _per_torque(facts.get("geometry.stress_constant"))
-    strain = _in_si(facts.get("geometry.strain_constant"), r"^(?:1/rad|rad-1|rad\^-1)?$")
+    stress = _in_si(facts.get("geometry.stress_constant"), PER_TORQUE_UNITS)
+    strain = _in_si(facts.get("geometry.strain_constant"), PER_ANGLE_UNITS)
     if not stress or not strain:
         return {}
     factor, found = stress / strain, {}
-    inertia = sum(_in_si(facts.get(f"{part}.inertia"), _INERTIA) for part in ("instrument", "geometry"))
-    friction = _in_si(facts.get("instrument.friction"), _FRICTION)
+    inertia = sum(_in_si(facts.get(f"{part}.inertia"), INERTIA_UNITS) for part in ("instrument", "geometry"))
+    friction = _in_si(facts.get("instrument.friction"), FRICTION_UNITS)
     compliance = sum(
-        _in_si(facts.get(key), _COMPLIANCE)
+        _in_si(facts.get(key), COMPLIANCE_UNITS)
         for key in ("geometry.compliance", "geometry.upper_compliance", "geometry.lower_compliance")
     )
     if inertia:
@@ -121,26 +125,11 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     return found
 
 
-def _per_torque(text: str | None) -> float:
-    """A stress constant in Pa/(N m); zero where it is missing or its unit is another."""
-    parsed = quantity(text or "")
-    unit = "" if parsed is None else _plain(parsed[1])
-    match = re.match(r"^([kM]?)Pa/\(?([^()]+)\)?$", unit)
-    if parsed is None or match is None or match[2] not in _TORQUES:
-        return 0.0
-    return parsed[0] * {"": 1.0, "k": 1e3, "M": 1e6}[match[1]] / _TORQUES[match[2]]
-
-
-def _plain(unit: str) -> str:
-    return unit.replace("µ", "u").replace("μ", "u").replace("²", "2").replace("·", ".").replace(" ", "")
-
-
-def _in_si(text: str | None, pattern: str) -> float:
+def _in_si(text: str | None, units: Mapping[str, float]) -> float:
     """A quantity in SI; zero where it is missing or its unit is another."""
     parsed = quantity(text or "")
     if parsed is None:
         return 0.0
-    match = re.match(pattern, _plain(parsed[1]))
-    if match is None:
-        return 0.0
-    return parsed[0] * (_SMALL[match[1]] if match.groups() else 1.0)
+    # The bracket around a unit may have taken the closing one within it along.
+    unit = normal_unit(parsed[1].replace("(", "").replace(")", ""))
+    return parsed[0] * units.get(unit, 0.0)

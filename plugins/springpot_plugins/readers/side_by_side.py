@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
-from springpot.measurement import Choice
+from springpot.measurement import Choice, normal_unit
 
 from .blocks import Block, is_dynamic
 from .choices import CURVES, WHOLE
 from .curve_names import CurveName, curve_in_cell, curve_of_number
 from .grid import is_number
 from .names import FREQUENCIES, MODULI, ROLES, fold
-from .titles import UNITS, Heading, heading, plainly, tidy
+from .titles import UNITS, Heading, heading, plainly
 
 _VALUES = MODULI | {
     "phase",
@@ -97,7 +97,7 @@ def _called(curve: CurveName, title: str) -> CurveName:
         return replace(curve, title="repeat", value=curve.text)
     if meaning.unit is None:
         return curve
-    return replace(curve, title=f"{meaning.role} [{tidy(meaning.unit)}]", value=curve.text.replace(",", "."))
+    return replace(curve, title=f"{meaning.role} [{normal_unit(meaning.unit)}]", value=curve.text.replace(",", "."))
 
 
 def _by_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
@@ -149,7 +149,7 @@ def _labels(block: Block) -> list[CurveName | None]:
         return []
     first, cells = heading(row[0]), list(row)
     if first.role in {"temperature", *FREQUENCIES} and first.unit is not None:
-        unit = tidy(first.unit)
+        unit = normal_unit(first.unit)
         cells[0] = ""
         if unit not in UNITS[str(first.role)] or not all(is_number(cell) for cell in cells if cell):
             return []

@@ -30,7 +30,8 @@ from springpot.measurement import (
 )
 
 from . import generic
-from .columns import NOTES_OF_VALUES, TEXT, assign, measurement_of
+from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
+from .names import role_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
 
@@ -46,7 +47,11 @@ def recognises(head: bytes) -> float:
     units = {name_and_unit(title)[0] for title in titles if title.endswith("]")}
     if not (units & {"frequency", "omega"} and units & {"storage", "magnitude"}):
         return 0.0
-    return 0.9 if names & {"loss", "phase", "loss_factor"} else 0.0
+    if not names & {"loss", "phase", "loss_factor"}:
+        return 0.0
+    # Another's table may call the amplitude a strain: then the reader of any table knows more names than this one.
+    foreign = {role for title in titles if (role := role_of(name_and_unit(title)[0])) in ROLES} - names
+    return 0.7 if foreign and not head.lstrip(b"\xef\xbb\xbf").startswith(b"# name: ") else 0.9
 
 
 def read(path: Path, choice: Choice) -> Measurement:

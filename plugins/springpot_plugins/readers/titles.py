@@ -114,26 +114,9 @@ class Heading:
     curve: CurveName | None = None
 
 
-@lru_cache(maxsize=2048)
-def tidy(unit: str) -> str:
-    """A unit in the usual spelling: ``N.m`` and ``rad·s-1`` as ``N m`` and ``rad/s``."""
-    text = unit.strip().strip("[]").strip()[:60]
-    text = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", text)
-    text = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", text)
-    text = re.sub(r"\bsec(?:onds?)?\b", "s", text)
-    text = re.sub(r"^([mkM]?Pa)s$", r"\1 s", text)
-    known = normal_unit(text)
-    if known.endswith(" s^-1"):
-        known = f"{known[:-5]}/s"
-    if "/" in known and known not in KNOWN:
-        over, _, under = known.partition("/")
-        known = f"{normal_unit(over)}/{normal_unit(under)}"
-    return known
-
-
 def is_unit(text: str) -> bool:
     """Whether a text is a unit that is known anywhere."""
-    return tidy(text) in KNOWN
+    return normal_unit(text) in KNOWN
 
 
 @lru_cache(maxsize=2048)
@@ -223,7 +206,7 @@ def _joined(title: str) -> Heading | None:
         if role is None or role not in UNITS:
             continue
         for unit in (said.replace("_per_", "/"), said.replace("_", "/"), said.replace("_", " "), _word(said)):
-            known = tidy(unit)
+            known = normal_unit(unit)
             if known in UNITS[role] or known.lower() in {name.lower() for name in UNITS[role]}:
                 return Heading(title, stem, role, unit, joined=True)
     return None

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.measurement import normal_unit
 from springpot.rheology import Real
 
 from ..readers.channels import channel_of
 from ..readers.grid import is_number
 from ..readers.names import fold
-from ..readers.titles import heading, is_unit, tidy
+from ..readers.titles import heading, is_unit
 
 SEPARATORS = ("\t", ";", ",", " ")
 DYNAMIC = frozenset({"omega", "frequency", "storage", "loss", "phase", "loss_factor", "magnitude"})
@@ -170,7 +171,7 @@ def _apart(title: str) -> tuple[str, str]:
 
 def _tidied(unit: str) -> str:
     """A unit in the usual spelling; nothing stays nothing, and is no pure number."""
-    return tidy(unit) if unit else ""
+    return normal_unit(unit) if unit else ""
 
 
 def _named(lines: Sequence[str], i: int) -> tuple[tuple[Title, ...], int, str] | None:

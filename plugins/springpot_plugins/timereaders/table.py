@@ -23,6 +23,7 @@ from springpot.measurement import (
     TimeReader,
     TimeTest,
     known_unit,
+    normal_unit,
     temperature_in_celsius,
 )
 from springpot.measurement.signals import stiffness_unit
@@ -30,7 +31,7 @@ from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
 from ..readers.text import head_text, text_of
-from ..readers.titles import is_unit, tidy
+from ..readers.titles import is_unit
 from .sections import Section, Title, sections_of, title_of
 
 EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
@@ -133,7 +134,7 @@ def _constant(
         return None
     match = _CONSTANT.match(columns.pop(name))
     assert match is not None
-    return float(match[1]), known_unit(tidy(match[2]), units, name)
+    return float(match[1]), known_unit(normal_unit(match[2]), units, name)
 
 
 def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
@@ -146,7 +147,7 @@ def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
             raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
         match = _MEANING.match(meaning)
         if match is None and is_unit(meaning):
-            titles[place] = replace(titles[place], unit=tidy(meaning))
+            titles[place] = replace(titles[place], unit=normal_unit(meaning))
             continue
         made = title_of(meaning)
         if not made.role:

@@ -269,3 +269,9 @@ def test_a_loss_that_is_negative_is_told(folder):
     assert "negative in 1 of 3 rows" in few.provenance["note loss"]
     most = folder.open("omega [rad/s],G' [Pa],G'' [Pa]\n1,200,-30\n2,190,-31\n3,180,1\n")
     assert "sign of the force" in most.provenance["note loss"]
+
+
+def test_other_names_beside_springpots_own_are_known_too(folder):
+    found = folder.open("frequency [Hz],storage [Pa],loss [Pa],strain [%],T [°C]\n1,2,3,0.5,20\n2,3,4,0.5,20\n")
+    assert found.conditions["amplitude"].tolist() == [0.5, 0.5]
+    assert found.conditions["temperature"].tolist() == [20.0, 20.0]

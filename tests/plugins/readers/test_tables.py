@@ -300,8 +300,8 @@ def test_a_hundred_thousand_rows_in_any_separator(folder):
         ("2,0,0", "freq [Hz],G' [Pa],G'' [Pa]", "line 3, .*both zero.*leave out the row$"),
         (
             "2,1,1",
-            "frequency [Hz],storage [Pa],loss [Pa],temperatur [degC]",
-            r"column 'temperatur \[degC\]': .*nearly",
+            "frequency [Hz],storage [Pa],loss [Pa],temperture [degC]",
+            r"column 'temperture \[degC\]': .*nearly",
         ),
     ],
 )
