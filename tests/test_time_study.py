@@ -59,3 +59,17 @@ def test_without_the_data_it_says_where_they_should_be(study, monkeypatch):
     monkeypatch.setenv("SPRINGPOT_DATA", "")
     with pytest.raises(SystemExit, match="SPRINGPOT_DATA"):
         study.tests_at(160)
+
+
+def test_a_building_drifts_right_with_the_right_damper_only(tmp_path, monkeypatch, capsys):
+    spec = importlib.util.spec_from_file_location("structure_drift", ROOT / "studies" / "structure_drift.py")
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "structure_drift", module)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module, "MODELS", ("fractional-maxwell + inertia", "kelvin"))
+    monkeypatch.setattr(sys, "argv", ["x", "--records", "1", "-o", str(tmp_path)])
+    module.main()
+    _, _, right, wrong = (tmp_path / "drifts.csv").read_text().splitlines()
+    assert abs(float(right.split(",")[3])) < 0.2
+    assert float(wrong.split(",")[3]) > 2.0
+    assert "true damper" in capsys.readouterr().out

@@ -34,5 +34,6 @@ COMMANDS: dict[str, Entry] = {
     "export": Entry("springpot.cli.export", "A study's results for IOHanalyzer, COCO, CSV or Parquet."),
     "predict": Entry("springpot.cli.predict", "Another test, from an identified model, with a band."),
     "export-model": Entry("springpot.cli.export_model", "A model for a solver: Prony series, cards, scripts."),
+    "simulate": Entry("springpot.cli.simulate", "A structure with identified dampers under a record."),
     "regression": Entry("springpot.cli.regression", "The accuracy gate for continuous integration."),
 }

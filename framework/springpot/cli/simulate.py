@@ -1,0 +1,100 @@
+"""``springpot simulate``: a structure with identified dampers under a record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .common import FILE, emit, json_option
+
+if TYPE_CHECKING:
+    from springpot.structure import Simulation
+
+
+@click.command("simulate", epilog="Example: springpot simulate frame.toml --record artificial:3.0 --figure drift.png")
+@click.argument("structure", type=FILE, metavar="STRUCTURE.toml")
+@click.option("--record", metavar="FILE", required=True, help="CSV of time and acceleration, or artificial:PEAK.")
+@click.option("--draws", type=click.IntRange(min=0), default=40, show_default=True, help="Of uncertain parameters.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all random numbers.")
+@click.option("--figure", type=FILE, metavar="FILE", help="Draw drifts, loops and energy (.png, .svg or .pdf).")
+@json_option
+def command(structure: Path, record: str, draws: int, seed: int, figure: Path | None, as_json: bool) -> None:
+    """Drift, force, energy and damping of a frame or oscillator whose dampers were identified.
+
+    STRUCTURE.toml has [structure] with mass [kg], stiffness [N/m] and damping, and a [[damper]] for each kind with
+    fit = 'FIT.json' (of 'springpot identify --json') or a model with parameters. The band of the drift carries what
+    is not known of the dampers.
+    """
+    import numpy as np
+
+    from springpot.report.canvas import check_figure_path
+    from springpot.simulating import read_record, read_structure
+    from springpot.structure import simulate
+
+    if figure is not None:
+        check_figure_path(figure)
+    rng = np.random.default_rng(seed)
+    found = simulate(read_structure(structure), read_record(record, rng), rng, draws)
+    if figure is not None:
+        from springpot.report.structure import figure_motion
+
+        figure_motion(found, figure)
+    emit(described(found), as_json, lambda: _show(found, figure))
+
+
+def described(found: Simulation) -> dict[str, Any]:
+    """As plain data, schema ``springpot.simulation/1``; lengths in m, forces in N, energies in J."""
+    import numpy as np
+
+    motion = found.motion
+    low, high = found.band()
+    return {
+        "schema": "springpot.simulation/1",
+        "record": {
+            "name": motion.record.name,
+            "step": motion.record.step,
+            "samples": len(motion.record.acceleration),
+            "peak": float(np.abs(motion.record.acceleration).max()),
+        },
+        "modes": [{"frequency": mode.frequency, "damping": mode.damping} for mode in found.modes],
+        "storeys": [
+            {"drift": drift, "low": below, "high": above}
+            for drift, below, above in zip(motion.peak_drift.tolist(), low.tolist(), high.tolist(), strict=True)
+        ],
+        "dampers": [
+            {"model": damper.model.name, "storey": damper.storey, "force": float(np.abs(motion.force[:, i]).max())}
+            for i, damper in enumerate(motion.frame.dampers)
+        ],
+        "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
+        "draws": len(found.drifts),
+    }
+
+
+def _show(found: Simulation, figure: Path | None) -> None:
+    from springpot.report.numbers import number
+    from springpot.report.text import Table
+
+    result = described(found)
+    record = result["record"]
+    print(f"{record['name']}: {record['samples']} samples, {number(record['peak'], 3)} m/s^2 at most\n")
+    rows = [
+        [str(i), number(1e3 * row["drift"]), f"[{number(1e3 * row['low'])}, {number(1e3 * row['high'])}]"]
+        for i, row in enumerate(result["storeys"], 1)
+    ]
+    Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"})).show()
+    print()
+    modes = [
+        [str(i), number(mode["frequency"]), f"{100 * mode['damping']:.3g} %"]
+        for i, mode in enumerate(result["modes"], 1)
+    ]
+    Table(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
+    print()
+    for damper in result["dampers"]:
+        print(f"damper      storey {damper['storey']}: {damper['model']}, {number(damper['force'] / 1e3)} kN at most")
+    energy = result["energy"]
+    share = 100.0 * energy["dampers"] / energy["input"]
+    print(f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the dampers")
+    if figure is not None:
+        print(f"figure      {figure}")

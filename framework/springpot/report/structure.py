@@ -1,0 +1,55 @@
+"""A structure under a record: drift with its band, the loops of the dampers, and where the energy went."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from springpot.structure import Simulation
+
+from .canvas import COLOURS, QUIET, blank, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
+    """Drift of the lowest storey, loops of the dampers, energies.
+
+    Parameters
+    ----------
+    found : Simulation
+        What happened.
+    path : str or Path, optional
+        Where to write it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    motion = found.motion
+    time, energy = motion.record.time, motion.energy
+    low, high = found.band()
+    with blank(9.0, 6.0) as figure:
+        drifts, loops, peaks, energies = figure.subplots(2, 2).ravel()
+        for i, drift in enumerate(motion.drift.T):
+            drifts.plot(time, 1e3 * drift, color=COLOURS[i % len(COLOURS)], lw=0.9, label=f"storey {i + 1}")
+        drifts.set(xlabel="t [s]", ylabel="drift [mm]")
+        drifts.legend()
+        for i, damper in enumerate(motion.frame.dampers):
+            way = 1e3 * motion.drift[:, damper.storey - 1]
+            loops.plot(way, 1e-3 * motion.force[:, i], color=COLOURS[(damper.storey - 1) % len(COLOURS)], lw=0.7)
+        loops.set(xlabel="drift [mm]", ylabel="force of the dampers [kN]")
+        storey = range(1, len(motion.frame) + 1)
+        peaks.hlines(storey, 1e3 * low, 1e3 * high, color=QUIET, lw=4)
+        peaks.plot(1e3 * motion.peak_drift, storey, "o", color=COLOURS[0])
+        peaks.set(xlabel="peak drift [mm], band 95 %", ylabel="storey", yticks=list(storey))
+        peaks.set_xlim(left=0.0)
+        for i, (name, each) in enumerate(energy.items()):
+            energies.plot(time, 1e-3 * each, color=COLOURS[i], label=name)
+        energies.set(xlabel="t [s]", ylabel="energy [kJ]")
+        energies.legend()
+        if path is not None:
+            save(figure, path)
+    return figure

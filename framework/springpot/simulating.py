@@ -1,0 +1,195 @@
+"""A structure as a user describes it in TOML, and the record that shakes it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import DataError, ModelError, SpringpotError
+from springpot.identification import Identification
+from springpot.loading import load
+from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS, STIFFNESS_UNITS, Units, known_unit
+from springpot.registry import parse_model, plugins
+from springpot.rheology import Model, Real
+from springpot.structure import Damper, Frame, Record, artificial
+from springpot.timetests import Known
+
+LARGEST = 1_000_000
+"""Bytes of a description: it has some hundred."""
+LONGEST = 100_000_000
+"""Bytes of a record."""
+ACCELERATIONS = {"m/s^2": 1.0, "m/s2": 1.0, "g": 9.80665, "cm/s^2": 0.01, "gal": 0.01, "mm/s^2": 1e-3}
+FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
+DAMPER_KEYS = {"fit", "model", "parameters", "unit", "storey", "count", "slope", "temperature", "without"}
+
+
+def read_structure(path: str | Path) -> Frame:
+    """The frame that a TOML file describes.
+
+    Parameters
+    ----------
+    path : str or Path
+        With ``[structure]`` (``mass`` in kg and ``stiffness`` in N/m, a number or one for each storey, ``damping``,
+        ``storeys``) and for each kind of damper ``[[damper]]``: ``fit``, the JSON of an identification, or ``model``
+        with ``parameters`` and ``unit``; ``storey``, ``count``, ``slope`` in degrees, ``temperature`` in degC, and
+        ``without``, effects of the rig to leave out.
+
+    Raises
+    ------
+    SpringpotError
+        If it cannot be read, or something in it is unknown, missing or does not fit, in one line.
+    """
+    path = Path(path)
+    whole = _toml(path)
+    frame = whole.get("structure")
+    if not isinstance(frame, dict):
+        raise DataError(f"{path}: there is no [structure] with mass, stiffness and damping")
+    _only(frame, FRAME_KEYS, path, "[structure]")
+    entries = whole.get("damper", [])
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise DataError(f"{path}: each damper is a [[damper]]")
+    try:
+        storeys = int(frame.get("storeys", 1))
+        mass, stiffness = (_column(frame, name, storeys, path) for name in ("mass", "stiffness"))
+        dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
+        return Frame(mass, stiffness, float(frame.get("damping", 0.0)), dampers)
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from None
+    except (TypeError, ValueError) as error:
+        raise DataError(f"{path}: something is no number: {error}") from None
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > LARGEST:
+            raise DataError(f"{path} is too large for the description of a structure")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{path} is no TOML: {error}") from None
+
+
+def _only(given: Mapping[str, Any], known: set[str], path: Path, where: str) -> None:
+    if unknown := sorted(set(given) - known):
+        raise DataError(f"{path}: {where} has no '{unknown[0]}'; it knows {', '.join(sorted(known))}")
+
+
+def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Real:
+    if name not in frame:
+        raise DataError(f"{path}: [structure] has no {name}")
+    value = np.atleast_1d(np.asarray(frame[name], dtype=float))
+    return np.full(storeys, value[0]) if len(value) == 1 else value
+
+
+def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
+    where = f"damper {number}"
+    _only(entry, DAMPER_KEYS, path, where)
+    if ("fit" in entry) == ("model" in entry):
+        raise DataError(f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit")
+    known = _known(path.parent / str(entry["fit"])) if "fit" in entry else _given(entry, path, where)
+    model, theta, covariance = _without(known, entry.get("without", []))
+    slope = np.cos(np.radians(float(entry.get("slope", 0.0))))
+    temperature = None if "temperature" not in entry else float(entry["temperature"])
+    if "temperature" in model.needs and temperature is None:
+        raise DataError(f"{path}: {where}: {model.name} needs its temperature in degC")
+    return Damper(
+        model,
+        theta,
+        int(entry.get("storey", 1)),
+        float(entry.get("count", 1)) * float(slope) ** 2,
+        covariance,
+        temperature,
+        known.reference,
+    )
+
+
+def _known(path: Path) -> Known:
+    found = load(path)
+    if isinstance(found, Identification):
+        return Known.of(found)
+    if isinstance(found, Known):
+        return found
+    raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
+
+
+def _given(entry: Mapping[str, Any], path: Path, where: str) -> Known:
+    model = parse_model(str(entry["model"]))
+    unit = known_unit(str(entry.get("unit", "")), MODULUS_UNITS, f"{where} of {path}")
+    units = Units(unit, unit.partition("/")[2] or "-")
+    printed = model.vector({str(name): float(value) for name, value in dict(entry.get("parameters", {})).items()})
+    factors = [units.of(p.unit, 1.0 if isinstance(p.unit.time, str) else None)[0] for p in model.parameters]
+    p = len(model.parameters)
+    return Known(model, printed / np.array(factors), np.zeros((p, p)), units, 293.15, 0.0, 1.0, (0.0, np.inf))
+
+
+def _without(known: Known, names: Any) -> tuple[Model, Real, Real | None]:
+    """The model without effects of the rig, its parameters in N, m and s, and their covariance."""
+    if known.units.stiffness not in STIFFNESS_UNITS:
+        raise ModelError(
+            f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
+            "identify it with the --geometry of the damper"
+        )
+    model = known.model
+    for name in [names] if isinstance(names, str) else names:
+        model = model - plugins().effect(str(name))
+    kept = [known.model.names.index(name) for name in model.names]
+    stiffer = STIFFNESS_UNITS[known.units.stiffness]
+    longer = AMPLITUDE_UNITS[known.units.amplitude]
+    powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in model.parameters]
+    factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
+    covariance = known.covariance[np.ix_(kept, kept)] * np.outer(factors, factors)
+    return model, known.theta[kept] * factors, covariance if np.any(covariance != 0.0) else None
+
+
+def read_record(spec: str, rng: np.random.Generator) -> Record:
+    """The record that a user names: a CSV file, or ``artificial``, or ``artificial:3.0`` with its peak in m/s^2.
+
+    The file has columns ``time [s]`` and ``acceleration [m/s^2]`` (or ``[g]``, ``[cm/s^2]``), at equal steps.
+
+    Raises
+    ------
+    DataError
+        If there is none, or it cannot be used, in one line.
+    """
+    if spec == "artificial" or spec.startswith("artificial:"):
+        _, _, peak = spec.partition(":")
+        try:
+            return artificial(rng, peak=float(peak or 3.0))
+        except ValueError:
+            raise DataError(f"'{spec}': write artificial:3.0 with the peak in m/s^2") from None
+    path = Path(spec)
+    try:
+        if path.stat().st_size > LONGEST:
+            raise DataError(f"{path} is too large for a record: {LONGEST >> 20} MiB at most")
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise DataError(f"{path} is no text in UTF-8") from None
+    rows = [line for line in lines if line.strip() and not line.startswith("#")]
+    factor = _acceleration_unit(rows[0] if rows else "", path)
+    try:
+        values = np.array([[float(cell) for cell in row.split(",")[:2]] for row in rows[1:]], dtype=float)
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from None
+    if values.ndim != 2 or values.shape[1:] != (2,):
+        raise DataError(f"{path}: a record has two columns, time [s] and acceleration [m/s^2]")
+    try:
+        return Record.of(values[:, 0], factor * values[:, 1], path.stem)
+    except SpringpotError as error:
+        raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from None
+
+
+def _acceleration_unit(header: str, path: Path) -> float:
+    titles = [title.strip().lower() for title in header.split(",")[:2]]
+    if len(titles) != 2 or titles[0] != "time [s]" or not titles[1].startswith("acceleration ["):
+        raise DataError(f"{path}: write 'time [s],acceleration [m/s^2]' in the first line, with the unit it has")
+    unit = titles[1].removeprefix("acceleration [").rstrip("]")
+    if unit not in ACCELERATIONS:
+        raise DataError(f"{path}: unknown unit [{unit}] of an acceleration: known are {', '.join(ACCELERATIONS)}")
+    return ACCELERATIONS[unit]

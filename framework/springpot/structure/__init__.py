@@ -1,0 +1,19 @@
+"""A structure with identified dampers: modes, steady state, motion under a record, energy, and how sure all is."""
+
+from .frame import Damper, Frame
+from .modes import Mode, modes_of, steady_state
+from .motion import Motion, Record, Simulation, artificial, motion_of, simulate
+
+__all__ = [
+    "Damper",
+    "Frame",
+    "Mode",
+    "Motion",
+    "Record",
+    "Simulation",
+    "artificial",
+    "modes_of",
+    "motion_of",
+    "simulate",
+    "steady_state",
+]

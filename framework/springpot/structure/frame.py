@@ -1,0 +1,173 @@
+"""A shear frame of a few storeys, or an oscillator, with identified dampers between its floors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.rheology import Complex, Layer, Model, Points, Real
+from springpot.rheology.nodes import FULL
+
+QUARTER = 0.5j * np.pi
+"""By which ln s exceeds ln omega where s = i omega."""
+
+
+@dataclass(frozen=True, eq=False)
+class Damper:
+    """An identified damper.
+
+    Parameters
+    ----------
+    model : Model
+        Of a stiffness.
+    theta : ndarray, shape (p,)
+        Its parameters in SI units: N, m, s.
+    storey : int
+        Which one it braces, 1 for the lowest.
+    factor : float
+        How many there are, times the square of the cosine of their slope against the floor.
+    covariance : ndarray, shape (p, p), optional
+        Of theta.
+    temperature : float, optional
+        In degC.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+
+    Raises
+    ------
+    ModelError
+        If the model has an effect of the rig or of the signals, which belong to no damper.
+    """
+
+    model: Model
+    theta: Real
+    storey: int = 1
+    factor: float = 1.0
+    covariance: Real | None = None
+    temperature: float | None = None
+    reference: float = 293.15
+
+    def __post_init__(self) -> None:
+        for effect in self.model.effects:
+            if effect.layer > Layer.SPECIMEN:
+                raise ModelError(
+                    f"'{effect.name}' belongs to the rig, not to the damper: leave it out, "
+                    f"without = ['{effect.name}']"
+                )
+
+    @property
+    def kelvin(self) -> float | None:
+        """Its temperature in kelvin."""
+        return None if self.temperature is None else self.temperature + 273.15
+
+    def stiffness(self, s: Complex) -> tuple[Complex, Complex]:
+        """K and dK/ds at s (n,) in 1/s, which may be complex, for all dampers of this kind together."""
+        kelvin = None if self.kelvin is None else np.full(len(s), self.kelvin)
+        turned: Any = np.log(s) - QUARTER
+        at = Points(turned, None, kelvin, self.reference)
+        found = self.model.network.respond(self.theta, at, FULL)
+        return self.factor * found.value, self.factor * found.by_log_omega / s
+
+    def drawn(self, rng: np.random.Generator) -> Damper:
+        """The same with parameters as they may as well be: positive ones by their logarithm."""
+        if self.covariance is None:
+            return self
+        log = np.array([parameter.scale == "log" for parameter in self.model.parameters]) & (self.theta > 0.0)
+        size = np.where(log, self.theta, 1.0)
+        spread = self.covariance / np.outer(size, size)
+        move = rng.multivariate_normal(np.zeros(len(size)), spread, method="eigh", check_valid="ignore")
+        theta = np.where(log, self.theta * np.exp(np.where(log, move, 0.0)), self.theta + move)
+        lower = np.array([parameter.lower for parameter in self.model.parameters])
+        upper = np.array([parameter.upper for parameter in self.model.parameters])
+        return replace(self, theta=np.clip(theta, lower, upper))
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A shear frame; one storey is an oscillator.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (n,)
+        Of each floor in kg, the lowest first.
+    stiffness : ndarray, shape (n,)
+        Of each storey in N/m.
+    damping : float
+        Ratio of the frame's own damping, in proportion to its stiffness, in its first mode.
+    dampers : tuple of Damper
+        Between floors.
+
+    Raises
+    ------
+    ModelError
+        If masses, stiffnesses or storeys do not fit each other.
+    """
+
+    mass: Real
+    stiffness: Real
+    damping: float = 0.0
+    dampers: tuple[Damper, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "stiffness"):
+            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
+        if self.mass.shape != self.stiffness.shape:
+            raise ModelError(f"{len(self.mass)} floors have a mass and {len(self.stiffness)} storeys a stiffness")
+        if not (np.all(self.mass > 0.0) and np.all(self.stiffness > 0.0)):
+            raise ModelError("masses and stiffnesses of a frame are above zero")
+        if not 0.0 <= self.damping < 1.0:
+            raise ModelError(f"the damping of a frame is a ratio from 0 to below 1, not {self.damping:g}")
+        for damper in self.dampers:
+            if not 1 <= damper.storey <= len(self.mass):
+                raise ModelError(f"a damper braces storey {damper.storey} of a frame of {len(self.mass)}")
+
+    def __len__(self) -> int:
+        return len(self.mass)
+
+    @cached_property
+    def drifts(self) -> Real:
+        """Matrix (n, n) from displacements of floors to drifts of storeys."""
+        n = len(self)
+        return np.eye(n) - np.eye(n, k=-1)
+
+    @cached_property
+    def elastic(self) -> Real:
+        """Stiffness matrix (n, n) of the bare frame."""
+        matrix: Real = self.drifts.T @ (self.stiffness[:, None] * self.drifts)
+        return matrix
+
+    @cached_property
+    def natural(self) -> tuple[Real, Real]:
+        """Angular frequencies (n,) in rad/s and shapes (n, n) of the bare frame, lowest first."""
+        from scipy.linalg import eigh
+
+        squared, shapes = eigh(self.elastic, np.diag(self.mass))
+        return np.sqrt(squared), shapes
+
+    @cached_property
+    def viscous(self) -> Real:
+        """Damping matrix (n, n) of the bare frame."""
+        matrix: Real = 2.0 * self.damping / self.natural[0][0] * self.elastic
+        return matrix
+
+    def drawn(self, rng: np.random.Generator) -> Frame:
+        """The same with dampers as they may as well be."""
+        return replace(self, dampers=tuple(damper.drawn(rng) for damper in self.dampers))
+
+    def dynamic(self, s: Complex) -> tuple[Complex, Complex]:
+        """Dynamic stiffness (w, n, n) at s (w,) in 1/s, and its derivative by s."""
+        s = np.asarray(s, dtype=complex)
+        one, mass = s[:, None, None], np.diag(self.mass)
+        value: Complex = one**2 * mass + one * self.viscous + self.elastic
+        slope: Complex = 2.0 * one * mass + self.viscous
+        for damper in self.dampers:
+            row = self.drifts[damper.storey - 1]
+            square = np.outer(row, row)
+            k, by_s = damper.stiffness(s)
+            value = value + k[:, None, None] * square
+            slope = slope + by_s[:, None, None] * square
+        return value, slope

@@ -1,0 +1,109 @@
+"""Steady state and modes of a frame with dampers, exactly: no dashpot stands for a springpot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.rheology import Complex, Real
+
+from .frame import Frame
+
+ITERATIONS = 60
+CLOSE = 1e-12
+"""Relative change of an eigenvalue at which it is found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """A free vibration x = Re(shape exp(s t)).
+
+    Attributes
+    ----------
+    s : complex
+        In 1/s.
+    shape : ndarray of complex, shape (n,)
+        The largest floor moves by one.
+    """
+
+    s: complex
+    shape: Complex
+
+    @property
+    def frequency(self) -> float:
+        """|s| / 2 pi, in Hz."""
+        return abs(self.s) / (2.0 * np.pi)
+
+    @property
+    def damping(self) -> float:
+        """Share of critical damping, -Re s / |s|."""
+        return -self.s.real / abs(self.s)
+
+
+def modes_of(frame: Frame) -> list[Mode]:
+    """All modes, lowest first, from the nonlinear eigenvalue problem (s^2 M + s C + K + K_d(s)) shape = 0.
+
+    Each is followed from that of the bare frame by Newton's method on shape and s together, while the dampers come in
+    step by step.
+
+    Raises
+    ------
+    ModelError
+        If a mode is not found: the dampers damp it beyond critical.
+
+    References
+    ----------
+    Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020, doi:10.1007/s00419-019-01602-4.
+    """
+    omega, shapes = frame.natural
+    return [_followed(frame, 1j * omega[i], shapes[:, i].astype(complex)) for i in range(len(frame))]
+
+
+def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
+    for share in (0.0, 0.1, 0.3, 0.6, 1.0):
+        s, shape = _newton(frame, s, shape / shape[np.argmax(np.abs(shape))], share)
+    if s.imag <= 0.0:
+        raise ModelError("a mode is damped beyond critical: it no longer swings")
+    return Mode(complex(s), shape / shape[np.argmax(np.abs(shape))])
+
+
+def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[complex, Complex]:
+    """The eigenvalue near s, with that share of damping and dampers."""
+    n, held = len(shape), shape.conj()
+    bare = Frame(frame.mass, frame.stiffness)
+    for _ in range(ITERATIONS):
+        at = np.array([s])
+        whole, plain = frame.dynamic(at), bare.dynamic(at)
+        value, slope = ((1.0 - share) * a[0] + share * b[0] for a, b in zip(plain, whole, strict=True))
+        # Bordered: the shape keeps its size while both move.
+        system = np.block([[value, (slope @ shape)[:, None]], [held[None, :], np.zeros((1, 1))]])
+        right = np.append(-value @ shape, 0.0)
+        step = np.linalg.solve(system, right)
+        shape, s = shape + step[:n], s + complex(step[n])
+        if abs(step[n]) <= CLOSE * abs(s):
+            return s, shape
+    raise ModelError("a mode of the frame was not found: its dampers are far stiffer than its storeys")
+
+
+def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:
+    """Amplitudes of the floors relative to the ground, which shakes with that amplitude of acceleration.
+
+    Parameters
+    ----------
+    frame : Frame
+        The frame.
+    omega : ndarray, shape (w,)
+        Angular frequencies in rad/s.
+    acceleration : float
+        In m/s^2.
+
+    Returns
+    -------
+    ndarray of complex, shape (w, n)
+        In m.
+    """
+    value, _ = frame.dynamic(1j * np.atleast_1d(np.asarray(omega, dtype=float)))
+    load = -frame.mass * acceleration * np.ones((len(value), 1))
+    return np.asarray(np.linalg.solve(value, load[:, :, None])[:, :, 0])

@@ -1,0 +1,319 @@
+"""A frame under a record: displacement, force, energy, with the uncertainty of its dampers carried through.
+
+Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system of first order.
+For an acceleration that is straight between its samples its motion is exact: one matrix exponential serves all steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+from .frame import Damper, Frame
+from .modes import Mode, modes_of
+
+TOLERANCE = 1e-5
+"""Relative error of K for which a damper's spectrum is read: far below what is known of any damper."""
+BEYOND = 30.0
+"""How far the band of a spectrum reaches beyond the frequencies of frame and record."""
+EVEN = 1e-3
+"""Relative scatter of the steps of a record that is taken for even: of times with four digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Acceleration of the ground.
+
+    Parameters
+    ----------
+    step : float
+        Time between samples in s.
+    acceleration : ndarray, shape (t,)
+        In m/s^2.
+    name : str
+        Shown in reports.
+    """
+
+    step: float
+    acceleration: Real
+    name: str = "record"
+
+    @property
+    def time(self) -> Real:
+        """Of each sample, in s."""
+        return np.arange(len(self.acceleration), dtype=float) * self.step
+
+    @classmethod
+    def of(cls, time: Real, acceleration: Real, name: str = "record") -> Record:
+        """From samples at even times.
+
+        Raises
+        ------
+        DataError
+            If the steps are not even, or a sample is no number.
+        """
+        time, acceleration = np.asarray(time, dtype=float), np.asarray(acceleration, dtype=float)
+        if len(time) < 2 or time.shape != acceleration.shape:
+            raise DataError(f"{name}: a record has two samples or more, each with a time and an acceleration")
+        if not (np.all(np.isfinite(time)) and np.all(np.isfinite(acceleration))):
+            bad = int(np.flatnonzero(~np.isfinite(time + acceleration))[0])
+            raise DataError(f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it")
+        steps = np.diff(time)
+        if not np.all(steps > 0.0):
+            back = int(np.flatnonzero(steps <= 0.0)[0])
+            raise DataError(f"{name}: the time does not rise after sample {back + 1} (t = {time[back]:g} s)")
+        mean = float(np.mean(steps))
+        if np.abs(steps - mean).max() > EVEN * mean:
+            worst = int(np.argmax(np.abs(steps - mean)))
+            raise DataError(
+                f"{name}: the steps are not equal ({steps[worst]:.4g} s after sample {worst + 1}, {mean:.4g} s on "
+                "average): sample the record anew at equal steps"
+            )
+        return cls(mean, acceleration, name)
+
+
+def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0.01, peak: float = 3.0) -> Record:
+    """A ground motion as of an earthquake: white noise through the ground's own oscillator, rising and fading.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where the noise comes from.
+    duration, step : float
+        In s.
+    peak : float
+        Largest acceleration in m/s^2.
+
+    References
+    ----------
+    Kanai 1957 and Tajimi 1960 for the filter (firm ground: 15.6 rad/s, damping 0.6); Saragoni & Hart 1974,
+    doi:10.1002/eqe.4290020305, for the envelope.
+    """
+    from scipy.signal import cont2discrete, lfilter
+
+    t = np.arange(0.0, duration, step)
+    omega, zeta = 15.6, 0.6
+    upper, lower, _ = cont2discrete(([2 * zeta * omega, omega**2], [1.0, 2 * zeta * omega, omega**2]), step)
+    shaken = lfilter(upper.ravel(), lower, rng.normal(size=len(t)))
+    shaken = (shaken - shaken.mean()) * (t / duration) ** 2 * np.exp(-12.0 * t / duration)
+    return Record(step, peak * shaken / np.abs(shaken).max(), "artificial")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a frame does under a record.
+
+    Attributes
+    ----------
+    frame : Frame
+        The frame.
+    record : Record
+        The record.
+    displacement, velocity : ndarray, shape (t, n)
+        Of the floors relative to the ground, in m and m/s.
+    force : ndarray, shape (t, d)
+        Of the dampers of each entry together, in N, along the floor.
+    """
+
+    frame: Frame
+    record: Record
+    displacement: Real
+    velocity: Real
+    force: Real
+
+    @property
+    def drift(self) -> Real:
+        """Of each storey, in m, shape (t, n)."""
+        drift: Real = self.displacement @ self.frame.drifts.T
+        return drift
+
+    @property
+    def peak_drift(self) -> Real:
+        """Largest drift of each storey in m, shape (n,)."""
+        peak: Real = np.abs(self.drift).max(axis=0)
+        return peak
+
+    @cached_property
+    def energy(self) -> dict[str, Real]:
+        """Energies in J against time (t,): put in by the ground, taken by the dampers, by the frame's own damping."""
+        step = self.record.step
+        power = -(self.velocity @ self.frame.mass) * self.record.acceleration
+        own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
+        rates = self.velocity @ self.frame.drifts.T
+        taken = sum(
+            (self.force[:, i] * rates[:, damper.storey - 1] for i, damper in enumerate(self.frame.dampers)),
+            np.zeros(len(step * power)),
+        )
+        return {name: _integral(each, step) for name, each in (("input", power), ("dampers", taken), ("frame", own))}
+
+
+def _integral(rate: Real, step: float) -> Real:
+    whole: Real = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
+    return whole
+
+
+def motion_of(frame: Frame, record: Record) -> Motion:
+    """The motion of a frame that was at rest, exact for an acceleration that is straight between samples.
+
+    Parameters
+    ----------
+    frame : Frame
+        With linear dampers.
+    record : Record
+        The acceleration of the ground.
+
+    Raises
+    ------
+    ModelError
+        If a damper is no relaxing material: friction, or a delay.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import Frame, Record, motion_of
+    >>> frame = Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], damping=0.02)
+    >>> pulse = Record(0.001, np.where(np.arange(2000) < 100, 1.0, 0.0))
+    >>> round(float(motion_of(frame, pulse).peak_drift[0]), 4)
+    0.0153
+    """
+    matrix, load, parts = _system(frame, record)
+    first, second = _held_straight(matrix, record.step)
+    n, size = len(frame), len(matrix)
+    state, y = np.zeros((len(record.acceleration), size)), np.zeros(size)
+    # What the acceleration adds to each step, for all steps at once; the rest follows step by step.
+    a = record.acceleration
+    pushed = np.outer(a[:-1], (first - second) @ load) + np.outer(a[1:], second @ load)
+    forward = _exponential(matrix, record.step)
+    for i, push in enumerate(pushed, 1):
+        y = forward @ y + push
+        state[i] = y
+    displacement, velocity = state[:, :n], state[:, n : 2 * n]
+    force = [part.force(displacement, velocity, state) for part in parts]
+    return Motion(frame, record, displacement, velocity, np.array(force).reshape(len(parts), len(a)).T)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A damper in the system: its spring, dashpot and branches, and where the states of these stand."""
+
+    row: Real
+    spring: float
+    dashpot: float
+    weights: Real
+    rates: Real
+    states: slice
+
+    def force(self, displacement: Real, velocity: Real, state: Real) -> Real:
+        """Its force (t,)."""
+        way = displacement @ self.row
+        behind = way[:, None] - state[:, self.states]
+        force: Real = self.spring * way + self.dashpot * (velocity @ self.row) + behind @ self.weights
+        return force
+
+
+def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -> _Part:
+    found = damper.model.spectrum(
+        damper.theta, band, tolerance=TOLERANCE, temperature=damper.kelvin, reference_temperature=damper.reference
+    )
+    row, factor = frame.drifts[damper.storey - 1], damper.factor
+    states = slice(start, start + len(found.rates))
+    return _Part(
+        row, factor * found.equilibrium, factor * found.viscosity, factor * found.weights, found.rates, states
+    )
+
+
+def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
+    """Matrix and load of y' = A y + b a, y being displacements, velocities and the ways of the branches."""
+    n = len(frame)
+    longest = max(len(record.acceleration) * record.step, 10.0 / frame.natural[0][0])
+    band = 1.0 / (BEYOND * longest), max(BEYOND * float(frame.natural[0][-1]), np.pi / record.step)
+    parts: list[_Part] = []
+    start = 2 * n
+    for damper in frame.dampers:
+        parts.append(_part(damper, frame, band, start))
+        start = parts[-1].states.stop
+    stiffness, damping = frame.elastic.copy(), frame.viscous.copy()
+    matrix = np.zeros((start, start))
+    inverse = 1.0 / frame.mass
+    for part in parts:
+        square = np.outer(part.row, part.row)
+        stiffness += (part.spring + part.weights.sum()) * square
+        damping += part.dashpot * square
+        matrix[n : 2 * n, part.states] = np.outer(inverse * part.row, part.weights)
+        matrix[part.states, :n] = np.outer(part.rates, part.row)
+        matrix[part.states, part.states] = -np.diag(part.rates)
+    matrix[:n, n : 2 * n] = np.eye(n)
+    matrix[n : 2 * n, :n] = -inverse[:, None] * stiffness
+    matrix[n : 2 * n, n : 2 * n] = -inverse[:, None] * damping
+    load = np.zeros(start)
+    load[n : 2 * n] = -1.0
+    return matrix, load, parts
+
+
+def _exponential(matrix: Real, step: float) -> Real:
+    from scipy.linalg import expm
+
+    found: Real = expm(matrix * step)
+    return found
+
+
+def _held_straight(matrix: Real, step: float) -> tuple[Real, Real]:
+    """Integrals of exp(A (h - t)) over the step, of a load that is one, and of one that rises from nothing to one."""
+    size = len(matrix)
+    whole = np.zeros((3 * size, 3 * size))
+    whole[:size, :size] = matrix * step
+    whole[:size, size : 2 * size] = np.eye(size) * step
+    whole[size : 2 * size, 2 * size :] = np.eye(size)
+    found = _exponential(whole, 1.0)
+    return found[:size, size : 2 * size], found[:size, 2 * size :]
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A frame under a record, and how sure that is.
+
+    Attributes
+    ----------
+    motion : Motion
+        With the identified parameters.
+    modes : list of Mode
+        With these, lowest first; empty where a mode no longer swings.
+    drifts : ndarray, shape (draws, n)
+        Peak drifts in m with parameters as they may as well be.
+    """
+
+    motion: Motion
+    modes: list[Mode]
+    drifts: Real
+
+    def band(self, level: float = 0.95) -> tuple[Real, Real]:
+        """Ends (n,) of the band of the peak drifts in m."""
+        if not len(self.drifts):
+            return self.motion.peak_drift, self.motion.peak_drift
+        tail = 0.5 * (1.0 - level)
+        low, high = np.quantile(self.drifts, [tail, 1.0 - tail], axis=0)
+        return low, high
+
+
+def simulate(frame: Frame, record: Record, rng: np.random.Generator, draws: int = 40) -> Simulation:
+    """Run a frame under a record, and again with dampers drawn from what is known of them.
+
+    Parameters
+    ----------
+    frame : Frame
+        With identified dampers.
+    record : Record
+        The acceleration of the ground.
+    rng : numpy.random.Generator
+        Of the draws.
+    draws : int
+        How many.
+    """
+    known = any(damper.covariance is not None for damper in frame.dampers)
+    peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws if known else 0)]
+    return Simulation(motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame)))

@@ -1,0 +1,80 @@
+"""``springpot simulate``: a structure with an identified damper."""
+
+from __future__ import annotations
+
+import pytest
+
+FRAME = """[structure]
+storeys = 2
+mass = 1e5
+stiffness = [8e7, 7e7]
+damping = 0.02
+
+[[damper]]
+fit = "fit.json"
+storey = 1
+count = 40
+slope = 30
+"""
+RECORD = "time [s],acceleration [g]\n" + "".join(
+    f"{0.02 * i:.2f},{0.1 if i % 40 < 20 else -0.1}\n" for i in range(300)
+)
+
+
+@pytest.fixture
+def frame(springpot, damper, write, tmp_path):
+    path = write(FRAME, "frame.toml")
+    (path.parent / "fit.json").write_text(springpot("identify", damper, "-m", "fractional-maxwell", "--json").out)
+    return path
+
+
+def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path):
+    record, picture = write(RECORD, "record.csv"), tmp_path / "motion.png"
+    told = springpot("simulate", frame, "--record", record, "--draws", "5", "--figure", picture)
+    assert told.code == 0, told.err
+    for word in ("storey", "drift [mm]", "95 % band", "damping", "taken by the dampers"):
+        assert word in told.out
+    assert picture.stat().st_size > 10_000
+    answer = springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
+    assert answer["schema"] == "springpot.simulation/1"
+    assert answer["record"]["peak"] == pytest.approx(0.980665)
+    assert all(row["low"] < row["high"] for row in answer["storeys"])
+    assert answer["modes"][0]["damping"] > 0.02
+    assert answer == springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("mass = 1e5", "weight = 1e5"), "no 'weight'"),
+        (("mass = 1e5", ""), "has no mass"),
+        (("storey = 1", "storey = 7"), "storey 7 of a frame of 2"),
+        (('fit = "fit.json"', 'fit = "none.json"'), "none.json"),
+        (('fit = "fit.json"', ""), "has a fit"),
+        (("[structure]", "[structure"), "is no toml"),
+        (("mass = 1e5", 'mass = "heavy"'), "no number"),
+        (
+            ('fit = "fit.json"', 'model = "spring"\nparameters = {k = 1}\nunit = "kPa"'),
+            "a damper has a stiffness",
+        ),
+    ],
+)
+def test_a_bad_description_is_one_line(springpot, frame, change, says):
+    frame.write_text(FRAME.replace(*change))
+    springpot("simulate", frame, "--record", "artificial").is_one_line(says)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("time [s],acceleration\n0,1\n1,1\n", "with the unit it has"),
+        ("time [s],acceleration [ft]\n0,1\n1,1\n", "unknown unit [ft]"),
+        ("time [s],acceleration [g]\n0,1\n1,x\n", "could not convert"),
+        ("time [s],acceleration [g]\n0,1\n1,nan\n", "sample 2 is no number"),
+        ("time [s],acceleration [g]\n0,1\n1,1\n1.5,1\n", "not equal"),
+        ("time [s],acceleration [g]\n0,1\n0,1\n1.5,1\n", "does not rise"),
+        ("time [s],acceleration [g]\n0,1\n", "two samples"),
+    ],
+)
+def test_a_bad_record_is_one_line(springpot, frame, write, text, says):
+    springpot("simulate", frame, "--record", write(text, "record.csv")).is_one_line(says)

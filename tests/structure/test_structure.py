@@ -1,0 +1,127 @@
+"""A structure with fractional dampers against closed forms, the Fourier transform, and the balance of energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError, ModelError
+from springpot.registry import parse_model
+from springpot.structure import Damper, Frame, Record, artificial, modes_of, motion_of, simulate, steady_state
+
+MODEL = parse_model("fractional-maxwell")
+THETA = MODEL.theta(k=4e7, c=6e6, alpha=0.55)
+KELVIN = parse_model("kelvin")
+OMEGA = 2 * np.pi * 1.5
+
+
+def oscillator(*dampers, damping=0.02):
+    return Frame(np.array([1e5]), np.array([1e5 * OMEGA**2]), damping, dampers)
+
+
+def frame(factor=0.5, covariance=None):
+    dampers = tuple(Damper(MODEL, THETA, storey, factor, covariance) for storey in (1, 2, 3))
+    return Frame(np.full(3, 1e5), np.array([8e7, 7e7, 6e7]), 0.02, dampers)
+
+
+def shaken(step=0.01):
+    return artificial(np.random.default_rng(1), duration=15.0, step=step)
+
+
+def test_a_bare_oscillator_is_the_textbook_one():
+    """A constant acceleration from rest: the step response of a damped oscillator."""
+    bare, t = oscillator(), np.arange(400) * 0.01
+    found = motion_of(bare, Record(0.01, np.ones(400))).displacement[:, 0]
+    damped = OMEGA * np.sqrt(1 - 0.02**2)
+    swing = np.cos(damped * t) + 0.02 / np.sqrt(1 - 0.02**2) * np.sin(damped * t)
+    assert found == pytest.approx(-(1 - np.exp(-0.02 * OMEGA * t) * swing) / OMEGA**2, abs=1e-12)
+
+
+def test_a_kelvin_damper_adds_to_stiffness_and_damping():
+    """Its motion is that of a bare frame of more stiffness and damping."""
+    k, c = 2e6, 1e5
+    with_damper = oscillator(Damper(KELVIN, KELVIN.vector(dict(zip(KELVIN.names, (k, c), strict=True)))), damping=0.0)
+    omega = np.sqrt((1e5 * OMEGA**2 + k) / 1e5)
+    same = Frame(np.array([1e5]), np.array([1e5 * omega**2]), c / (2e5 * omega))
+    assert motion_of(with_damper, shaken()).displacement == pytest.approx(
+        motion_of(same, shaken()).displacement, abs=1e-9
+    )
+    [mode] = modes_of(with_damper)
+    assert mode.damping == pytest.approx(c / (2e5 * omega), rel=1e-9)
+    assert mode.frequency == pytest.approx(omega / (2 * np.pi), rel=1e-9)
+
+
+@pytest.mark.parametrize("structure", [oscillator(Damper(MODEL, THETA)), frame()], ids=["oscillator", "frame"])
+def test_the_motion_is_the_inverse_fourier_transform_of_the_steady_state(structure):
+    """The transform is another road: no spectrum, no exponentials, the network itself at each frequency."""
+    record = shaken(0.005)
+    count, n = 2**15, len(record.acceleration)
+    padded = np.zeros(count)
+    padded[:n] = record.acceleration
+    omega = 2 * np.pi * np.fft.rfftfreq(count, record.step)
+    omega[0] = 1e-9
+    # The acceleration is straight between samples, which takes the high frequencies off.
+    straight = np.sinc(omega * record.step / (2 * np.pi)) ** 2
+    whole = steady_state(structure, omega) * (straight * np.fft.rfft(padded))[:, None]
+    exact = np.fft.irfft(whole, count, axis=0)[:n]
+    found = motion_of(structure, record).displacement
+    assert np.abs(found - exact).max() < 1e-3 * np.abs(exact).max()
+
+
+def test_energy_is_neither_made_nor_lost():
+    motion = motion_of(frame(), shaken(0.005))
+    energy = motion.energy
+    kinetic = 0.5 * (motion.velocity**2 @ motion.frame.mass)
+    strain = 0.5 * np.einsum("ti,ij,tj->t", motion.displacement, motion.frame.elastic, motion.displacement)
+    gone = energy["dampers"] + energy["frame"] + kinetic + strain
+    assert gone == pytest.approx(energy["input"], abs=2e-3 * energy["input"].max())
+    assert energy["dampers"][-1] > 0.3 * energy["input"][-1]
+
+
+def test_modes_solve_the_nonlinear_problem_and_tell_how_free_vibrations_fade():
+    structure = frame()
+    for mode in modes_of(structure):
+        [value], _ = structure.dynamic(np.array([mode.s]))
+        assert np.abs(value @ mode.shape).max() < 1e-9 * np.abs(value).max()
+        assert mode.damping > 0.02
+    one = oscillator(Damper(MODEL, THETA, 1, 0.1))
+    [mode] = modes_of(one)
+    pulse = np.zeros(3000)
+    pulse[:10] = 1.0
+    fading = motion_of(one, Record(0.001, pulse)).displacement[:, 0]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(fading))) != 0) + 1
+    # From turn to turn, so that what creeps back slowly beside the swing does not count.
+    ways = np.abs(np.diff(fading[turns[2:7]]))
+    decrement = np.log(ways[0] / ways[2]) / (0.001 * (turns[4] - turns[2]))
+    assert decrement == pytest.approx(-mode.s.real, rel=0.05)
+
+
+def test_more_dampers_drift_less():
+    drifts = [motion_of(frame(factor), shaken()).peak_drift.max() for factor in (0.2, 0.5, 1.0)]
+    assert drifts == sorted(drifts, reverse=True)
+
+
+def test_what_is_not_known_of_a_damper_is_a_band_of_the_drift():
+    covariance = np.diag((THETA * np.array([0.1, 0.1, 0.03])) ** 2)
+    record = shaken(0.02)
+    found = simulate(frame(0.5, covariance), record, np.random.default_rng(2), draws=12)
+    low, high = found.band()
+    assert np.all(low < high)
+    assert np.all((low < found.motion.peak_drift * 1.02) & (high > found.motion.peak_drift * 0.98))
+    again = simulate(frame(0.5, covariance), record, np.random.default_rng(2), draws=12)
+    assert np.array_equal(again.drifts, found.drifts)
+    sure = simulate(frame(), record, np.random.default_rng(2), draws=12)
+    assert np.array_equal(*sure.band())
+
+
+def test_what_makes_no_structure_is_refused():
+    with pytest.raises(ModelError, match="braces storey 2 of a frame of 1"):
+        oscillator(Damper(MODEL, THETA, 2))
+    with pytest.raises(ModelError, match="belongs to the rig"):
+        Damper(MODEL + "time-delay", np.append(THETA, 0.001))
+    with pytest.raises(ModelError, match="above zero"):
+        Frame(np.array([-1.0]), np.array([1.0]))
+    with pytest.raises(DataError, match=r"steps are not equal \(0.5 s after sample 2"):
+        Record.of(np.array([0.0, 0.1, 0.6, 0.7]), np.zeros(4))
+    with pytest.raises(DataError, match="sample 2 is no number"):
+        Record.of(np.array([0.0, 0.1]), np.array([0.0, np.nan]))
