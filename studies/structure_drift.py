@@ -2,11 +2,11 @@
 
     python studies/structure_drift.py [--records 20] [-o results/structure_drift]
 
-A damper (fractional Maxwell, k = 400 kN/m, c = 60 kN s^alpha/m, alpha = 0.55) is tested from 1 to 48 Hz on a rig whose
-clamp moves with it (0.6 kg), with 0.5 % noise: all of it artificial. It is identified with the clamp's inertia
-and without, and by classical models. Braces of 60 such dampers then stand in each storey of a frame of three,
-under artificial ground motions of 3 m/s^2; the clamp stays in the laboratory. What each identification foretells
-is set beside what the true damper does.
+A damper (fractional Maxwell, k = 400 kN/m, c = 60 kN s^alpha/m, alpha = 0.55) is tested from 1 to 48 Hz on a rig
+whose clamp moves with it (0.6 kg), with 0.5 % noise: all of it artificial. It is identified with the clamp's
+inertia and without, and by classical models. Braces of 60 such dampers then stand in each storey of a frame of
+three, under artificial ground motions of 3 m/s^2; the clamp stays in the laboratory. What each identification
+foretells is set beside what the true damper does.
 """
 
 from __future__ import annotations
