@@ -18,6 +18,7 @@ from springpot.errors import DataError
 from springpot.plain import plain
 from springpot.rheology import Complex, Points, Real
 
+from .display import html_of
 from .units import Units
 
 if TYPE_CHECKING:
@@ -81,6 +82,14 @@ class Measurement:
     ------
     DataError
         If the columns differ in length or hold values that cannot be measured.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> frequency, storage, loss = [1.0, 2.0, 4.0], np.array([100.0, 140.0, 185.0]), np.array([73.0, 86.0, 92.0])
+    >>> omega = 2 * np.pi * np.array(frequency)
+    >>> springpot.Measurement(omega, storage + 1j * loss, units=springpot.Units("kN/m", "mm"), name="damper")
+    <Measurement damper: 3 points, 1 to 4 Hz>
     """
 
     omega: Real
@@ -99,6 +108,9 @@ class Measurement:
         low, high = self.frequency.min(), self.frequency.max()
         beside = "".join(f", {name}" for name in self.conditions)
         return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def __post_init__(self) -> None:
         if not isinstance(self.units, Units):
@@ -271,7 +283,7 @@ class Measurement:
         >>> import springpot
         >>> data = springpot.read("artificial-hidden")
         >>> len(data), len(data.excluding(frequency="..1"))
-        (40, 36)
+        (40, 34)
         """
         from .selection import without
 

@@ -84,7 +84,7 @@ def noise_of(test: TimeTest) -> SignalNoise:
     >>> t = np.geomspace(0.1, 100.0, 400)
     >>> scatter = np.random.default_rng(1).normal(size=400)
     >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
-    0.021
+    0.02
     """
     level = _smooth(np.abs(test.response))
     largest = float(np.abs(test.response).max())

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from springpot.errors import ModelError
+from springpot.markup import tag
 
 from .effect import Effect, Layer
 from .elements import KnownMass
@@ -71,6 +72,13 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model {self.name}: {', '.join(self.names)}>"
+
+    def _repr_html_(self) -> str:
+        from .drawing import drawing_of
+
+        drawn = tag("pre", drawing_of(self), style="line-height: 1.2")
+        source = f"{self.summary} ({self.citation})" if self.citation else self.summary
+        return tag("div", tag("p", tag("b", self.name)), drawn, tag("p", f"{', '.join(self.names)}: {source}"))
 
     @cached_property
     def network(self) -> Node:

@@ -1,0 +1,43 @@
+"""Every example in a docstring runs and prints what it shows."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+
+import pytest
+
+import springpot
+
+MODULES = [
+    found.name
+    for found in pkgutil.walk_packages(springpot.__path__, "springpot.")
+    if not found.name.endswith("__main__") and not found.name.startswith("springpot.testing.plugin")
+]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name: str, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
+    assert result.failed == 0
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "identify",
+        "diagnose",
+        "discover",
+        "compare",
+        "mastercurve",
+        "read",
+        "load",
+        "Measurement",
+        "Units",
+        "Identification",
+    ],
+)
+def test_what_users_call_first_has_an_example(name: str):
+    assert ">>> " in (getattr(springpot, name).__doc__ or "")
