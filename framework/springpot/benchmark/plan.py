@@ -23,7 +23,8 @@ SCHEME = 1
 """Version of what a trial is; a change to it makes every stored trial count as another one."""
 
 BLOCK = 25
-"""Repetitions that a batched optimiser runs at once; fixed, so that no result depends on what was resumed."""
+"""Repetitions that a batched optimiser runs at once. Each gives the same bits alone (the contract of a batched
+optimiser), so that only those that are missing are run."""
 
 
 def digest_of(*parts: object) -> str:
@@ -195,8 +196,10 @@ class Plan:
             if isinstance(optimiser, BatchedOptimiser) or not optimiser.card.stochastic:
                 for first in range(0, self.repetitions, BLOCK):
                     block = tuple(range(first, min(first + BLOCK, self.repetitions)))
-                    if not done.issuperset(block):
-                        yield Task(cell.index, block)
+                    missing = tuple(r for r in block if r not in done)
+                    if missing:
+                        # One run of an optimiser without randomness stands for all: it is told of all of them anew.
+                        yield Task(cell.index, missing if optimiser.card.stochastic else block)
             else:
                 yield from (Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done)
 

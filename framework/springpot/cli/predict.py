@@ -112,7 +112,7 @@ def show(predicted: Prediction) -> None:
 
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    band = f"{number(100.0 * predicted.level, 3)} % band"
+    band = f"{100.0 * predicted.level:g} % band"
     headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
     headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} "]
     rows = []

@@ -1,0 +1,51 @@
+"""The JSON of every answer is as its schema in docs/schemas says, and a wrong one is not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import springpot
+from springpot.report.jsontext import jsonable
+
+jsonschema = pytest.importorskip("jsonschema")
+FOLDER = Path(__file__).resolve().parents[1] / "docs" / "schemas"
+DATA, MODEL = "artificial-hidden", "fractional-maxwell"
+
+
+def answers() -> dict[str, Any]:
+    fit = springpot.identify("nist-srm2491@temperature=20", "fractional-zener", bounds={"k1": (0.0, 5.0)})
+    ladder = springpot.discover(DATA, MODEL, accept="inertia")
+    return {
+        "identification": fit,
+        "prediction": fit.predict([0.0, 1.0]),
+        "diagnosis": ladder.steps[0].case.diagnosis,
+        "discovery": ladder,
+        "comparison": springpot.compare(DATA, MODEL),
+    }
+
+
+def schema(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+def test_answers_are_as_their_schemas_say():
+    found = answers()
+    assert {path.stem for path in FOLDER.glob("*.json")} == set(found)
+    for name, answer in found.items():
+        document = jsonable(answer)
+        jsonschema.Draft202012Validator.check_schema(schema(name))
+        jsonschema.validate(document, schema(name))
+        assert document["schema"] == schema(name)["properties"]["schema"]["const"]
+    material = jsonable(springpot.identify(DATA, "material"))
+    jsonschema.validate(material, schema("identification"))
+
+
+@pytest.mark.parametrize("name", [path.stem for path in sorted(FOLDER.glob("*.json"))])
+def test_a_wrong_answer_is_refused(name: str):
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"schema": f"springpot.{name}/1", "data": 3}, schema(name))
