@@ -9,12 +9,18 @@ import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from springpot.web import Workbench
+from springpot.web.alone import page_alone
+from springpot.web.answers import ladder_of, rungs
+from springpot.web.datatext import measured_in
+from springpot.web.scene import Scene
+from springpot.web.state import State, digest_of
 
 playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'browser' is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -194,6 +200,8 @@ def leave_with_everything(here: Page, error: float) -> None:
     rows = list(csv.reader(io.StringIO(content.decode())))
     assert "with inertia storage [kN/m]" not in rows[0]
     assert {"frequency [Hz]", "omega [rad/s]", "model storage [kN/m]"} <= set(rows[0])
+    _, content = here.download("page")
+    assert content.startswith(b"<!doctype html>")
     _, content = here.download("data")
     assert content.startswith(b"# name: damper")
     _, content = here.download("command")
@@ -340,6 +348,8 @@ def test_what_is_open_refused_or_cancelled_is_told(page: Open, damper: bytes):
     here.judge(MODEL)
     here.page.click("#rank")
     here.page.locator("#work").wait_for()
+    here.page.hover("#effect-inertia")  # what was answered before can be looked at meanwhile
+    assert here.page.locator("#plot-view .line.preview").count() == 2
     here.page.click("#cancel")
     here.done()
     assert here.reads("#verdict").startswith(f"{MODEL}:")
@@ -381,4 +391,26 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, damper: bytes):
     assert time.monotonic() - begun < PATIENCE
     here.page.hover("#effect-inertia")
     assert here.page.locator("#plot-view .line.preview").count() == 2
+    context.close()
+
+
+def test_the_page_leaves_as_one_file_that_needs_no_server(browser: Any, damper: bytes, tmp_path: Path):
+    text, measurement = damper.decode(), measured_in("damper.csv", damper)[0]
+    state = State(digest_of(text), MODEL, ("inertia",))
+    told = rungs(state, ladder_of(state, measurement), measurement)
+    evil = Scene(replace(measurement, name="</script><script>alert(1)</script>")).to_dict()
+    (tmp_path / "page.html").write_text(page_alone(evil, told, "springpot <b>"), encoding="utf-8")
+    context = browser.new_context(offline=True)
+    page, faults = context.new_page(), []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+    page.goto((tmp_path / "page.html").as_uri())
+    assert page.inner_text("h1") == "</script><script>alert(1)</script>"
+    assert page.locator("#plot-ladder .rung-mark.accepted").count() == 2
+    page.click("#parameters button >> nth=0")
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing")
+    page.hover("#effect-inertia")
+    assert page.locator("#plot-view .line.preview").count() == 2
+    assert "open its data" in page.get_attribute("#accept", "title")
+    assert faults == []
     context.close()

@@ -62,6 +62,11 @@ def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]
     told(f"fitting {state.expression}" if steps == 1 else f"climbing {steps} rungs to {state.expression}")
     ladder = ladder_of(state, measurement)
     told("drawing what each effect would change")
+    return drawn(state, ladder, measurement)
+
+
+def drawn(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+    """The answer to a state whose ladder is known; see `answer`."""
     scene, case = Scene(measurement), ladder.steps[-1].case
     base = case.found.base
     used = base.data.raw
@@ -78,6 +83,17 @@ def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]
         "previews": {one.effect: _preview(scene, used, one) for one in grown},
         "next": _next(case, {one.effect: one for one in grown}, measurement),
     }
+
+
+def rungs(state: State, ladder: Ladder, measurement: Measurement) -> list[dict[str, Any]]:
+    """The answers to all states on the way: each ladder is the beginning of the next, to the bit."""
+    answers = []
+    for count, step in enumerate(ladder.steps):
+        at = State(state.data, state.model, state.accepted[:count], state.excluded, state.seed)
+        diagnosis = step.case.diagnosis
+        part = Ladder(ladder.data, ladder.steps[: count + 1], diagnosis.verdict, diagnosis)
+        answers.append(drawn(at, part, measurement))
+    return answers
 
 
 def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
@@ -119,8 +135,8 @@ def _noise(scene: Scene, case: Case) -> dict[str, Any]:
 def _preview(scene: Scene, used: Measurement, one: Grown) -> dict[str, Any]:
     with np.errstate(all="ignore"):  # where a scan begins may be no model at all at some points; they are not drawn
         error = relative_error(used, one.model, one.theta)
-        drawn = scene.curve(one.model, one.theta)
-    return {"model": one.model.name, "error": error, "refitted": one.refitted, **drawn}
+        curve = scene.curve(one.model, one.theta)
+    return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
 
 
 def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict[str, Any] | None:

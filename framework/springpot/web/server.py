@@ -7,8 +7,6 @@ import base64
 import json
 from collections.abc import AsyncIterator, Callable, MutableMapping
 from contextlib import suppress
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from starlette.applications import Starlette
@@ -20,31 +18,15 @@ from springpot.errors import DataError
 
 from .desk import Desk, Line
 from .guard import App, Message, Receive, Refusal, Send
+from .pagefiles import page_files
 from .state import State
 
-KINDS = {
-    ".html": "text/html; charset=utf-8",
-    ".js": "text/javascript; charset=utf-8",
-    ".css": "text/css; charset=utf-8",
-    ".svg": "image/svg+xml",
-}
 BEAT = 0.5
 """Seconds between signs of life of a computation."""
 MOST_DATA = 32
 """Data sets that the server keeps; a page sends again what has gone."""
 
 Answer = AsyncIterator[Line]
-
-
-@cache
-def page_files() -> dict[str, tuple[bytes, str]]:
-    """All that the page consists of, by name; read once, so that no name from a browser ever opens a file."""
-    found = {}
-    for item in (files("springpot.web") / "page").iterdir():
-        kind = KINDS.get(item.name[item.name.rfind(".") :])
-        if kind is not None:
-            found[item.name] = (item.read_bytes(), kind)
-    return found
 
 
 class Streamed(Response):

@@ -25,7 +25,8 @@ from springpot.rheology import Model
 from springpot.rheology.family import Family
 
 from . import leaving
-from .answers import Told, answer, ladder_of
+from .alone import page_alone
+from .answers import Told, answer, ladder_of, rungs
 from .datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
 from .held import fitted, hands_of
 from .scene import Scene, relative_error
@@ -260,6 +261,10 @@ def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: st
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
     if kind == "plan":
         return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
+    if kind == "page":
+        words = leaving.command(asked, shown)
+        alone = page_alone(Scene(measurement).to_dict(), rungs(asked, ladder, measurement), words)
+        return {"name": f"{stem}-page.html", "text": alone}
     if kind == "report":
         return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")

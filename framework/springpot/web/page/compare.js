@@ -24,7 +24,7 @@ export class Compare {
     this.row = null;
     this.view = h("select", { id: "view", "aria-label": "View", onchange: () => app.look({ view: this.view.value }) },
       ...Object.entries(VIEWS).map(([name, view]) => h("option", { value: name }, view.name)),
-      h("option", { value: "master-curve" }, "Master curve"));
+      app.fixed ? null : h("option", { value: "master-curve" }, "Master curve"));
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) },
       ...Object.entries(PLANES).map(([name, plane]) => h("option", { value: name }, plane.name)),
       h("option", { value: "none" }, "No residuals"));
@@ -199,7 +199,8 @@ export class Compare {
     for (const plot of [this.main, this.residual]) if (plot.spec) plot.point(row, this.chosen);
     if (row === null || !scene) {
       if (!scene) return;
-      this.readout.textContent = "Point at a measured point to read it; click to leave it out; drag to select several.";
+      const hint = this.app.fixed ? "" : " Click to leave it out; drag to select several.";
+      this.readout.textContent = `Point at a measured point to read it.${hint}`;
       return;
     }
     const i = this.index(row);
@@ -226,6 +227,7 @@ export class Compare {
 
   // Points are greyed and left out, or taken back; never deleted.
   toggle(rows) {
+    if (this.app.fixed) return;
     const out = new Set(this.app.state.excluded);
     const back = rows.every((row) => out.has(row));
     for (const row of rows) {

@@ -114,7 +114,7 @@ export class Data {
     const { state } = this.app;
     const out = state.excluded.length;
     const rows = data.columns.map((column) => h("tr", {}, h("th", { scope: "row" }, column.name),
-      h("td", {}, plainly(column.from)), h("td", {}, plainly(column.to)), h("td", {}, column.unit)));
+      h("td", { title: `least ${column.name}` }, plainly(column.from)), h("td", { title: `largest ${column.name}` }, plainly(column.to)), h("td", {}, column.unit)));
     const sweeps = data.scene.sweeps.length;
     const facts = [`${data.scene.count} point${data.scene.count === 1 ? "" : "s"}`, `${sweeps} sweep${sweeps === 1 ? "" : "s"}`,
       data.repeats > 1 ? `${data.repeats} repeats` : "", data.deviations ? "standard deviations given" : ""];

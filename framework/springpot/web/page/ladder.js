@@ -47,9 +47,9 @@ export class Ladder {
       h("button", { type: "button", class: "rung", "aria-current": i === count - 1 ? "step" : null,
         title: i === count - 1 ? `${whole} (the present rung)` : `${whole}; go back to this rung`, onclick: () => this.app.goTo(i) },
       h("span", { class: "name" }, label), h("span", { class: "told" }, told)),
-      h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
+      this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
         onclick: () => this.app.fork(i) }, "branch"),
-      i ? h("button", { type: "button", class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
+      i && !this.app.fixed ? h("button", { type: "button", class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
   }

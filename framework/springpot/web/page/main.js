@@ -18,6 +18,8 @@ const SAVED = "springpot-session";
 const PULSE = 5000; // ms between looks whether the server is still there
 const LOOKS = { view: "storage-loss", plane: "stiffness", plan: 0 };
 
+const ERROR = "error: root mean square of |K - K_model| / |K_model| over all points; noise floor: the error that noise alone leaves";
+
 class App {
   constructor() {
     this.known = new Map(); // data by digest
@@ -73,6 +75,7 @@ class App {
     let word = "Open data to see where a model fails and what is missing from it.";
     if (data) word = this.refused ? "These data have no answer yet: see what is said beside them." : "";
     byId("verdict").textContent = answer ? verdict(answer) : word;
+    byId("verdict").title = answer ? ERROR : "";
     byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
     enable(byId("undo"), this.history.canUndo ? "" : "there is nothing to undo");
     enable(byId("redo"), this.history.canRedo ? "" : "there is nothing to redo");

@@ -28,7 +28,7 @@ export class Missing {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     this.active = null;
     this.candidates = diagnosis ? inClasses(diagnosis.candidates) : [];
-    this.says.textContent = diagnosis ? sentence(diagnosis) : "Effects are ranked here as soon as there are data.";
+    this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
     put(this.list, this.candidates.map((candidate, i) => this.option(candidate, i, diagnosis.error.noise_floor)));
     this.list.hidden = this.candidates.length === 0;
     this.accept.hidden = this.candidates.length === 0;
@@ -49,7 +49,7 @@ export class Missing {
     },
     h("span", { class: "name" }, candidate.effect),
     h("span", { class: `word ${candidate.verdict}`, title: "what the evidence makes of it" }, WORDS[candidate.verdict]),
-    h("span", { class: "chance", title: "probability that it is among what is missing" }, probability(candidate.probability)),
+    h("span", { class: "chance", title: `probability ${number(candidate.probability)} that it is among what is missing` }, probability(candidate.probability)),
     h("span", { class: "fall", title: `error with it: ${percent(after_)} of |K|, ${times(after_, floor)}` }, `→ ${percent(after_, 2)}`));
   }
 
@@ -95,7 +95,8 @@ export class Missing {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
     let why = "point at an effect first";
-    if (this.app.busy) why = "wait for the computation, or cancel it";
+    if (this.app.fixed) why = this.app.fixed;
+    else if (this.app.busy) why = "wait for the computation, or cancel it";
     else if (candidate) why = "";
     enable(this.accept, why);
     if (!candidate) {
@@ -120,13 +121,20 @@ export class Missing {
   }
 }
 
-const row = (term, text) => [h("dt", {}, term), h("dd", {}, text)];
+const MEANS = {
+  size: "its parameters with their 95 % intervals",
+  error: "root mean square of |K - K_model| / |K_model| before and after it joins; the noise floor is what noise alone leaves",
+  evidence: "probability that it is among what is missing; drop of the Bayesian information criterion when it joins, above 6 clear, above 10 decisive",
+  "cannot be told from": "effects that change these data alike",
+  "would have been seen": "relative change of K above which the effect would have been seen",
+};
+const row = (term, text) => [h("dt", { title: MEANS[term] }, term), h("dd", { title: MEANS[term] }, text)];
 
-function sentence(diagnosis) {
+function sentence(diagnosis, fixed) {
   if (diagnosis.verdict === "adequate") return "Nothing is missing: what is left is noise. These were tried.";
   if (diagnosis.verdict === "unexplained") return "No known effect explains what is left. These were tried.";
   if (diagnosis.verdict === "inconclusive") return "These data cannot decide. These were tried.";
-  return "Point to preview, click to accept.";
+  return fixed ? "Point at one to see what it would do." : "Point to preview, click to accept.";
 }
 
 // Members of a class stand below one another, where the likeliest of them stands.
