@@ -1,4 +1,4 @@
-"""``result.plot()``: a result asks to be drawn, and the room above all that draws is loaded only then.
+"""``result.plot()`` and ``print(result)``: a result asks the room above, which is loaded only then.
 
 Results live below the room that makes pictures, and must not import it: the name here is the only thread upwards, and
 whoever draws nothing never loads a library of pictures.
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DRAWS = "springpot.report.drawings"
+DRAWS, TELLS = "springpot.report.drawings", "springpot.report.telling"
 
 
 def draw(result: object, path: str | Path | None = None, axes: Axes | None = None) -> Figure | Axes | Path:
@@ -41,3 +41,9 @@ def draw(result: object, path: str | Path | None = None, axes: Axes | None = Non
     """
     drawn: Figure | Axes | Path = import_module(DRAWS).drawn(result, path, axes)
     return drawn
+
+
+def text_of(result: object) -> str:
+    """What the command line prints of a result."""
+    text: str = import_module(TELLS).told(result)
+    return text

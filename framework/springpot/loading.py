@@ -161,7 +161,7 @@ def _read(path: Path) -> Any:
 def _fit(answer: dict[str, Any]) -> Identification:
     from springpot.api import standing_of
 
-    if "kept" not in answer:
+    if "tests" in answer:
         raise DataError("a fit of tests in time cannot be loaded: identify it anew, or give its parameters")
     kept, objective = answer["kept"], answer["objective"]
     fit = fit_of(

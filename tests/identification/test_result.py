@@ -164,6 +164,14 @@ def test_all_that_can_be_drawn_is_drawn_alone_and_on_given_axes(fit: Identificat
             thing.plot("x.png", ax=axes)
 
 
+def test_print_is_the_text_of_the_command_line(fit: Identification, capsys):
+    from springpot.cli.group import run
+
+    run(["identify", "artificial-hidden", "--model", MODEL])
+    assert str(fit) == capsys.readouterr().out.rstrip("\n")
+    assert "\n" not in repr(fit)
+
+
 def test_results_survive_pickle_and_copy(fit: Identification):
     diagnosis = springpot.diagnose("artificial-hidden", "fractional-maxwell")
     for again in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit), copy.copy(fit)):

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from . import completion
+
 if TYPE_CHECKING:
     from springpot.measurement import Measurement
 
@@ -30,21 +32,22 @@ def json_option(command: F) -> F:
 
 def data_argument(command: F) -> F:
     """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", metavar="DATA")(command)
+    return click.argument("data", metavar="DATA", shell_complete=completion.data)(command)
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
+COMPLETED: dict[str, Any] = {"shell_complete": completion.model_expression}
 
 
 def model_option(command: F) -> F:
     """Add ``--model EXPR``."""
-    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=MODEL)(command)
+    return click.option("--model", "-m", "model", metavar="EXPR", required=True, help=MODEL, **COMPLETED)(command)
 
 
 def judged_option(command: F) -> F:
     """Add ``--model EXPR``, without which any material is judged."""
     text = f"{MODEL} Without it any linear passive material is judged."
-    return click.option("--model", "-m", "model", metavar="EXPR", help=text)(command)
+    return click.option("--model", "-m", "model", metavar="EXPR", help=text, **COMPLETED)(command)
 
 
 def seed_option(command: F) -> F:

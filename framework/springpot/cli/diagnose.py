@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import completion
 from .common import (
     geometry_option,
     json_option,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
-@click.argument("data", nargs=-1, required=True, metavar="DATA...")
+@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @judged_option
 @known_options
 @seed_option

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from . import completion
 from .common import (
     FILE,
     data_argument,
@@ -23,6 +24,8 @@ from .common import (
 )
 from .waiting import Waiting
 
+ACCEPT = "Accept this effect; may be given several times."
+
 
 @click.command(
     "discover", epilog="Example: springpot discover damper.csv --model fractional-maxwell --auto --report damper.html"
@@ -30,7 +33,7 @@ from .waiting import Waiting
 @data_argument
 @click.argument("more", nargs=-1, metavar="[EFFECT]...")
 @judged_option
-@click.option("--accept", multiple=True, metavar="EFFECT", help="Accept this effect; may be given several times.")
+@click.option("--accept", multiple=True, metavar="EFFECT", help=ACCEPT, shell_complete=completion.names_of("effect"))
 @click.option("--auto", is_flag=True, help="Let the evidence decide, until nothing significant is left.")
 @click.option("--report", type=FILE, metavar="FILE.html", help="Write the whole story as one self-contained page.")
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw the falling error (.png, .svg or .pdf).")

@@ -10,7 +10,7 @@ import click
 
 from springpot.errors import OptionError, SpringpotError
 
-from . import timetests
+from . import completion, timetests
 from .common import (
     FILE,
     POSITIVE,
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from springpot.timetests import Test
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
+OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
 OPTIMISER = (
     "With options as in pso-paper:particles=40; see 'springpot list optimisers'. By default the native solver."
 )
@@ -43,14 +44,14 @@ OPTIMISER = (
 @click.command(
     "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
 )
-@click.argument("data", nargs=-1, required=True, metavar="DATA...")
+@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @model_option
 @known_options
 @click.option("--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too.")
 @click.option("--joint", is_flag=True, help="One set of parameters for all DATA together.")
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table with one row for each DATA as CSV.")
-@click.option("--optimiser", metavar="NAME", help=OPTIMISER)
-@click.option("--objective", metavar="NAME", help="See 'springpot list objectives'; suited to the data by default.")
+@click.option("--optimiser", metavar="NAME", help=OPTIMISER, shell_complete=completion.names_of("optimiser"))
+@click.option("--objective", metavar="NAME", help=OBJECTIVE, shell_complete=completion.names_of("objective"))
 @click.option(
     "--budget", type=POSITIVE, metavar="N", help="Evaluations of each restart; the native solver ends by itself."
 )

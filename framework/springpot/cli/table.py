@@ -35,5 +35,6 @@ COMMANDS: dict[str, Entry] = {
     "predict": Entry("springpot.cli.predict", "Another test, from an identified model, with a band."),
     "export-model": Entry("springpot.cli.export_model", "A model for a solver: Prony series, cards, scripts."),
     "simulate": Entry("springpot.cli.simulate", "A structure with identified dampers under a record."),
+    "init": Entry("springpot.cli.init", "Files to start from: a study, a plugin, a CI workflow."),
     "regression": Entry("springpot.cli.regression", "The accuracy gate for continuous integration."),
 }

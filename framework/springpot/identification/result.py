@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from springpot.drawing import draw
+from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
 from springpot.measurement import Measurement
@@ -237,6 +237,9 @@ class Identification:
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """Data and fit, and the residuals below; see `Measurement.plot` for the arguments and what is returned."""
         return draw(self, path, ax)
+
+    def __str__(self) -> str:
+        return text_of(self)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} {row.value:.4g} {row.unit}" for name, row in self.parameters.items())
