@@ -123,8 +123,13 @@ def to_latex(table: Table) -> str:
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
 
 
+def escaped_latex(words: str) -> str:
+    """Text in which no sign commands LaTeX."""
+    return "".join(_LATEX.get(character, character) for character in words)
+
+
 def _ampersands(cells: Sequence[str]) -> str:
-    escaped = ("".join(_LATEX.get(character, character) for character in cell) for cell in cells)
+    escaped = [escaped_latex(cell) for cell in cells]
     # A row that begins with a bracket would be read as the optional argument of the line break before it.
     return " & ".join("{" + cell + "}" if cell.startswith("[") else cell for cell in escaped) + r" \\"
 

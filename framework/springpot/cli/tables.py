@@ -24,11 +24,34 @@ FORMATS = ("md", "csv", "latex", "html")
 @click.option(
     "--out", type=FILE, default=Path("results"), show_default=True, metavar="DIR", help="Where results are."
 )
+@click.option("--column", "columns", multiple=True, metavar="HEADING", help="Only these columns, in this order.")
+@click.option("--row", "rows", multiple=True, metavar="HEADING=VALUE", help="Only rows like this; may be repeated.")
+@click.option("--digits", type=click.IntRange(1, 4), metavar="N", help="Significant digits; 4 by default.")
+@click.option("--caption", metavar="TEXT", help="Of a floating table in LaTeX.")
+@click.option("--label", metavar="NAME", help="For \\ref in LaTeX.")
 @json_option
-def command(study: str, kind: str, wanted: str | None, write: bool, report: bool, out: Path, as_json: bool) -> None:
-    """Print the tables of STUDY: its name, its script, its folder or its .sqlite file."""
+def command(
+    study: str,
+    kind: str,
+    wanted: str | None,
+    write: bool,
+    report: bool,
+    out: Path,
+    columns: tuple[str, ...],
+    rows: tuple[str, ...],
+    digits: int | None,
+    caption: str | None,
+    label: str | None,
+    as_json: bool,
+) -> None:
+    """Print the tables of STUDY: its name, its script, its folder or its .sqlite file.
+
+    For a paper: springpot tables race --table summary --format latex --column optimiser --column ERT --digits 3
+    --row problem=... --caption "The race" --label tab:race
+    """
     from springpot.benchmark import FORMATS as WRITERS
     from springpot.benchmark import write_tables
+    from springpot.benchmark.paper import captioned, for_paper
 
     if write or report:
         paths = write_tables(study, [kind], out) if write else []
@@ -38,10 +61,15 @@ def command(study: str, kind: str, wanted: str | None, write: bool, report: bool
             paths.append(write_study_report(study, out))
         emit({"schema": "springpot.files/1", "files": paths}, as_json, lambda: print(*paths, sep="\n"))
         return
-    tables = _chosen(study, wanted, out)
+    if (columns or rows or caption or label) and wanted is None:
+        raise click.UsageError("say which table with --table", click.get_current_context())
+    if (caption or label) and kind != "latex":
+        raise click.UsageError("--caption and --label are for --format latex", click.get_current_context())
+    tables = {name: for_paper(table, columns, rows, digits) for name, table in _chosen(study, wanted, out).items()}
     result = {"schema": "springpot.tables/1", "study": study, "tables": [_plain(*entry) for entry in tables.items()]}
     to_text = WRITERS[kind][1]
-    emit(result, as_json, lambda: print("\n".join(to_text(table) for table in tables.values()), end=""))
+    texts = [captioned(to_text(table), caption, label) for table in tables.values()]
+    emit(result, as_json, lambda: print("\n".join(texts), end=""))
 
 
 def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
