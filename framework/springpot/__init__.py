@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
         write_measurement,
     )
     from springpot.rheology import Effect, Model
+    from springpot.web import workbench
 
 __version__ = "0.1.0"
 
@@ -76,6 +77,7 @@ __all__ = [
     "plugins",
     "read",
     "signals_to_measurement",
+    "workbench",
     "write_measurement",
 ]
 

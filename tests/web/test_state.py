@@ -20,10 +20,10 @@ from springpot.report.jsontext import to_json
 from springpot.web import leaving
 from springpot.web.answers import answer, ladder_of, proposed_points
 from springpot.web.datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
-from springpot.web.held import fitted, hands_of
-from springpot.web.scene import MOST_POINTS, Scene, relative_error, rounded
+from springpot.web.scene import MOST_POINTS, Scene, rounded
 from springpot.web.sessions import is_session, session_of
 from springpot.web.state import State, digest_of
+from springpot.web.tasks import curve, held
 
 MODEL = "fractional-maxwell"
 
@@ -175,7 +175,7 @@ def test_rounding_keeps_six_digits_and_tells_what_is_no_number(values: list[floa
 
 def test_the_exported_script_gives_the_numbers_of_the_page(damper: bytes, data: Measurement, tmp_path: Path):
     (tmp_path / "damper.csv").write_bytes(damper)
-    state = State(digest_of(text_of(data)), MODEL, ("inertia",))
+    state = State(digest_of(text_of(data)), MODEL, ("inertia",), (0, 3, 4))
     (tmp_path / "again.py").write_text(leaving.script(state, "damper.csv"), encoding="utf-8")
     out = subprocess.run(
         [sys.executable, "again.py"], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -197,8 +197,11 @@ def test_the_command_line_is_that_of_the_state(state: State):
     words = shlex.split(leaving.command(state.accepting("inertia"), "my damper.csv"))
     assert words == ["springpot", "discover", "my damper.csv", "--model", MODEL, "--accept", "inertia", "--seed", "0"]
     assert shlex.split(leaving.command(State("x"), "d.csv")) == ["springpot", "diagnose", "d.csv", "--seed", "0"]
-    left_out = State("x", MODEL, (), (1,))
-    assert leaving.source_of("data/damper.csv", left_out, False) == "damper-used.csv"
+    left_out = State("x", MODEL, (), (1, 7, 8))
+    assert leaving.command(left_out, "d.csv").endswith("--exclude row=8..9 --exclude row=2 --seed 0")
+    assert leaving.source_of("data/damper.csv", left_out, False) == "data/damper.csv"
+    assert leaving.source_of("data/damper.csv", left_out, True) == "damper-used.csv"
+    assert leaving.source_of("damper.csv", State("x", MODEL, (), tuple(range(0, 90, 2))), False) == "damper-used.csv"
 
 
 def test_curves_leave_with_units_in_their_header(state: State, data: Measurement):
@@ -218,24 +221,22 @@ def test_the_plan_opens_as_data_once_it_is_filled_in(state: State, data: Measure
 
 
 def test_a_fit_by_hand_keeps_what_was_fixed_and_is_otherwise_the_fit(data: Measurement):
-    model = springpot.parse_model(f"{MODEL} + inertia")
-    best = springpot.identify(data, model).theta
-    sd = np.broadcast_to(data.magnitude, (2, len(data)))
-    start = {name: {"value": 1.3 * value} for name, value in zip(model.names, best, strict=True)}
-    start["inertia.m"]["value"] = 0.6
-    units = data.units.of(model.parameters[0].unit)
-    assert units[1] == "kN/m"
-    free = fitted(model, data, hands_of(model, data, start), sd)
-    assert relative_error(data, model, free) == pytest.approx(relative_error(data, model, best), rel=1e-3)
-    start["k"] |= {"value": 300.0, "fixed": True}
-    held = fitted(model, data, hands_of(model, data, start), sd)
-    assert held[0] == 300.0
-    assert relative_error(data, model, held) > relative_error(data, model, free)
-    start["k"] |= {"value": 310.0, "fixed": False, "lower": 305.0, "upper": 320.0}
-    bounded = fitted(model, data, hands_of(model, data, start), sd)
-    assert 305.0 <= bounded[0] <= 320.0
-    with pytest.raises(ModelError, match="not within"):
-        hands_of(model, data, start | {"k": {"value": 400.0, "upper": 320.0}})
+    text, state = text_of(data), {"data": "x", "model": f"{MODEL} + inertia"}
+    best = springpot.identify(data, f"{MODEL} + inertia")
+    hands = {name: {"value": 1.3 * value.value} for name, value in best.parameters.items()}
+    free = held(print, state, text, hands)
+    assert free["error"] == pytest.approx(best.relative_rms, rel=1e-6)
+    hands["k"] = {"value": 300.0, "fixed": True}
+    fixed = held(print, state, text, hands)
+    assert fixed["values"]["k"] == pytest.approx(300.0)
+    assert fixed["error"] > free["error"]
+    hands["k"] = {"value": 310.0, "lower": 305.0, "upper": 320.0}
+    assert 305.0 <= held(print, state, text, hands)["values"]["k"] <= 320.0 * (1 + 1e-9)
+    drawn = curve(print, state, text, {name: {"value": value} for name, value in free["values"].items()})
+    assert drawn["points"] == free["points"]
+    for wrong in ({"value": 400.0, "upper": 320.0}, {"value": -1.0}, {"value": None}, 3):
+        with pytest.raises(ModelError, match=r"k = .* is not within|no value"):
+            curve(print, state, text, hands | {"k": wrong})
 
 
 def a_session(data: Measurement) -> dict:

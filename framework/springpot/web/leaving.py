@@ -22,7 +22,8 @@ from .previews import grown_by_each
 from .scene import Scene
 from .state import State
 
-SESSION = "springpot.session/1"
+MOST_RANGES = 20
+"""Ranges of rows that are said on a command line; more are left out in a file of their own."""
 
 
 def source_of(source: str, state: State, joined: bool) -> str:
@@ -30,9 +31,38 @@ def source_of(source: str, state: State, joined: bool) -> str:
 
     A registered data set stays its name.
     """
-    if state.excluded or joined:
+    if joined or len(excluded_rows(state)) > MOST_RANGES:
         return f"{PurePath(safe_name(source)).stem}-used.csv"
     return source
+
+
+def excluded_rows(state: State) -> list[str]:
+    """The rows that are left out as ``--exclude`` takes them, the first being 1.
+
+    The last ones come first: each choice counts the rows that the ones before it have left.
+
+    Examples
+    --------
+    >>> excluded_rows(State("0" * 64, "", (), (0, 4, 5, 6)))
+    ['row=5..7', 'row=1']
+    """
+    ranges: list[tuple[int, int]] = []
+    for row in state.excluded:
+        if ranges and ranges[-1][1] == row:
+            ranges[-1] = ranges[-1][0], row + 1
+        else:
+            ranges.append((row + 1, row + 1))
+    return [f"row={low}" if low == high else f"row={low}..{high}" for low, high in reversed(ranges)]
+
+
+def _said(state: State) -> list[str]:
+    rows = excluded_rows(state)
+    return rows if len(rows) <= MOST_RANGES else []
+
+
+def _without(state: State) -> str:
+    rows = _said(state)
+    return f", exclude={rows!r}" if rows else ""
 
 
 def command(state: State, source: str) -> str:
@@ -46,6 +76,7 @@ def command(state: State, source: str) -> str:
     words = ["springpot", "discover" if state.accepted else "diagnose", source]
     words += ["--model", state.model] if state.model else []
     words += [word for name in state.accepted for word in ("--accept", name)]
+    words += [word for rows in _said(state) for word in ("--exclude", rows)]
     return shlex.join([*words, "--seed", str(state.seed)])
 
 
@@ -58,9 +89,9 @@ def script(state: State, source: str) -> str:
 import springpot
 
 data = springpot.read({source!r})
-{_note(state)}
+
 # Each accepted effect is one rung: the model is fitted, and what is missing from it is sought anew.
-ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed})
+ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed}{_without(state)})
 
 for step in ladder.steps:
     print(f"{{step.model}}: error {{step.relative_rms:.6%}}, noise floor {{step.noise_floor:.6%}}")
@@ -71,12 +102,6 @@ for name, value in ladder.steps[-1].parameters.items():
 
 print(ladder.verdict + ":", ladder.diagnosis.says)
 """
-
-
-def _note(state: State) -> str:
-    if not state.excluded:
-        return ""
-    return f"# The file holds the data as used: {len(state.excluded)} points were left out by hand on the page.\n"
 
 
 def curves_csv(ladder: Ladder, measurement: Measurement) -> str:

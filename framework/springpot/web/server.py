@@ -187,7 +187,7 @@ class Server:
 LANES = {"answer": "long", "ranking": "long", "mastercurve": "long", "leave": "long", "held": "long"}
 LANES |= {"curve": "short", "again": "short"}
 """Which workers do what the page asks of data."""
-EXTRA = {"curve": ("hands",), "held": ("hands", "noise"), "leave": ("kind",)}
+EXTRA = {"curve": ("hands",), "held": ("hands",), "leave": ("kind",)}
 """What these tasks are told beside the state."""
 KEPT = frozenset({"answer", "ranking", "mastercurve"})
 """Pure functions of the state alone."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.api import compare, mastercurve
+from springpot.api import compare, identify, mastercurve
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, SpringpotError
 from springpot.measurement import Measurement, Part
@@ -28,7 +28,7 @@ from . import leaving
 from .alone import page_alone
 from .answers import Told, answer, ladder_of, rungs
 from .datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
-from .held import fitted, hands_of
+from .held import hand_of, theta_of
 from .scene import Scene, relative_error
 from .sessions import is_session, session_of
 from .state import State, digest_of
@@ -196,27 +196,23 @@ def curve(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, A
     """The curve of a model whose parameters were set by hand, and its error."""
     asked, measurement = State.of(state), _measured(text)
     model = _bound(asked, measurement)
-    set_by_hand = hands_of(model, measurement, hands)
-    theta = np.array([hand.value for hand in set_by_hand])
-    return _drawn(asked, measurement, model, theta)
+    return _drawn(asked, measurement, model, theta_of(model, measurement, hand_of(model, hands)))
 
 
-def held(
-    told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any], noise: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The best fit that respects what was fixed and bounded by hand, in units of the noise floor."""
+def held(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]) -> dict[str, Any]:
+    """The best fit that respects what was fixed and bounded by hand, begun where the sliders stand."""
     asked, measurement = State.of(state), _measured(text)
     model = _bound(asked, measurement)
     told(f"fitting {model.name} within the hand's bounds")
+    hand = hand_of(model, hands)
     used = kept(measurement, asked.excluded)
-    share = float(noise.get("relative", 0.01))
-    sd = np.broadcast_to(np.maximum(share, 1e-9) * used.magnitude, (2, len(used)))
-    theta = fitted(model, used, hands_of(model, used, hands), sd)
-    values = {
+    start = {name: value for name, value in hand.values.items() if name not in hand.fix}
+    fit = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
+    values = hand.fix | {
         parameter.name: float(value * used.units.of(parameter.unit)[0])
-        for parameter, value in zip(model.parameters, theta, strict=True)
+        for parameter, value in zip(fit.model.parameters, fit.theta, strict=True)
     }
-    return {**_drawn(asked, measurement, model, theta), "values": values}
+    return {**_drawn(asked, measurement, fit.model, fit.theta), "values": values}
 
 
 def _bound(state: State, measurement: Measurement) -> Model:

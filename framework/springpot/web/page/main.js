@@ -328,8 +328,7 @@ class App {
 
   async fitByHand(hands) {
     const { answer } = this;
-    const noise = { relative: answer.discovery.diagnosis.error.noise_floor };
-    const found = await this.compute((how) => api.ask("held", { state: answer.state, hands, noise }, how));
+    const found = await this.compute((how) => api.ask("held", { state: answer.state, hands }, how));
     if (!found) return;
     this.model.take(found.values);
     this.setEdited(found);
