@@ -15,7 +15,6 @@ from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.display import use_drawing
-from springpot.diagnosis.header import with_header
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, Standing
 from springpot.identification import identify as identify_objects
@@ -198,8 +197,7 @@ def diagnose(
     """
     data = excluded(_measurement(measurement), exclude)
     judged = constrained(_judged(model), data.units, fix, bounds)
-    found = diagnose_objects(data, judged, library(effects), np.random.default_rng(seed))
-    return with_header(found, data)
+    return diagnose_objects(data, judged, library(effects), np.random.default_rng(seed))
 
 
 def discover(

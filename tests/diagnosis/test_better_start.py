@@ -9,13 +9,13 @@ import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.refit import Refit
 from springpot.diagnosis.scan import Scan
-from springpot.diagnosis.settle import better_start
+from springpot.diagnosis.search import better_start
 from springpot.registry import plugins
 
 
 def searched(data):
     library = list(plugins().items("effect"))
-    return examine(data, springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)).found
+    return examine(data, springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)).search
 
 
 def stuck(found, theta):

@@ -7,10 +7,9 @@ import pytest
 from hidden_data import TEMPERATURES, WARM, design, measured
 
 import springpot
-from springpot.diagnosis.causality import causal_evidence
-from springpot.diagnosis.discrepancy import discrepancy, log_shift_of
 from springpot.diagnosis.floor import fitted_to_floor
 from springpot.diagnosis.frame import Frame
+from springpot.diagnosis.leftover import causal_evidence, discrepancy, log_shift_of
 from springpot.measurement import Measurement
 
 LEVEL = 0.005

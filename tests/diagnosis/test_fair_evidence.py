@@ -1,6 +1,7 @@
 """What an explanation pays for its parameters, and what it leaves to others that look the same."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,9 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, exact, hidden, measur
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.diagnosis.actions import actions
+from springpot.diagnosis.evidence import Evidence, Explanation
+from springpot.diagnosis.experiment import Clash, actions
 from springpot.diagnosis.frame import orthonormal
-from springpot.diagnosis.posterior import Posterior, explanations, posterior
-from springpot.diagnosis.separation import Clash
 from springpot.identification import Window, shown
 from springpot.registry import plugins
 from springpot.report.answers import doubt_text
@@ -28,13 +28,13 @@ def examined(data, model=KELVIN.name):
 @pytest.mark.parametrize("effect", ["arrhenius-shift", "wlf-shift"])
 def test_a_parameter_that_the_data_do_not_determine_costs_next_to_nothing(effect):
     """Over 20 K the free volume's second constant is anyone's guess: neither law may be called unlikely for it."""
-    chances = examined(hidden(KELVIN, WARM, effect, 3000.0)).probabilities.effects
+    chances = examined(hidden(KELVIN, WARM, effect, 3000.0)).evidence.effects
     assert chances["arrhenius-shift"] + chances["wlf-shift"] > 0.9
     assert min(chances["arrhenius-shift"], chances["wlf-shift"]) > 0.05
 
 
 def test_a_richer_effect_that_has_become_a_simpler_one_pays_all_the_same():
-    chances = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0)).probabilities.effects
+    chances = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0)).evidence.effects
     assert chances["friction"] > 0.8
     assert chances["elasto-sliding"] < 0.1
 
@@ -70,13 +70,15 @@ def resonant(at, hertz=12.0, zeta=0.05, stiffness=3000.0):
 
 def test_what_looks_like_a_resonance_may_be_another_narrow_feature():
     case = examined(measured(NARROW, resonant(NARROW), level=0.003))
-    for each in (posterior(case.found), case.probabilities):
-        assert each.nothing + each.unknown + sum(each.together.values()) == pytest.approx(1.0)
+    for each in (Evidence.of(case.search), case.evidence):
+        explained = sum(one.probability for one in each.explanations)
+        assert each.nothing + each.unknown + explained == pytest.approx(1.0)
         assert each.effects["frame-resonance"] == pytest.approx(7.0 / 3.0 * each.narrow)
 
 
 def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
-    chances = Posterior(0.0, 0.2, {("a", "b"): 0.8}, frozenset({"b"})).without_unknown()
+    pair = Explanation(SimpleNamespace(names=("a", "b")), 0.8)
+    chances = Evidence(SimpleNamespace(), 0.0, 0.2, (pair,), frozenset({"b"})).without_unknown()
     assert chances.effects == pytest.approx({"a": 1.0, "b": 0.7})
     assert chances.narrow == pytest.approx(0.3)
 
@@ -108,16 +110,16 @@ def test_one_wrong_point_is_no_resonance(row):
 
 def test_the_likeliest_explanations_are_compared_not_those_of_best_fit():
     case = examined(hidden(KELVIN, SWEEP, "inertia", 300.0))
-    chosen, together = explanations(case.found, case.probabilities), case.probabilities.together
-    for name, refit in chosen.items():
-        likeliest = max((names for names in together if name in names), key=lambda names: together[names])
-        assert len(refit.model.effects) == len(likeliest)
+    for name, refit in case.evidence.likeliest_with().items():
+        with_it = [one for one in case.evidence.explanations if name in one.names]
+        likeliest = max(with_it, key=lambda one: one.probability)
+        assert len(refit.model.effects) == len(likeliest.names)
 
 
 def test_a_force_of_noise_weighs_more_at_a_smaller_amplitude():
     case = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0))
-    found = explanations(case.found, case.probabilities)
-    plan = [a for a in actions(case.found.base.fit.measurement) if "amplitude" in a.action]
+    found = case.evidence.likeliest_with()
+    plan = [a for a in actions(case.search.base.fit.measurement) if "amplitude" in a.action]
     smaller = min(plan, key=lambda a: a.action["amplitude"][0])
     usual = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 0.75)))
     tiny = replace(smaller, points=replace(smaller.points, amplitude=np.full(20, 1e-9)))

@@ -10,7 +10,7 @@ from springpot.diagnosis.ladder import _explained
 
 def rung(error, verdict):
     """A rung by its error of prediction in units of the floor and its verdict."""
-    case = SimpleNamespace(diagnosis=SimpleNamespace(verdict=verdict), found=SimpleNamespace(base=error))
+    case = SimpleNamespace(diagnosis=SimpleNamespace(verdict=verdict), search=SimpleNamespace(base=error))
     return SimpleNamespace(relative_rms=0.01 * error, noise_floor=0.01, case=case)
 
 

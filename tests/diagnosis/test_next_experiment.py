@@ -8,10 +8,8 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, design, hidden, measured
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.diagnosis.actions import actions
-from springpot.diagnosis.experiment import next_experiment, promise, separation
-from springpot.diagnosis.posterior import best_with
-from springpot.diagnosis.separation import Clash
+from springpot.diagnosis.evidence import best_with
+from springpot.diagnosis.experiment import Clash, actions, next_experiment, promise, separation
 from springpot.diagnosis.words import plain
 from springpot.measurement import Measurement
 from springpot.registry import plugins
@@ -23,7 +21,7 @@ def explained(effect, at=SWEEP, chi2=200.0):
     case = examine(
         hidden(KELVIN, at, effect, chi2), springpot.parse_model(KELVIN.name), library, np.random.default_rng(0)
     )
-    return case, best_with(case.found)
+    return case, best_with(case.search)
 
 
 def upwards(measurement):
@@ -45,7 +43,7 @@ def refitted(truth, rival, action):
 
 def test_the_fitted_separation_is_that_of_an_independent_fit():
     case, best = explained("inertia")
-    action = upwards(case.found.base.fit.measurement)
+    action = upwards(case.search.base.fit.measurement)
     for truth, rival in (("inertia", "specimen-inertia"), ("specimen-inertia", "inertia")):
         promised = Clash(best[truth], best[rival], action).fitted()
         assert promised == pytest.approx(refitted(best[truth], best[rival], action), rel=0.05)
@@ -54,7 +52,7 @@ def test_the_fitted_separation_is_that_of_an_independent_fit():
 
 def test_a_rival_far_from_its_parameters_follows_further_than_its_slopes_tell():
     case, best = explained("time-delay")
-    clash = Clash(best["time-delay"], best["fixture-resonance"], upwards(case.found.base.fit.measurement))
+    clash = Clash(best["time-delay"], best["fixture-resonance"], upwards(case.search.base.fit.measurement))
     assert clash.fitted() < 0.7 * clash.linear
     assert clash.fitted() == pytest.approx(refitted(clash.truth, clash.rival, clash.action), rel=0.05)
 
@@ -63,7 +61,7 @@ def test_a_model_that_holds_another_follows_it_everywhere():
     """Friction is a power-law damper of exponent 0: no measurement can rule the larger one out."""
     case, best = explained("friction", AMPLITUDES, 3000.0)
     friction, power = best["friction"], best["power-law-damper"]
-    for action in actions(case.found.base.fit.measurement):
+    for action in actions(case.search.base.fit.measurement):
         assert Clash(friction, power, action).fitted() < 1.5
 
 
@@ -119,7 +117,7 @@ def test_what_is_said_is_the_number_that_is_given():
 def test_a_known_mass_tells_the_chain_of_measurement_from_the_specimen():
     """In place of the specimen it shows what the rig adds: a delay, but no relaxation."""
     case, best = explained("time-delay")
-    measurement = case.found.base.fit.measurement
+    measurement = case.search.base.fit.measurement
     [action] = [action for action in actions(measurement) if "known mass" in action.says]
     mass = np.median(np.abs(measurement.stiffness)) / measurement.omega.max() ** 2
     assert f"of about {1e3 * mass:.2g} kg" in action.says

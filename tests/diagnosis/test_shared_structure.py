@@ -100,6 +100,6 @@ def test_an_error_that_several_neighbours_share_is_seen_along_the_sweep():
     for seed in range(8):
         found = springpot.diagnosis.examine(
             shared_error(seed), springpot.parse_model(WARM.name), [], np.random.default_rng(0)
-        ).found
+        ).search
         chances.append(found.structure.parts["runs"])
     assert np.median(chances) < 0.02

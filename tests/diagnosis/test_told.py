@@ -74,8 +74,8 @@ def test_effects_that_change_nothing_are_not_called_alike():
     """Beside the true effect every other one vanishes, and all curves are one: that makes them no class."""
     library = list(plugins().items("effect"))
     case = examine(shifted(), springpot.parse_model("fractional-kelvin"), library, np.random.default_rng(0))
-    frame, base = case.found.frame, case.found.base
-    alone = {grown.names[0]: grown.refit for grown in case.found.grown if len(grown.effects) == 1}
+    frame, base = case.search.frame, case.search.base
+    alone = {grown.names[0]: grown.refit for grown in case.search.grown if len(grown.effects) == 1}
     for group in case.diagnosis.classes[1:]:
         for name in group if len(group) > 1 else ():
             moved = frame.whiten(alone[name].stiffness - base.stiffness)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import springpot
-from springpot.diagnosis.search import held
+from springpot.diagnosis.search import applicable
 from springpot.errors import ModelError
 from springpot.registry import parse_model, plugins
 from springpot.rheology import FULL, Levels, Points, levels_of, wlf
@@ -155,4 +155,4 @@ def test_a_column_with_gaps_is_refused():
 def test_diagnosis_looks_for_laws_and_not_for_factors_of_every_level():
     assert {"free-shift", "free-vertical-shift"} <= set(plugins().names("effect"))
     data = springpot.Measurement(OMEGA, OMEGA * (1 + 1j), conditions={"temperature": CELSIUS})
-    assert not [effect.name for effect in held(list(plugins().items("effect")), data) if effect.by_levels]
+    assert not [effect.name for effect in applicable(list(plugins().items("effect")), data) if effect.by_levels]

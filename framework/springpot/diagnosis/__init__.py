@@ -1,8 +1,8 @@
 """Diagnosis: the noise floor, where a model fails, which effect is missing, what to measure next."""
 
+from .battery import Finding
 from .compare import Comparison, Judgement, compare
 from .diagnose import Case, diagnose, examine
-from .findings import Finding
 from .ladder import Ladder, Step, discover
 from .material import any_material
 from .ranking import Ranking, rank

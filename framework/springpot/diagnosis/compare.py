@@ -14,24 +14,22 @@ from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Model
 
+from .battery import Battery, Finding, battery, judged, overtones
 from .candidates import printed
-from .diagnose import error_of
 from .display import html_of_comparison
-from .findings import Finding, findings, judged
 from .floor import fitted_to_floor
-from .material import MaterialFloor, material_floor
-from .overtones import overtones
+from .material import MaterialFloor, error_of, material_floor
+from .noise import thinned
+from .policy import RANKING
 from .refit import Refit, refit
 from .result import Error, Value, Where
-from .thinning import thinned
 from .where import where
 from .words import times
 
 Effects: TypeAlias = tuple[str, ...]
+
+
 SCHEMA = "springpot.comparison/1"
-STARTS = 4
-MOST_PLACES = 3
-"""Places named in the sentence on a model; all are in `where`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,21 +44,31 @@ class Judgement:
         Its error, the noise floor and the material floor, relative to |K|.
     delta_bic : float
         Bayesian information criterion above that of the best model compared.
+    rng : numpy.random.Generator
+        For the simulated noise of its tests, which are made when they are asked for.
     """
 
     refit: Refit
     error: Error
     delta_bic: float
+    rng: np.random.Generator
+
+    @cached_property
+    def battery(self) -> Battery:
+        """Tests on its residual."""
+        return battery(self.refit.frame(), self.rng)
 
     @cached_property
     def where(self) -> tuple[Where, ...]:
-        """Where it fails."""
+        """Where it fails; nowhere where noise explains all."""
+        if not self.fails:
+            return ()
         return tuple(where(self.refit.frame()))
 
-    @cached_property
+    @property
     def findings(self) -> tuple[Finding, ...]:
-        """Tests on its residual."""
-        return tuple(findings(self.refit.frame(), self.refit.noise.source))
+        """Each test in a sentence."""
+        return self.battery.findings
 
     @property
     def model(self) -> Model:
@@ -74,8 +82,8 @@ class Judgement:
 
     @property
     def fails(self) -> bool:
-        """Whether any test found something."""
-        return any(finding.found for finding in self.findings)
+        """Whether it leaves more than noise, by the tests that `diagnose` makes too."""
+        return self.battery.alarm
 
     @property
     def says(self) -> str:
@@ -85,7 +93,7 @@ class Judgement:
             return f"{ratio}; nothing is left but noise"
         if not self.where:
             return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"
-        return f"{ratio}; {'; '.join(place.says for place in self.where[:MOST_PLACES])}"
+        return f"{ratio}; {'; '.join(place.says for place in self.where[: RANKING.most_places])}"
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -152,7 +160,8 @@ class Comparison:
         return f"<Comparison of {self.data}: {errors}>"
 
     def _repr_html_(self) -> str:
-        return html_of_comparison(self)
+        answer = self.to_dict() | {"models": [judgement.to_dict() for judgement in self.shown]}
+        return html_of_comparison(self.says, answer)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``."""
@@ -198,7 +207,7 @@ def compare(measurement: Measurement, models: Sequence[Model], rng: np.random.Ge
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     return Comparison(
-        measurement.name, tuple(judgements(fits, material_floors(fits, rng))), harmonics_of(quiet), tuple(notes)
+        measurement.name, tuple(judgements(fits, material_floors(fits, rng), rng)), harmonics_of(quiet), tuple(notes)
     )
 
 
@@ -207,12 +216,14 @@ def harmonics_of(found: Refit) -> tuple[Finding, ...]:
     return tuple(judged(overtones(found.data.mean, found.noise.sd)))
 
 
-def judgements(fits: Sequence[Refit], floors: Mapping[Effects, MaterialFloor]) -> Iterator[Judgement]:
+def judgements(
+    fits: Sequence[Refit], floors: Mapping[Effects, MaterialFloor], rng: np.random.Generator
+) -> Iterator[Judgement]:
     """Fits in units of one noise, each beside the material floor with the same effects."""
     least = min(-2.0 * found.log_evidence for found in fits)
-    for found in fits:
+    for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
         error = error_of(found, floors[effects_of(found)])
-        yield Judgement(found, error, -2.0 * found.log_evidence - least)
+        yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)
 
 
 def material_floors(fits: Iterable[Refit], rng: np.random.Generator) -> dict[Effects, MaterialFloor]:
@@ -243,6 +254,8 @@ def _fits(measurement: Measurement, models: Sequence[Model]) -> list[Refit]:
             )
     quiet = min(first, key=lambda found: found.floor)
     return [
-        found if found is quiet else refit(found.model, quiet.data, quiet.noise, [found.theta], starts=STARTS)
+        found
+        if found is quiet
+        else refit(found.model, quiet.data, quiet.noise, [found.theta], starts=RANKING.compared_starts)
         for found in first
     ]

@@ -1,4 +1,4 @@
-"""The diagnosis from end to end."""
+"""The diagnosis from end to end: its steps stand in `examine`."""
 
 from __future__ import annotations
 
@@ -12,28 +12,16 @@ from springpot.measurement import Measurement, steadied
 from springpot.rheology import Effect, Model, Real
 
 from .candidates import candidates_of
-from .confounded import confounded_in_words
+from .evidence import Evidence
 from .experiment import next_experiment
-from .material import MaterialFloor, material_floor, split_in_words
-from .notes import notes, unexplained_harmonics
+from .material import MaterialFloor, error_of, material_floor, split_in_words
+from .noise import thinned
+from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
-from .posterior import (
-    Posterior,
-    classes,
-    explanations,
-    grown_beside,
-    leading,
-    partners,
-    posterior,
-    rivals_of,
-    seconds,
-)
-from .refit import Refit
-from .result import Diagnosis, Error, NextExperiment, Verdict, Where
-from .search import Search, search
-from .settle import DECISIVE, settled
-from .thinning import thinned
-from .verdict import STRUCTURE_ALARM, sentence, verdict_of
+from .policy import EXPERIMENT, SEARCH, VERDICT
+from .result import Diagnosis, NextExperiment, Verdict, Where
+from .search import Search, confounded, search_data, search_from
+from .verdict import facts_of, rule_for, sentence
 from .where import periodic, where
 
 BESIDE_MATERIAL = {
@@ -43,8 +31,6 @@ BESIDE_MATERIAL = {
 }
 """What is added where effects are named beside a free spectrum."""
 HARMONICS = "; the force holds harmonics that this model does not make"
-RIVAL = 1e-3
-"""Chance, beside that of the leading effect, from which another is worth a measurement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,22 +39,25 @@ class Case:
 
     Attributes
     ----------
-    found : Search
+    search : Search
         Fits and scans of the model.
-    named : Search
+    naming : Search
         Those by which effects are named: of the model, or of any material where the model does not follow it.
     floor : MaterialFloor
         The least error that any material reaches.
-    probabilities : Posterior
+    evidence : Evidence
         Of every effect.
+    outliers : tuple of Outlier
+        Points set aside.
     diagnosis : Diagnosis
         The answer.
     """
 
-    found: Search
-    named: Search
+    search: Search
+    naming: Search
     floor: MaterialFloor
-    probabilities: Posterior
+    evidence: Evidence
+    outliers: tuple[Outlier, ...]
     diagnosis: Diagnosis
 
 
@@ -107,89 +96,108 @@ def examine(
 ) -> Case:
     """As `diagnose`, with the fits and scans behind the answer, and with starts (p,) known from a smaller model."""
     require_conditions(model, measurement)
-    measured, measurement = len(measurement), thinned(measurement)
-    if "amplitude" not in model.needs:
-        measurement = steadied(measurement)
-    found, outliers = settled(measurement, model, library, rng, seeds)
-    floor = material_floor(found.base, rng)
-    named = _named_by(found, floor, library, rng)
-    probabilities = posterior(named)
-    verdict = verdict_of(named, probabilities, outliers)
-    if verdict == "adequate" and named is not found:
-        verdict = "unexplained"  # by effects: a material follows the data, but no single element mends the model
+    data = _prepared(measurement, model)
+    search, outliers = search_data(data, model, library, rng, seeds)
+    floor = material_floor(search.base, rng)
+    naming = _naming_search(search, floor, library, rng)
+    evidence = Evidence.of(naming, confounded(naming, library))
+    verdict = rule_for(facts_of(evidence, outliers, naming is not search)).verdict
     if verdict == "effect-missing":
-        probabilities = probabilities.without_unknown()
+        evidence = evidence.without_unknown()
     elif verdict == "unexplained":
-        probabilities = probabilities.doubted(named.left.p_value)
-    groups = [] if verdict == "adequate" else classes(named, probabilities)
-    second = seconds(named, probabilities) if verdict == "effect-missing" else []
-    says = sentence(found, verdict, groups[0] if groups else (), second, probabilities.imitators, outliers)
-    if named is not found:
-        says = f"{says}{BESIDE_MATERIAL[verdict]}"
-    diagnosis = Diagnosis(
-        data=measurement.name,
-        model=model,
-        error=error_of(found.base, floor),
-        verdict=verdict,
-        says=says + (HARMONICS if unexplained_harmonics(named, verdict) else ""),
-        split="" if verdict == "adequate" else split_in_words(found.base, floor, STRUCTURE_ALARM),
-        where=tuple(_places(found, outliers, verdict)),
-        candidates=tuple(candidates_of(named, probabilities, groups, verdict)),
-        classes=tuple(tuple(group) for group in groups),
-        next_experiment=_next_experiment(named, probabilities) if groups else None,
-        notes=(
-            *notes(named, probabilities, verdict, outliers, measured),
-            *(confounded_in_words(named, library) if verdict != "adequate" else ()),
-        ),
-        evidence={
-            "p_library": found.scan.p_value,
-            "p_structure": found.structure.p_value,
-            "p_left": named.left.p_value,
-            "p_repeats": found.repeats.p_value,
-            "nothing": probabilities.nothing,
-            "unknown": probabilities.unknown + probabilities.narrow,
-        },
-    )
-    return Case(found, named, floor, probabilities, diagnosis)
+        evidence = evidence.doubted(naming.left.p_value)
+    diagnosis = _answer(measurement, search, floor, evidence, outliers, verdict)
+    return Case(search, naming, floor, evidence, tuple(outliers), diagnosis)
 
 
-def error_of(base: Refit, floor: MaterialFloor) -> Error:
-    """The three lines: a model's error, the noise floor, the material floor."""
-    noise = base.noise
-    return Error(base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance)
+def _prepared(measurement: Measurement, model: Model) -> Measurement:
+    """The points that are diagnosed, an amplitude that was held not counting as varied."""
+    data = thinned(measurement)
+    if "amplitude" in model.needs:
+        return data
+    return steadied(data)
 
 
-def _named_by(found: Search, floor: MaterialFloor, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+def _naming_search(
+    search: Search, floor: MaterialFloor, library: Sequence[Effect], rng: np.random.Generator
+) -> Search:
     """The search by which effects are named: that on any material, where the model and its effects leave structure.
 
     A model that cannot follow the material hides every other effect under its own misfit, and bends them to mend it.
     """
-    if is_material(found.base.model) or found.left.p_value >= STRUCTURE_ALARM:
-        return found
-    free = search(floor.refit, library, rng)
-    gain = 2.0 * (free.best.log_evidence_of_all - found.best.log_evidence_of_all)
-    return free if gain > DECISIVE else found
+    if is_material(search.base.model) or search.left.p_value >= VERDICT.structure_alarm:
+        return search
+    free = search_from(floor.refit, library, rng)
+    gain = 2.0 * (free.best.log_evidence_of_all - search.best.log_evidence_of_all)
+    if gain > SEARCH.decisive:
+        return free
+    return search
 
 
-def _places(found: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
+def _answer(
+    measurement: Measurement,
+    search: Search,
+    floor: MaterialFloor,
+    evidence: Evidence,
+    outliers: Sequence[Outlier],
+    verdict: Verdict,
+) -> Diagnosis:
+    """The answer as plain data and sentences."""
+    naming = evidence.search
+    candidates = candidates_of(evidence, verdict)
+    says, split, classes, experiment = sentence(search, evidence, verdict, outliers), "", [], None
+    if naming is not search:
+        says = f"{says}{BESIDE_MATERIAL[verdict]}"
+    if unexplained_harmonics(naming, verdict):
+        says = f"{says}{HARMONICS}"
+    if verdict != "adequate":
+        split = split_in_words(search.base, floor, VERDICT.structure_alarm)
+        classes = evidence.classes
+        experiment = _next_experiment(evidence)
+    told = [*notes(evidence, verdict, outliers, len(measurement)), *header_notes(candidates, measurement)]
+    return Diagnosis(
+        data=search.base.data.raw.name,
+        model=search.base.model,
+        error=error_of(search.base, floor),
+        verdict=verdict,
+        says=says,
+        split=split,
+        where=tuple(_places(search, outliers, verdict)),
+        candidates=tuple(candidates),
+        classes=tuple(tuple(group) for group in classes),
+        next_experiment=experiment,
+        notes=tuple(told),
+        evidence={
+            "p_library": search.scan.p_value,
+            "p_structure": search.structure.p_value,
+            "p_left": naming.left.p_value,
+            "p_repeats": search.repeats.p_value,
+            "nothing": evidence.nothing,
+            "unknown": evidence.unknown + evidence.narrow,
+        },
+    )
+
+
+def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
     """Single points first, then bands, then what only a period shows."""
     yield from (outlier.place for outlier in outliers)
-    bands = where(found.frame)
+    bands = []
+    if verdict != "adequate":
+        bands = where(search.frame)
     yield from bands
-    if not bands and verdict == "unexplained" and found.structure.parts["ripple"] < STRUCTURE_ALARM:
-        yield periodic(found.frame)
+    if not bands and verdict == "unexplained" and search.structure.parts["ripple"] < VERDICT.structure_alarm:
+        yield periodic(search.frame)
 
 
-def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment | None:
+def _next_experiment(evidence: Evidence) -> NextExperiment | None:
     """What would settle the more open of two questions: which effect leads, and which one stands beside it."""
-    if not probabilities.together:
+    if not evidence.explanations:
         return None
-    leader = leading(found, probabilities)
-    chances, fits = rivals_of(probabilities, leader), explanations(found, probabilities)
-    beside = partners(found, probabilities)
-    if _openness(beside) > _openness(chances):
-        chances, fits = beside, {name: one.refit for name, one in grown_beside(found, leader, beside).items()}
-    if _openness(chances) < RIVAL:
+    chances, fits = evidence.rivals, evidence.likeliest_with()
+    if _openness(evidence.partners) > _openness(chances):
+        chances = evidence.partners
+        fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
+    if _openness(chances) < EXPERIMENT.rival:
         return None
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
     return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
@@ -198,4 +206,6 @@ def _next_experiment(found: Search, probabilities: Posterior) -> NextExperiment 
 def _openness(chances: Mapping[str, float]) -> float:
     """Odds of the second likeliest answer against the likeliest."""
     most = sorted(chances.values())[-2:]
-    return most[0] / most[1] if len(most) == 2 and most[1] > 0.0 else 0.0
+    if len(most) < 2 or most[1] <= 0.0:
+        return 0.0
+    return most[0] / most[1]

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 from springpot.errors import OutputError
-from springpot.markup import Html, joined, table, tag
+from springpot.markup import Html, table, tag
 
-if TYPE_CHECKING:
-    from .compare import Comparison
-    from .ladder import Ladder
-    from .result import Diagnosis, Error
-
+Plain: TypeAlias = Mapping[str, Any]
 Drawing = Callable[[Any, "str | Path | None"], Any]
+
+
 SHOWN = 6
 """Candidates in a notebook's table."""
+
 
 _drawings: dict[str, Drawing] = {}
 
@@ -43,73 +42,91 @@ def _percent(fraction: float) -> str:
     return f"{100 * fraction:.3g} %"
 
 
-def _floors(error: Error) -> str:
-    return f"noise floor {_percent(error.noise_floor)}, material floor {_percent(error.material_floor)}"
+def _floors(error: Plain) -> str:
+    return f"noise floor {_percent(error['noise_floor'])}, material floor {_percent(error['material_floor'])}"
 
 
-def html_of_diagnosis(diagnosis: Diagnosis) -> Html:
-    """Verdict, error against both floors, where the model fails and the leading effects."""
-    error = diagnosis.error
-    rows = [
-        (c.effect, f"{c.probability:.3f}", _percent(c.predicted_error), _percent(c.error_after), c.verdict)
-        for c in diagnosis.candidates[:SHOWN]
-    ]
+def html_of_diagnosis(answer: Plain) -> Html:
+    """Verdict, error against both floors, where the model fails and the leading effects.
+
+    Parameters
+    ----------
+    answer : mapping
+        Schema ``springpot.diagnosis/1``.
+    """
+    error = answer["error"]
+    rows = []
+    for c in answer["candidates"][:SHOWN]:
+        errors = [_percent(c[name]) for name in ("predicted_error", "error_after")]
+        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"]))
     headers = ("effect", "probability", "predicted error", "error after", "verdict")
-    return tag(
-        "div",
-        tag("p", tag("b", f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}")),
-        tag("p", diagnosis.says),
-        tag("p", f"error {_percent(error.relative_rms)}, {_floors(error)}"),
-        tag("p", diagnosis.split) if diagnosis.split else joined(()),
-        tag("ul", *(tag("li", where.says) for where in diagnosis.where)),
-        table(headers, rows) if rows else joined(()),
-    )
-
-
-def html_of_ladder(ladder: Ladder) -> Html:
-    """The steps with their errors, and the last verdict."""
-    rows = [
-        (
-            step.accepted or step.model.name,
-            "-" if step.predicted_error is None else _percent(step.predicted_error),
-            _percent(step.relative_rms),
-            _percent(step.noise_floor),
-            _percent(step.material_floor),
-            f"{step.relative_rms / step.noise_floor:.3g}",
-        )
-        for step in ladder.steps
+    parts = [
+        tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
+        tag("p", answer["says"]),
+        tag("p", f"error {_percent(error['relative_rms'])}, {_floors(error)}"),
     ]
+    if answer["split"]:
+        parts.append(tag("p", answer["split"]))
+    parts.append(tag("ul", *(tag("li", place["says"]) for place in answer["where"])))
+    if rows:
+        parts.append(table(headers, rows))
+    return tag("div", *parts)
+
+
+def html_of_ladder(answer: Plain) -> Html:
+    """The steps with their errors, and the last verdict.
+
+    Parameters
+    ----------
+    answer : mapping
+        Schema ``springpot.discovery/1``.
+    """
+    rows = []
+    for step in answer["steps"]:
+        predicted = "-"
+        if step["predicted_error"] is not None:
+            predicted = _percent(step["predicted_error"])
+        errors = [_percent(step[name]) for name in ("relative_rms", "noise_floor", "material_floor")]
+        ratio = step["relative_rms"] / step["noise_floor"]
+        rows.append((step["accepted"] or step["model"], predicted, *errors, f"{ratio:.3g}"))
     headers = ("accepted", "predicted error", "error", "noise floor", "material floor", "x floor")
     return tag(
         "div",
-        tag("p", tag("b", f"{ladder.data}: {ladder.verdict}")),
+        tag("p", tag("b", f"{answer['data']}: {answer['verdict']}")),
         table(headers, rows),
-        tag("p", ladder.diagnosis.says),
+        tag("p", answer["diagnosis"]["says"]),
     )
 
 
-def html_of_comparison(comparison: Comparison) -> Html:
-    """Errors against the floor that the models share, and where each of them fails."""
-    best = comparison.best
-    rows = [
-        (
-            judged.model.name + (" (best)" if judged is best and len(comparison.shown) > 1 else ""),
-            _percent(judged.error.relative_rms),
-            _percent(judged.error.noise_floor),
-            _percent(judged.error.material_floor),
-            f"{judged.error.relative_rms / judged.error.noise_floor:.3g}",
-            f"{judged.delta_bic:.3g}",
-            "fails" if judged.fails else "holds",
+def html_of_comparison(says: str, answer: Plain) -> Html:
+    """Errors against the floor that the models share, and where each of them fails.
+
+    Parameters
+    ----------
+    says : str
+        What there is to say of all of them.
+    answer : mapping
+        Schema ``springpot.comparison/1``, of the models that are shown.
+    """
+    rows = []
+    for judged in answer["models"]:
+        best = judged["model"] == answer["best"] and len(answer["models"]) > 1
+        error = judged["error"]
+        rows.append(
+            (
+                f"{judged['model']} (best)" if best else judged["model"],
+                *(_percent(error[name]) for name in ("relative_rms", "noise_floor", "material_floor")),
+                f"{error['relative_rms'] / error['noise_floor']:.3g}",
+                f"{judged['delta_bic']:.3g}",
+                "fails" if judged["fails"] else "holds",
+            )
         )
-        for judged in comparison.shown
-    ]
-    told = [f"{judged.model.name}: {judged.says}" for judged in comparison.shown]
-    told += [finding.says for finding in comparison.harmonics if finding.found]
+    told = [f"{judged['model']}: {judged['says']}" for judged in answer["models"]]
+    told += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
     headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
-    return tag(
-        "div",
-        tag("p", tag("b", f"models of {comparison.data}")),
-        tag("p", comparison.says) if comparison.says else joined(()),
-        table(headers, rows),
-        tag("ul", *(tag("li", sentence) for sentence in (*told, *comparison.notes))),
-    )
+    parts = [tag("p", tag("b", f"models of {answer['data']}"))]
+    if says:
+        parts.append(tag("p", says))
+    parts.append(table(headers, rows))
+    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*told, *answer["notes"]))))
+    return tag("div", *parts)

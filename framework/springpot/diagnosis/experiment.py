@@ -7,18 +7,254 @@ in earnest, since a rival far from its old parameters can follow much better tha
 
 from __future__ import annotations
 
-from .actions import Action, actions
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from springpot.identification import weighted
+from springpot.measurement import KELVIN, Measurement, distinct_log_omega
+from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
+
+from .frame import orthonormal
+from .policy import EXPERIMENT
 from .refit import Refit
 from .result import NextExperiment
-from .separation import Clash
 from .words import plain
 
-TRIED = 3
-"""Actions that are fitted in earnest at most."""
-TELLING = 2.0
-"""Separation below which a measurement is not worth its effort: the odds hardly change."""
-SETTLED = 5.0
-"""Separation in standard deviations that settles the matter."""
+
+@dataclass(frozen=True, eq=False)
+class Action:
+    """A measurement that could be made.
+
+    Attributes
+    ----------
+    says : str
+        What to do.
+    points : Points
+        Where the new points would lie.
+    effort : float
+        Relative cost, by which the expected separation is divided when actions are compared.
+    scale : float
+        Factor by which the specimen is larger; zero where it is taken out.
+    repeats : int
+        How often every new point is measured.
+    mass : float
+        Known mass in place of the specimen, in units of stiffness times s^2.
+    action : dict of str to list of float
+        The new conditions: ``omega`` in rad/s, ``temperature`` in degC, ``amplitude``, ``repeats``, and for a
+        specimen of another size ``specimen`` (its factor, zero without one) and ``mass`` in kg.
+    """
+
+    says: str
+    points: Points
+    effort: float = 1.0
+    scale: float = 1.0
+    repeats: int = 1
+    mass: float = 0.0
+    action: dict[str, list[float]] = field(default_factory=dict)
+
+
+def actions(measurement: Measurement) -> Iterator[Action]:
+    """What could be measured next, the cheap things first."""
+    yield Action(
+        "repeat the same measurement four times",
+        measurement.points,
+        2.0,
+        1.0,
+        EXPERIMENT.denser,
+        action={"repeats": [4.0]},
+    )
+    yield from _frequencies(measurement)
+    yield from _amplitudes(measurement)
+    yield from _temperatures(measurement)
+    yield from _specimens(measurement)
+
+
+def _usual(measurement: Measurement) -> Real:
+    """A sweep over the range of the data, in rad/s."""
+    return np.geomspace(measurement.omega.min(), measurement.omega.max(), EXPERIMENT.points)
+
+
+def _frequencies(measurement: Measurement) -> Iterator[Action]:
+    typical, omega = _typical(measurement), _usual(measurement)
+    hertz, distinct = omega / (2.0 * np.pi), len(distinct_log_omega(measurement))
+    if distinct == 1:
+        new = np.geomspace(0.1, 10.0, EXPERIMENT.points) * omega[0]
+        says = f"measure a sweep of frequencies: {EXPERIMENT.points} points {_range(0.1 * hertz[0], 10.0 * hertz[0])}"
+        yield Action(says, _at(new, typical), 1.5, action=_omega(new))
+        return
+    for factor, word in ((10.0, "up"), (0.1, "down")):
+        band = _range(hertz[0] * factor, hertz[-1] * factor)
+        says = f"extend the frequencies {word}wards: {EXPERIMENT.points} points {band}"
+        yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
+    count = min(EXPERIMENT.denser * distinct, EXPERIMENT.most_points)
+    if count <= distinct:
+        return
+    dense = np.geomspace(omega[0], omega[-1], count)
+    says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1])}"
+    yield Action(
+        says, _at(dense, typical), 1.0 + count / (EXPERIMENT.denser * EXPERIMENT.points), action=_omega(dense)
+    )
+
+
+def _amplitudes(measurement: Measurement) -> Iterator[Action]:
+    amplitude, omega = measurement.conditions.get("amplitude"), _usual(measurement)
+    if amplitude is None:
+        return
+    unit = "" if measurement.units.amplitude == "-" else f" {measurement.units.amplitude}"
+    for factor in (3.0, 1.0 / 3.0):
+        new = float((amplitude.max() if factor > 1 else amplitude.min()) * factor)
+        where = replace(_at(omega, _typical(measurement)), amplitude=np.full(EXPERIMENT.points, new))
+        says = f"measure {EXPERIMENT.points} points at the amplitude {new:.3g}{unit}"
+        yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
+
+
+def _temperatures(measurement: Measurement) -> Iterator[Action]:
+    temperature, omega = measurement.conditions.get("temperature"), _usual(measurement)
+    if temperature is None:
+        return
+    step = float(np.clip(0.5 * np.ptp(temperature), *EXPERIMENT.steps))
+    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, EXPERIMENT.coldest)):
+        where = replace(_at(omega, _typical(measurement)), temperature=np.full(EXPERIMENT.points, new + KELVIN))
+        says = f"measure {EXPERIMENT.points} points at {new:.3g} degC"
+        yield Action(says, where, 1.5, action=_omega(omega) | {"temperature": [new]})
+
+
+def _specimens(measurement: Measurement) -> Iterator[Action]:
+    omega = _usual(measurement)
+    at = _at(omega, _typical(measurement))
+    says = f"measure a specimen of twice the area, in the same rig, at {EXPERIMENT.points} points"
+    yield Action(says, at, 2.0, 2.0, action=_omega(omega) | {"specimen": [2.0]})
+    says = f"measure the rig without a specimen, at {EXPERIMENT.points} points"
+    yield Action(says, at, 1.5, 0.0, action=_omega(omega) | {"specimen": [0.0]})
+    factor, unit = measurement.units.of(INERTANCE)
+    if unit != "kg":  # a mass cannot take the place of a modulus or of a torsional stiffness
+        return
+    # Heavy enough to be as stiff as the specimen at the highest frequency.
+    mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
+    about = f"a known mass of about {factor * mass:.2g} kg"
+    says = f"measure {about} in place of the specimen, at {EXPERIMENT.points} points"
+    known = {"specimen": [0.0], "mass": [factor * mass]}
+    yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
+
+
+def _range(low: float, high: float) -> str:
+    return f"from {plain(low)} to {plain(high)} Hz"
+
+
+def _omega(omega: Real) -> dict[str, list[float]]:
+    return {"omega": omega.tolist()}
+
+
+def _typical(measurement: Measurement) -> Points:
+    """Middle conditions of the data."""
+    at = measurement.points
+    middle = [None if c is None else np.array([float(np.median(c))]) for c in (at.amplitude, at.temperature)]
+    return Points(np.zeros(1), middle[0], middle[1], at.reference_temperature)
+
+
+def _at(omega: Real, typical: Points) -> Points:
+    columns = [None if c is None else np.full(len(omega), c[0]) for c in (typical.amplitude, typical.temperature)]
+    return Points(np.log(omega), columns[0], columns[1], typical.reference_temperature)
+
+
+@dataclass(frozen=True, eq=False)
+class Clash:
+    """Two explanations after an action, both of which follow the old data.
+
+    Attributes
+    ----------
+    truth, rival : Refit
+        The one that holds, and the one that may change its parameters to follow it.
+    action : Action
+        What would be measured.
+    """
+
+    truth: Refit
+    rival: Refit
+    action: Action
+
+    @property
+    def linear(self) -> float:
+        """Standard deviations between the two where the rival follows as its slopes tell."""
+        residual, slopes = self._seen(self.rival.theta)
+        usable = np.all(np.isfinite(slopes), axis=1) & (np.sum(slopes**2, axis=1) > 0)
+        if not np.all(np.isfinite(residual)):
+            return 0.0
+        absorbed = orthonormal(slopes[usable].T)
+        left = residual - absorbed @ (absorbed.T @ residual)
+        return float(np.sqrt(left @ left))
+
+    def fitted(self) -> float:
+        """The same where the rival is fitted to old and new points together."""
+        parameters = self.rival.model.parameters
+        logs = np.array([parameter.scale == "log" for parameter in parameters])
+        bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            limits = np.where(logs[:, None], np.log(bounds), bounds)
+        start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
+        inside = np.clip(start, limits[:, 0] + 1e-9, limits[:, 1] - 1e-9)
+
+        def theta(x: Real) -> Real:
+            return np.where(logs, np.exp(np.minimum(x, 700.0)), x)
+
+        def residual(x: Real) -> Real:
+            return np.clip(
+                np.nan_to_num(self._seen(theta(x))[0], nan=EXPERIMENT.far), -EXPERIMENT.far, EXPERIMENT.far
+            )
+
+        def jacobian(x: Real) -> Real:
+            scale = np.where(logs, theta(x), 1.0)
+            slopes: Real = np.clip(
+                -np.nan_to_num(self._seen(theta(x))[1] * scale[:, None], nan=0.0), -EXPERIMENT.far, EXPERIMENT.far
+            ).T
+            return slopes
+
+        # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
+        found = least_squares(
+            residual, inside, jacobian, (limits[:, 0], limits[:, 1]), x_scale="jac", max_nfev=EXPERIMENT.evaluations
+        )
+        return float(np.sqrt(2.0 * found.cost))
+
+    @cached_property
+    def _target(self) -> tuple[Complex, Complex]:
+        """K of the truth at old and new points (n,), and their weights."""
+        new = self._evaluated(self.truth, self.truth.theta)[0]
+        noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
+        relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
+        # Without a specimen the force is small, and its noise is not.
+        floor = np.abs(new) if self.action.scale else np.maximum(np.abs(new), float(np.median(size)))
+        weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
+        weights = weights / relative.real + 1j * weights / relative.imag
+        return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
+
+    def _quieter(self) -> float:
+        """How much smaller the new amplitude is than the usual one: at worst the noise is a force of fixed size."""
+        usual, new = self.truth.fit.measurement.points.amplitude, self.action.points.amplitude
+        return 1.0 if usual is None or new is None else max(1.0, float(np.median(usual) / np.median(new)))
+
+    def _seen(self, theta: Real) -> tuple[Real, Real]:
+        """Whitened difference of truth and rival at old and new points (2n,), and the rival's slopes (p, 2n)."""
+        old = self.truth.fit.measurement.points
+        with np.errstate(all="ignore"):
+            response = self.rival.model.network.respond(theta, old, GRADIENT)
+        value, by_theta = self._evaluated(self.rival, theta)
+        target, weights = self._target
+        slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
+        return weighted(target - np.concatenate([response.value, value]), weights), slopes
+
+    def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
+        """K and dK/dtheta where the action would measure, the specimen being larger, absent or a known mass."""
+        scale, mass = self.action.scale, self.action.mass
+        network = refit.model.network if scale == 1.0 else refit.model.resized(max(scale, 1e-9), mass)
+        with np.errstate(all="ignore"):
+            response = network.respond(theta, self.action.points, GRADIENT)
+        return response.value, response.by_theta
+
+
 Pair = tuple[float, float]
 """Of the first and of the second explanation."""
 
@@ -44,9 +280,9 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
         return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
     linear = {action: _both(clashes(action), "linear") for action in actions(first.fit.measurement)}
-    tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
+    tried = sorted(linear, key=lambda action: -worth(linear[action], action))[: EXPERIMENT.tried]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
-    telling = [action for action in tried if max(fitted[action]) >= TELLING]
+    telling = [action for action in tried if max(fitted[action]) >= EXPERIMENT.telling]
     if not telling:
         best = max(tried, key=lambda action: max(fitted[action]))
         expected = separation(shares, fitted[best])
@@ -76,7 +312,7 @@ def _expected(shares: Pair, sigmas: Pair) -> float:
 
 def _enough(sigma: float) -> float:
     """More than enough separation is worth no more."""
-    return min(sigma, 3.0 * SETTLED)
+    return min(sigma, 3.0 * EXPERIMENT.settled)
 
 
 def separation(shares: Pair, sigmas: Pair) -> float:
@@ -86,7 +322,7 @@ def separation(shares: Pair, sigmas: Pair) -> float:
 
 def _either_way(sigmas: Pair) -> bool:
     """Whether the measurement tells the two apart whoever is right."""
-    return min(sigmas) >= SETTLED or 2.0 * min(sigmas) >= max(sigmas)
+    return min(sigmas) >= EXPERIMENT.settled or 2.0 * min(sigmas) >= max(sigmas)
 
 
 def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
@@ -95,7 +331,7 @@ def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
     told = plain(separation(shares, sigmas), 2)
     if _either_way(sigmas):
         return f"it separates {names[0]} from {names[1]} by {told} sigma"
-    verb = "rules out" if sigmas[more] >= SETTLED else "speaks against"
+    verb = "rules out" if sigmas[more] >= EXPERIMENT.settled else "speaks against"
     return (
         f"if {names[more]} is right it {verb} {names[less]} by {plain(sigmas[more], 2)} sigma; "
         f"if not, {names[more]} stays possible; {told} sigma are to be expected"

@@ -4,43 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import comb, inf
+from math import inf
 
 import numpy as np
-from scipy.stats import f
 
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Real
 
-from .frame import Frame
 from .noise import (
     Averaged,
     Noise,
     Scatter,
-    Trimmed,
     at_least_rounding,
     average_repeats,
     best_shape,
     checked,
     noise_of_repeats,
     plausible,
-    trimmed,
+    robust_shape,
 )
+from .policy import SCATTER
 from .refit import Refit, refit
-from .sweeps import sweeps_of
-
-ROUNDS = 2
-SHARPER = 0.7
-"""The noise is estimated anew where the scatter about the best model is less than this share of the estimate."""
-DIFFERENCES = (2, 3, 4, 5)
-"""Orders of the differences: of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
-order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points."""
-ENOUGH_NEIGHBOURS = 10
-"""Degrees of freedom below which second differences say too little."""
-FASTER = 1e-3
-"""Chance that second differences vary by so much less than the scatter if that is noise."""
-FEWEST = 4
-"""Degrees of freedom from which the scatter about a model says how large the noise is."""
+from .scatter import Trimmed, _scatter
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -87,34 +72,10 @@ def borne_out(best: Refit) -> bool:
     return variance < plausible(dof)[1]
 
 
-def _scatter(frame: Frame) -> tuple[float, float]:
-    """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
-
-    A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,
-    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their
-    differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
-    """
-    variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
-    kept = 1.0 - frame.absorbed.shape[1] / frame.size
-    along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
-    for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
-        parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
-        for order in DIFFERENCES:
-            left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
-            power = comb(2 * order, order)
-            efficient = len(left) * power**2 / comb(4 * order, 2 * order)
-            if efficient < ENOUGH_NEIGHBOURS:
-                continue
-            near = float(np.mean(left**2)) / power / kept
-            if near < variance * f.ppf(FASTER, efficient, dof):
-                variance, dof = near, efficient
-    return variance, dof
-
-
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
-    for _ in range(ROUNDS):
+    for _ in range(SCATTER.rounds):
         shaped = refit(model, data, _shaped(found), [found.theta], starts=2)
         variance, dof = _scatter(shaped.frame())
         sd = at_least_rounding(float(np.sqrt(variance)) * shaped.noise.sd, data.mean)
@@ -141,18 +102,21 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     """
     frame = best.frame()
     dof = frame.size - int(frame.absorbed.shape[1])
-    if base.noise.source != "estimated" or dof < FEWEST:
+    if base.noise.source != "estimated" or dof < SCATTER.fewest_about_model:
         return None
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
-    if base.data.floor(noise) > SHARPER * base.data.floor(base.noise):
+    if base.data.floor(noise) > SCATTER.sharper * base.data.floor(base.noise):
         return None
     return refit(base.model, base.data, noise, [base.theta], starts=8)
 
 
 def _shaped(found: Refit) -> Noise:
-    """Noise with the dependence on the point that the scatter about slow curves favours."""
-    return _of_residual(found, trimmed(found.frame()))
+    """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later."""
+    frame, n = found.frame(), len(found.fit.measurement)
+    rough = frame.rough[:n] / found.noise.weights.real + 1j * frame.rough[n:] / found.noise.weights.imag
+    sd = at_least_rounding(robust_shape(found.data.mean, rough), found.data.mean)
+    return Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 
 def _of_residual(found: Refit, scatter: Trimmed) -> Noise:

@@ -1,4 +1,4 @@
-"""The linear geometry of a fit: whitened residuals, what the fitted parameters can absorb, and what they cannot."""
+"""The linear geometry of a fit: what slow structure is, what fitted parameters can absorb, and what they cannot."""
 
 from __future__ import annotations
 
@@ -7,18 +7,100 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import svd
+from scipy.stats import chi2, f
 
 from springpot.identification import weighted
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, frequency_numbers, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .bases import orthonormal
-from .sweeps import shared_shapes, slow_shapes
+from .policy import SCATTER, SWEEPS
 
-OWN_SCATTER = 0.8
-"""Share of the rough part's degrees of freedom from which those of the noise are its own."""
-FEWEST_OWN = 16.0
-"""Degrees of freedom below which a scatter says too little of itself."""
+
+def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
+    """Orthonormal basis of the column space; columns are scaled first, so that units do not matter."""
+    size = np.sqrt(np.sum(columns * columns, axis=0))
+    columns = columns[:, size > 0] / size[size > 0]
+    if columns.shape[1] == 0:
+        return np.zeros((len(columns), 0))
+    try:
+        u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    except np.linalg.LinAlgError:
+        # The divide-and-conquer algorithm gives up on rare well-formed matrices; the older one does not.
+        u, s, _ = svd(columns, full_matrices=False, lapack_driver="gesvd")
+    return u[:, s > tolerance * s[0]]
+
+
+def slow_shapes(measurement: Measurement) -> Real:
+    """Legendre polynomials along each sweep, shape (m, n), zero outside their sweep."""
+    shapes: list[Real] = []
+    for rows, x in sweeps_of(measurement):
+        degree = min(SWEEPS.smooth_degree, max(0, len(np.unique(x)) // 3 - 1))
+        span = float(np.ptp(x))
+        x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))
+        for polynomial in np.polynomial.legendre.legvander(x, degree).T:
+            shape = np.zeros(len(measurement))
+            shape[rows] = polynomial
+            shapes.append(shape)
+    return np.array(shapes)
+
+
+def shared_shapes(measurement: Measurement) -> Real:
+    """For each frequency of several sweeps a shape (m, n) that is one there in all of them and zero elsewhere.
+
+    What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however rough it is. None
+    where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are so many that neighbours tell more.
+    """
+    which = frequency_numbers(measurement)
+    count = int(which.max()) + 1
+    if count > SWEEPS.most_shared or len(sweeps_of(measurement)) < SWEEPS.fewest_alike:
+        return np.zeros((0, len(measurement)))
+    together = which == np.arange(count)[:, None]
+    shared: Real = together[together.sum(axis=1) >= SWEEPS.fewest_alike].astype(np.float64)
+    return shared
+
+
+def spectrum(measurement: Measurement, sample: Real) -> Real:
+    """Power of whitened residuals (m, 2n) along the sweeps, all of them and both parts together.
+
+    Returns
+    -------
+    ndarray, shape (m, k)
+        At periods of infinity, 2 (k - 1), 2 (k - 1) / 2, ..., 2 points.
+    """
+    n, orders = len(measurement), [sweep.rows for sweep in sweeps_of(measurement)]
+    length = 2 * max(len(rows) for rows in orders)
+    power: Real = np.zeros((len(sample), length // 2 + 1))
+    for rows in orders:
+        for offset in (0, n):
+            power += np.abs(np.fft.rfft(sample[:, rows + offset], length)) ** 2
+    return power
+
+
+def waves(measurement: Measurement, period: float) -> Real:
+    """Cosine and sine along every sweep, of a period in points, shape (2 sweeps, n), zero outside their sweep."""
+    shapes = []
+    for rows, _ in sweeps_of(measurement):
+        phase = 2.0 * np.pi * np.arange(len(rows)) / period
+        for wave in (np.cos(phase), np.sin(phase)):
+            shape = np.zeros(len(measurement))
+            shape[rows] = wave
+            shapes.append(shape)
+    return np.array(shapes)
+
+
+def drift_shapes(count: int) -> Real:
+    """Slow curves from row to row, shape (DRIFT_DEGREE, n): what creeps while a measurement is made."""
+    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), SWEEPS.drift_degree).T[1:]
+    return np.asarray(curves, dtype=np.float64)
+
+
+def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
+    """Chance of at least `value` for a sum of `dof` squares of unit noise, whose unit may itself be estimated."""
+    if scale_dof == inf:
+        return float(chi2.sf(value, dof))
+    return float(f.sf(value / dof, dof, max(scale_dof, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +119,8 @@ class Frame:
         dK/dtheta at the fit.
     scale_dof : float
         Degrees of freedom behind the common scale of the noise; infinite where it is known.
+    estimated : bool
+        Whether the noise was estimated from the scatter of these very data.
     """
 
     measurement: Measurement
@@ -44,6 +128,7 @@ class Frame:
     weights: Complex
     jacobian: Complex
     scale_dof: float = inf
+    estimated: bool = False
 
     def whiten(self, values: Complex) -> Real:
         """Complex values (..., n) as real ones (..., 2n) in units of the noise."""
@@ -80,7 +165,7 @@ class Frame:
         if not self._deals_out:
             noise = rng.standard_normal((count, self.size))
         else:
-            order = rng.permuted(np.tile(np.arange(self.size // 2), (count, 1)), axis=1)
+            order = self._dealt(count, rng)
             sign = 2.0 * rng.integers(0, 2, (count, self.size // 2)) - 1.0
             noise = self.whiten(self._deviations[order] * sign * self._relative_sd * self.model_stiffness)
         noise -= (noise @ self.absorbed) @ self.absorbed.T
@@ -97,10 +182,23 @@ class Frame:
         variance = np.einsum("ij,ij->i", rough, rough) / self.rough_dof
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-300))[:, None], dtype=np.float64)
 
-    @cached_property
+    def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Rows (count, n) in whose order the deviations are dealt out: within sweeps, whose noise may differ in size.
+
+        Sweeps of a few points are dealt out together, or there would be nothing to deal.
+        """
+        order = np.tile(np.arange(self.size // 2), (count, 1))
+        sweeps = [sweep.rows for sweep in sweeps_of(self.measurement)]
+        groups = [rows for rows in sweeps if len(rows) >= SCATTER.dealt_alone]
+        groups.append(np.concatenate([np.zeros(0, np.int64), *(r for r in sweeps if len(r) < SCATTER.dealt_alone)]))
+        for rows in groups:
+            order[:, rows] = rng.permuted(order[:, rows], axis=1)
+        return order
+
+    @property
     def _deals_out(self) -> bool:
         """Whether the data's own scatter is the noise, and there is enough of it."""
-        return FEWEST_OWN <= OWN_SCATTER * self.rough_dof <= self.scale_dof < inf
+        return self.estimated and self.rough_dof >= SCATTER.fewest_own
 
     @cached_property
     def _relative_sd(self) -> Real:

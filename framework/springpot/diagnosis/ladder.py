@@ -16,21 +16,11 @@ from springpot.rheology import Effect, Model
 from .candidates import printed
 from .diagnose import Case, examine
 from .display import draw, html_of_ladder
+from .leftover import prediction_gain
+from .policy import LADDER
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
-from .validation import prediction_gain
-
-CLEAR = 1e-3
-"""Chance of a false alarm below which an effect is accepted without asking."""
-DECISIVE = 10.0
-"""Drop of the information criterion from which an effect is accepted without asking."""
-HIDDEN = 2
-"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
-PREDICTS = 0.7
-"""Error of prediction, over that of the rung before, up to which an effect stays though the rest is unexplained."""
-LONGEST = 6
-"""Effects accepted at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +106,7 @@ class Ladder:
         return draw("ladder", self, path)
 
     def _repr_html_(self) -> str:
-        return html_of_ladder(self)
+        return html_of_ladder(self.to_dict())
 
 
 def discover(
@@ -145,7 +135,7 @@ def discover(
     steps = [_step(case, None, None)]
     wanted = list(accept) if accept is not None else None
     while _open(steps) if wanted is None else wanted:
-        effect = wanted.pop(0) if wanted else _decisive(case, library) if wanted is None else None
+        effect = _decisive(case) if wanted is None else wanted.pop(0)
         if effect is None:
             break
         predicted = _predicted(case, effect)
@@ -163,31 +153,28 @@ def _open(steps: Sequence[Step]) -> bool:
     """Whether further rungs could count: see `_explained`."""
     verdicts = [step.case.diagnosis.verdict for step in steps]
     beyond = len(verdicts) - 1 - verdicts.index("unexplained") if "unexplained" in verdicts else 0
-    return len(steps) <= LONGEST and beyond < HIDDEN
+    return len(steps) <= LADDER.longest and beyond < LADDER.hidden
 
 
 def _grown(
     measurement: Measurement, case: Case, effect: Effect, library: Sequence[Effect], rng: np.random.Generator
 ) -> Case:
     """The next rung, fitted also from the smaller model with the effect as the scan saw it: it cannot do worse."""
-    base = case.found.base
+    base = case.search.base
     require_conditions(base.model + effect, measurement)
-    seeds = [start for score in scan_effects(base, case.found.frame, [effect]).scores for start in score.starts]
-    seeds += [grown.refit.theta for grown in case.found.grown if grown.names == (effect.name,)]
+    seeds = [start for score in scan_effects(base, case.search.frame, [effect]).scores for start in score.starts]
+    seeds += [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
     return examine(measurement, base.model + effect, library, rng, seeds)
 
 
-def _decisive(case: Case, library: Sequence[Effect]) -> Effect | None:
+def _decisive(case: Case) -> Effect | None:
     """The effect whose absence is beyond doubt, if there is one."""
     diagnosis = case.diagnosis
     if diagnosis.verdict not in ("effect-missing", "unexplained") or not diagnosis.candidates:
         return None
-    alarm = min(case.named.scan.p_value, case.named.structure.p_value)
-    gain = 2.0 * (case.named.best.log_evidence - case.named.base.log_evidence)
-    if alarm > CLEAR or gain < DECISIVE:
+    if case.naming.alarm > LADDER.clear or case.naming.gain < LADDER.decisive:
         return None
-    best = diagnosis.candidates[0]
-    return next(effect for effect in library if effect.name == best.effect)
+    return diagnosis.candidates[0].physics
 
 
 def _explained(steps: list[Step]) -> list[Step]:
@@ -201,33 +188,33 @@ def _explained(steps: list[Step]) -> list[Step]:
     if "unexplained" not in verdicts:
         return steps
     first = verdicts.index("unexplained")
-    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= HIDDEN:
+    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= LADDER.hidden:
         return steps
     kept = first + 1
     while kept < len(steps):
-        before, after = (step.case.found.base for step in steps[kept - 1 : kept + 1])
-        if prediction_gain(before, after) > PREDICTS:
+        before, after = (step.case.search.base for step in steps[kept - 1 : kept + 1])
+        if prediction_gain(before, after) > LADDER.predicts:
             break
         kept += 1
     return steps[:kept]
 
 
 def _predicted(case: Case, effect: Effect) -> float | None:
-    found = [c.predicted_error for c in case.diagnosis.candidates if c.effect == effect.name]
-    return found[0] if found else None
+    foretold = (each.predicted_error for each in case.diagnosis.candidates if each.effect == effect.name)
+    return next(foretold, None)
 
 
 def _alike(case: Case, effect: Effect) -> tuple[str, ...]:
-    found = [c.alike for c in case.diagnosis.candidates if c.effect == effect.name]
-    return found[0] if found else (effect.name,)
+    alike = (each.alike for each in case.diagnosis.candidates if each.effect == effect.name)
+    return next(alike, (effect.name,))
 
 
 def _step(case: Case, accepted: str | None, predicted: float | None, before: Case | None = None) -> Step:
-    base = case.found.base
+    base = case.search.base
     parameters = printed(base)
     changed = {}
     if before is not None:
-        for name, old in printed(before.found.base).items():
+        for name, old in printed(before.search.base).items():
             new = parameters.get(name)
             if new is not None and old.value and not old.low <= new.value <= old.high:
                 changed[name] = new.value / old.value
@@ -240,7 +227,7 @@ def _pruned(
     measurement: Measurement, case: Case, steps: list[Step], library: Sequence[Effect], rng: np.random.Generator
 ) -> tuple[Case, list[Step]]:
     """Drop accepted effects that later ones have made needless."""
-    base = case.found.base
+    base = case.search.base
     added = [step.accepted for step in steps[1:] if step.accepted]
     for name in added[:-1]:
         smaller: Refit = refit(base.model - name, base.data, base.noise)

@@ -13,13 +13,13 @@ import numpy as np
 from springpot.identification import is_material
 from springpot.rheology import Continuum, Model
 
+from .battery import Battery, battery
+from .policy import VERDICT
 from .refit import Refit, refit
-from .structure import Structure, structure
+from .result import Error
 from .words import percent, times
 
 NAME = "material"
-MOSTLY = 0.8
-"""Share of a misfit, in chi-square, from which it is told as being all of one kind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +30,12 @@ class MaterialFloor:
     ----------
     refit : Refit
         Its fit, in units of the same noise.
-    rest : Structure
+    rest : Battery
         The test on its residual.
     """
 
     refit: Refit
-    rest: Structure
+    rest: Battery
 
     @property
     def relative_rms(self) -> float:
@@ -73,7 +73,13 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
         For simulated noise.
     """
     found = of_any_material(base)
-    return MaterialFloor(found, structure(found.frame(), rng))
+    return MaterialFloor(found, battery(found.frame(), rng))
+
+
+def error_of(base: Refit, floor: MaterialFloor) -> Error:
+    """The three lines: a model's error, the noise floor, the material floor."""
+    noise = base.noise
+    return Error(base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance)
 
 
 def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
@@ -94,11 +100,11 @@ def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
     misfit, left = max(base.rss - spare, 0.0), max(floor.refit.rss - floor.refit.fit.dof, 0.0)
     could = f"a material could be at {percent(floor.relative_rms)}"
     beside = f" ({times(floor.relative_rms / floor.refit.floor)} the noise floor)"
-    if left > MOSTLY * misfit:
+    if left > VERDICT.mostly * misfit:
         would = f"any linear material would be {percent(floor.relative_rms)} off"
         return f"{would}: what is missing is no part of the material"
     if floor.chance >= alarm:
         return f"{could}: a spring, dashpot, springpot or mode is missing, or an effect that looks like one"
-    if left > (1.0 - MOSTLY) * misfit:
+    if left > (1.0 - VERDICT.mostly) * misfit:
         return f"{could}{beside}: a part of the material is missing, and something that is no part of it"
     return f"{could}{beside}: most of what is missing is a part of the material, the rest is not"

@@ -1,57 +1,28 @@
-"""The noise floor: from repeats, else as given, else estimated; every error is read against it."""
+"""The data as they are diagnosed: repeats averaged, points thinned, and the noise of the averages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, gamma
+from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
-from springpot.measurement import CONDITIONS, Measurement
+from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Model, Real
 
-from .bases import orthonormal
-from .sweeps import drift_shapes, spectrum, sweeps_of, waves
-
-if TYPE_CHECKING:
-    from .frame import Frame
+from .policy import NOISE
 
 Rows: TypeAlias = NDArray[np.int64]
+
+
+LEAST_VARIANCE = 1e-30
+"""Stands for no scatter at all, of which there is no logarithm."""
 Source = Literal["given", "repeats", "estimated"]
-LEAST_RELATIVE = 1e-7
-"""No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
-MOST_RIPPLES = 2
-"""Periods that are taken out of the scatter; a third could follow noise."""
-RIPPLE_ALARM = 1e-4
-"""Chance of white noise whose strongest period is as strong as one that is taken out."""
-SLOWEST_RIPPLE = 16.0
-"""Points of the longest period: longer waves are slow structure already."""
-LEAST_NEW = 1e-3
-"""Share of a curve that those already taken out must leave for it to count."""
-FEWEST_FREE = 20.0
-"""Degrees of freedom below which a period would take too many of them."""
-LEAST_KEPT = 0.7
-"""Share of the data below which what is left out is no few frequencies any more."""
-MOST_DIGITS = 9
-"""Digits from which a value counts as written in full: single precision has seven."""
-POINTS_OF_A_RUN = 6
-"""Points of a run from which its own gain says little of each of them."""
-RUNS_DIFFER = 1e-4
-"""Chance of replicates that differ as a whole by so much where only their points scatter."""
-DOUBT = 1e-4
-"""Chance below which given standard deviations are held to be misstated."""
-OUTLYING = 2e-4
-"""Chance below which the scatter at one frequency is held to be no noise."""
-UNUSUAL = 10.0
-"""Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
-some shape fits chance best, and structure is then seen where there is none."""
-ENOUGH_REPEATS = 8
-"""Degrees of freedom below which the scatter of repeats says too little about the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,48 +87,109 @@ class Scatter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One hypothesis on how the noise depends on the point; its scales are fitted."""
+    """One hypothesis on how the noise depends on the point; its scales are fitted.
+
+    Parameters
+    ----------
+    real, imag : ndarray, shape (n,)
+        Standard deviations of K' and K'' up to a scale.
+    tied : bool
+        Whether both have the same scale.
+    price : float
+        Minus twice the log-likelihood by which it must outdo the first shape.
+    """
 
     real: Real
     imag: Real
     tied: bool
+    price: float
 
     def fit(self, scatter: Scatter) -> tuple[float, Complex]:
-        """Minus twice the log-likelihood plus its penalty, and the standard deviations (n,)."""
+        """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
         total = float(np.sum(scatter.dof))
-        var = [
-            float(np.sum(s / size**2)) / total for s, size in ((scatter.real, self.real), (scatter.imag, self.imag))
-        ]
+        real = float(np.sum(scatter.real / self.real**2)) / total
+        imag = float(np.sum(scatter.imag / self.imag**2)) / total
+        scales = 2
         if self.tied:
-            var = [0.5 * (var[0] + var[1])] * 2
-        var = [max(v, 1e-30) for v in var]
+            real = imag = 0.5 * (real + imag)
+            scales = 1
+        real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
-        cost = total * (np.log(var[0]) + np.log(var[1])) + logs
-        penalty = (1 if self.tied else 2) * np.log(2.0 * max(total, 1.0))
-        sd = np.sqrt(var[0]) * self.real + 1.0j * np.sqrt(var[1]) * self.imag
-        return float(cost + penalty), np.asarray(sd, dtype=np.complex128)
+        cost = total * (np.log(real) + np.log(imag)) + logs
+        penalty = scales * np.log(2.0 * max(total, 1.0))
+        sd = np.sqrt(real) * self.real + 1.0j * np.sqrt(imag) * self.imag
+        return float(cost + penalty + self.price), np.asarray(sd, dtype=np.complex128)
 
 
 def shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """Noise proportional to |K|, to each part by itself, or with a constant-force floor beside it."""
     size = measurement.magnitude
     parts = [np.maximum(np.abs(part), 1e-6 * size) for part in (measurement.storage, measurement.loss)]
-    yield Shape(size, size, True)
-    yield Shape(size, size, False)
-    yield Shape(parts[0], parts[1], True)
+    yield Shape(size, size, True, 0.0)
+    yield Shape(size, size, False, NOISE.unusual_shape)
+    yield Shape(parts[0], parts[1], True, NOISE.unusual_shape)
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
-    if force.max() > 3.0 * force.min():
-        for level in np.geomspace(force.min(), force.max(), 7)[1:]:
-            floor = np.hypot(size, level / amplitude)
-            yield Shape(floor, floor, True)
+    if force.max() > NOISE.force_range * force.min():
+        for level in NOISE.force_levels:
+            floor = np.hypot(size, level * force.min() / amplitude)
+            yield Shape(floor, floor, True, NOISE.force_floor)
 
 
 def best_shape(measurement: Measurement, scatter: Scatter) -> Complex:
     """Standard deviations (n,) of the shape that the scatter favours."""
-    usual, *others = (shape.fit(scatter) for shape in shapes_of(measurement))
-    other = min(others, key=lambda fit: fit[0])
-    return usual[1] if other[0] > usual[0] - UNUSUAL else other[1]
+    fits = [shape.fit(scatter) for shape in shapes_of(measurement)]
+    return min(fits, key=lambda fit: fit[0])[1]
+
+
+def robust_shape(measurement: Measurement, residual: Complex) -> Complex:
+    """Standard deviations (n,), up to a scale, of the shape that a residual favours, whatever stands out from it.
+
+    By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the noise of some
+    points is larger, they must not be set aside as outliers before their noise is known.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    residual : ndarray of complex, shape (n,)
+        Their scatter about slow curves, in the unit of K.
+    """
+    shapes = list(shapes_of(measurement))
+    costs = [_student_cost(shape, residual) + shape.price for shape in shapes]
+    best = shapes[int(np.argmin(costs))]
+    real, imag = _student_scales(best, residual)
+    return np.asarray(real * best.real + 1j * imag * best.imag, dtype=np.complex128)
+
+
+def _student_scales(shape: Shape, residual: Complex) -> tuple[float, float]:
+    """Scales of both parts, by iterated reweighting."""
+    parts = [np.abs(residual.real / shape.real), np.abs(residual.imag / shape.imag)]
+    if shape.tied:
+        scale = _student_scale(np.concatenate(parts))
+        return scale, scale
+    return _student_scale(parts[0]), _student_scale(parts[1])
+
+
+def _student_scale(size: Real) -> float:
+    square = size**2
+    variance = max(float(np.mean(square)), LEAST_VARIANCE)
+    for _ in range(NOISE.student_rounds):
+        weight = (NOISE.student_dof + 1.0) / (NOISE.student_dof + square / variance)
+        variance = max(float(np.mean(weight * square)), LEAST_VARIANCE)
+    return float(np.sqrt(variance))
+
+
+def _student_cost(shape: Shape, residual: Complex) -> float:
+    """Minus twice the log-likelihood, and what a second scale costs."""
+    total = 0.0
+    scales = _student_scales(shape, residual)
+    for part, form, scale in zip((residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True):
+        square = (part / (scale * form)) ** 2
+        tails = (NOISE.student_dof + 1.0) * np.log1p(square / NOISE.student_dof)
+        total += float(np.sum(2.0 * np.log(scale * form) + tails))
+    spent = 1 if shape.tied else 2
+    return total + spent * float(np.log(2.0 * len(residual)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +243,7 @@ class Averaged:
 def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     """Standard deviations (n,) no smaller than what writing the values with few digits has rounded away."""
     least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
-    size = LEAST_RELATIVE * measurement.magnitude
+    size = NOISE.least_relative * measurement.magnitude
     parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
 
@@ -238,11 +270,11 @@ def rounding_step(values: Real) -> Real:
 
 def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
     """The largest number whose powers of ten (n,) divide all values; None where only a full number's digits do."""
-    for power in range(12, -MOST_DIGITS, -1):
+    for power in range(12, -NOISE.most_digits, -1):
         step = 10.0 ** power_of(power)
         steps = size / step
         if np.all(np.abs(steps - np.round(steps)) <= 1e-9 * np.abs(steps)):
-            return power if np.max(np.abs(steps)) < 10.0**MOST_DIGITS else None
+            return power if np.max(np.abs(steps)) < 10.0**NOISE.most_digits else None
     return None
 
 
@@ -284,7 +316,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
         columns.append(measurement.repeat)
     _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
     run = run.ravel()
-    usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
+    usable = (count > 1.0) & (np.bincount(run)[run] >= NOISE.points_of_a_run)
     if not np.any(usable):
         return None, 0.0
     run, values = np.unique(run[usable], return_inverse=True)[1], relative[usable]
@@ -301,7 +333,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
     if free < 1.0:
         return None, 0.0
     unit = max(left / free, 1e-300)
-    differ = [f_distribution.sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
+    differ = [f_distribution.sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < NOISE.runs_differ
               for part in (by_gain, by_slope)]  # fmt: skip
     if not differ[0] or differ[1]:
         return None, 0.0
@@ -327,7 +359,7 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     """Noise of the averages, or None where too little is repeated."""
     scatter = averaged.scatter
     dof = 2.0 * float(np.sum(scatter.dof))
-    if dof < ENOUGH_REPEATS:
+    if dof < NOISE.enough_repeats:
         return None
     return Noise(best_shape(averaged.mean, scatter) / np.sqrt(scatter.dof + 1.0), dof, "repeats")
 
@@ -365,123 +397,50 @@ def checked(noise: Noise, variance: float, dof: float) -> Noise:
 
 def plausible(dof: float) -> tuple[float, float]:
     """Least and largest variance of whitened scatter that standard deviations of the right size leave."""
-    low, high = chi2.ppf([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
+    low, high = chi2.ppf([NOISE.doubt / 2, 1 - NOISE.doubt / 2], dof) / dof
     return float(low), float(high)
 
 
-class Trimmed(NamedTuple):
-    """What slow curves leave of a residual, and the frequencies whose scatter is noise.
+def thinned(measurement: Measurement) -> Measurement:
+    """At most `MOST_POINTS` rows, in the order in which they stand.
 
-    Attributes
-    ----------
-    left : ndarray, shape (2n,)
-        The residual without the curves, which are fitted to the kept rows alone.
-    kept : ndarray of bool, shape (2n,)
-        Rows that are kept.
-    dof : float
-        Degrees of freedom of what is left in them.
+    Every sweep keeps as many points as the longest may have, spread evenly over its own, with all their repeats. Only
+    where that leaves fewer than `FEWEST` of each, whole sweeps are left out; only of more than `MOST_REPEATS` repeats
+    some are.
     """
+    if len(measurement) <= NOISE.most_points:
+        return measurement
+    data = average_repeats(measurement)
+    points = np.split(np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1])
+    most = max(NOISE.most_repeats, NOISE.most_points // len(points))
+    points = [_even(rows, most) for rows in points]
+    size = np.array([len(rows) for rows in points])
+    lines = [sweep.rows for sweep in sweeps_of(data.mean)]
 
-    left: Real
-    kept: NDArray[np.bool_]
-    dof: float
+    def fits(lines: Sequence[Rows], each: int) -> bool:
+        return sum(int(size[_even(line, each)].sum()) for line in lines) <= NOISE.most_points
 
-    @property
-    def variance(self) -> float:
-        """Of the scatter."""
-        return float(np.sum(self.left[self.kept] ** 2)) / self.dof
-
-
-def trimmed(frame: Frame) -> Trimmed:
-    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger."""
-    followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
-    found = trimmed_residual(frame.residual, followed, omega)
-    drift = frame.relative(drift_shapes(len(frame.measurement)))
-    if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
-        followed = np.concatenate([followed, drift], axis=1)
-        found = trimmed_residual(frame.residual, followed, omega)
-    for _ in range(MOST_RIPPLES):
-        if found.dof < FEWEST_FREE or (period := _ripple(frame, found)) == 0.0:
-            break
-        ripple = frame.relative(waves(frame.measurement, period))
-        followed = np.concatenate([followed, ripple], axis=1)
-        found = trimmed_residual(frame.residual, followed, omega)
-    return found
+    kept = _largest(
+        lambda count: fits([lines[i] for i in _spread(len(lines), count)], NOISE.fewest_of_a_sweep), len(lines)
+    )
+    lines = [lines[i] for i in _spread(len(lines), kept)]
+    each = _largest(lambda count: fits(lines, count), max(len(line) for line in lines))
+    return measurement.subset(np.sort(np.concatenate([points[i] for line in lines for i in _even(line, each)])))
 
 
-def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
-    """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
-    rows = scatter.kept
-    inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
-    kept = np.linalg.norm(inner, axis=0) > LEAST_NEW * np.linalg.norm(columns[rows], axis=0)
-    basis = orthonormal(inner[:, kept])
-    spent = float(basis.shape[1])
-    if spent == 0.0 or scatter.dof <= spent:
-        return False
-    explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
-    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
-    ratio = (explained / spent) / (left / (scatter.dof - spent))
-    return bool(f_distribution.sf(ratio, spent, scatter.dof - spent) < RIPPLE_ALARM)
+def _largest(fits: Callable[[int], bool], most: int) -> int:
+    """The largest number up to `most` that fits, by halving; 1 where none does."""
+    low, high = 1, most + 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    return low
 
 
-def _ripple(frame: Frame, scatter: Trimmed) -> float:
-    """Period, in points, of a ripple that the scatter holds; zero where the strongest one may be chance.
-
-    Of white noise the power at each of n independent frequencies is a sum of exponentials, one for each part of each
-    sweep; a periodic error of the analysis or of a resonance of the chain is not (Fisher 1929,
-    doi:10.1098/rspa.1929.0151).
-    """
-    left = np.where(scatter.kept, scatter.left, 0.0)
-    power = spectrum(frame.measurement, left[None])[0]
-    lines = 2 * len(sweeps_of(frame.measurement))
-    longest = len(power) - 1
-    # Slow waves are structure, and told of elsewhere.
-    first = int(np.ceil(2.0 * longest / SLOWEST_RIPPLE))
-    if first + 1 >= len(power):
-        return 0.0
-    peak = first + int(np.argmax(power[first:]))
-    mean = float(np.sum(left**2)) / lines
-    chance = longest * float(gamma.sf(power[peak] / mean, lines))
-    if chance > RIPPLE_ALARM:
-        return 0.0
-    fine = np.linspace(peak - 1.0, peak + 1.0, 41)[1:-1]
-    tried = [float(np.sum((orthonormal(frame.relative(waves(frame.measurement, 2.0 * longest / x))).T @ left) ** 2))
-             for x in fine]  # fmt: skip
-    return 2.0 * longest / float(fine[int(np.argmax(tried))])
+def _even(rows: Rows, most: int) -> Rows:
+    return rows[_spread(len(rows), most)]
 
 
-def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
-    """What curves leave of a residual, without the frequencies at which it is far larger.
-
-    An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not. The
-    curves are fitted anew without them, or they would be drawn towards what is left out; the first guess is the
-    median over frequencies, which a notch of a few points does not move.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (2n,)
-        Whitened residual.
-    followed : ndarray, shape (2n, q)
-        Orthonormal basis of the curves.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
-    """
-    _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
-    group = np.concatenate([group.ravel(), group.ravel()])
-    count = np.bincount(group).astype(float)
-    usual, middle = chi2.ppf(1.0 - OUTLYING, count), chi2.median(count)
-    kept = np.ones(len(count), dtype=bool)
-    for turn in range(10):
-        rows = kept[group]
-        left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
-        found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))
-        # Curves take their share from every frequency alike.
-        squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof
-        mean = float(np.sum(squares[kept]) / np.sum(count[kept]))
-        variance = float(np.median(squares / middle)) if turn == 0 else mean
-        within = squares <= usual * variance
-        too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
-        if too_many or (turn > 0 and np.array_equal(within, kept)):
-            return found
-        kept = within
-    return found
+def _spread(count: int, most: int) -> Rows:
+    """At most so many of the numbers 0, ..., count - 1, from end to end."""
+    return np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)

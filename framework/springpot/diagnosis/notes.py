@@ -4,40 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from .discrepancy import discrepancy, log_shift_of
-from .findings import Finding, judged
-from .harmonics import UNPREDICTED, harmonic_evidence
-from .occam import likeliest_unknown
+from springpot.measurement import PRESSURE_UNITS, Measurement
+from springpot.rheology import INERTANCE, Effect
+
+from .battery import Finding, judged, overtones
+from .evidence import Evidence
+from .leftover import discrepancy, log_shift_of, validation
+from .marginal import harmonic_evidence, likeliest_unknown
 from .outliers import Outlier
-from .overtones import overtones
-from .posterior import Posterior, explanations, leading
-from .result import Verdict
-from .search import Search
-from .validation import validation
-from .verdict import REPEATS_ALARM, STRUCTURE_ALARM
+from .policy import EVIDENCE, VERDICT
+from .result import Candidate, Value, Verdict
+from .search import Search, moved_along
 from .words import percent, times
 
-WORTH_A_WORD = 0.03
-"""Probability from which narrow features of unknown origin are told of."""
-EXPLAINED = 1.5
-"""Chi-square per degree of freedom up to which nothing worth a word is left."""
-MOST_OF_IT = 0.2
-"""Share of a misfit beyond the noise that may be left by what is said to explain most of it."""
-LOUD = 0.01
-"""Share of the first harmonic from which a higher one is told of: less is the rig's."""
 
-
-def notes(
-    found: Search, probabilities: Posterior, verdict: Verdict, outliers: Sequence[Outlier], measured: int
-) -> Iterator[str]:
+def notes(evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
     """Sentences on the data, on what is left, and on how well the grown model predicts the unseen.
 
     Parameters
     ----------
-    found : Search
-        Fits and scans.
-    probabilities : Posterior
-        Of every effect.
+    evidence : Evidence
+        Of every effect, with the search behind it.
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
     outliers : sequence of Outlier
@@ -45,75 +32,142 @@ def notes(
     measured : int
         Rows of the data before thinning.
     """
-    yield from _of_data(found, outliers, measured)
-    for finding in unexplained_harmonics(found, verdict):
+    search = evidence.search
+    yield from _of_data(search, outliers, measured)
+    for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
-    kind = _unknown(found) if verdict == "unexplained" else ""
+    kind = _unknown(search) if verdict == "unexplained" else ""
     if kind:
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
-    elif found.left.p_value < STRUCTURE_ALARM:
-        yield from _of_rest(found)
-    if probabilities.narrow > WORTH_A_WORD:
-        share = f"{100 * probabilities.narrow:.0f} %"
-        names = " and ".join(sorted(probabilities.imitators))
+    elif search.left.p_value < VERDICT.structure_alarm:
+        yield from _of_rest(search)
+    if evidence.narrow > VERDICT.worth_a_word:
+        share = f"{100 * evidence.narrow:.0f} %"
+        names = " and ".join(sorted(evidence.imitators))
         yield (
             f"other narrow features, such as an interference, look like {names}: "
             f"{share} of the probability is left to them"
         )
-    if verdict != "adequate" and probabilities.together:
-        yield from validation(found.base, explanations(found, probabilities)[leading(found, probabilities)])
+    if verdict == "adequate":
+        return
+    if evidence.explanations:
+        yield from validation(search.base, evidence.likeliest_with()[evidence.leader])
+    yield from _confounded(evidence)
 
 
-def _of_data(found: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
+def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
     if outliers:
         places = ", ".join(map(str, outliers))
         kind = "a single point stands out and was" if len(outliers) == 1 else "single points stand out and were"
         yield f"{kind} set aside, an outlier or narrow interference: {places}"
-    if found.base.noise.doubt:
-        yield found.base.noise.doubt
-    used = len(found.base.data.raw) + len(outliers)
+    if search.base.noise.doubt:
+        yield search.base.noise.doubt
+    used = len(search.base.data.raw) + len(outliers)
     if measured > used:
         yield f"diagnosed on {used} of the {measured} points"
-    own_gain = found.base.data.own_gain
+    own_gain = search.base.data.own_gain
     if own_gain > 0.0:
         yield f"replicates differ as a whole by {percent(own_gain)} (rms): each run was given a gain of its own"
-    if found.repeats.p_value < REPEATS_ALARM:
-        yield f"repeats differ by more than chance ({found.repeats.kind}): drift or a disturbance common to a sweep"
+    if search.repeats.p_value < VERDICT.repeats_alarm:
+        yield f"repeats differ by more than chance ({search.repeats.kind}): drift or a disturbance common to a sweep"
 
 
-def unexplained_harmonics(found: Search, verdict: Verdict) -> list[Finding]:
+def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     """Loud force harmonics that the model, with what is missing from it, does not make.
 
     Parameters
     ----------
-    found : Search
+    search : Search
         Fits and scans.
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
     """
-    refit = found.best if verdict == "effect-missing" else found.base
-    odd = harmonic_evidence(refit) >= UNPREDICTED
-    told = judged(overtones(found.base.data.mean, found.base.noise.sd))
-    return [each for each in told if each.found and each.statistic > LOUD and not (odd and each.test == "harmonic 3")]
+    refit = search.best if verdict == "effect-missing" else search.base
+    odd = harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic
+    told = judged(overtones(search.base.data.mean, search.base.noise.sd))
+    return [
+        each
+        for each in told
+        if each.found and each.statistic > VERDICT.loud and not (odd and each.test == "harmonic 3")
+    ]
 
 
-def _of_rest(found: Search) -> Iterator[str]:
+def _of_rest(search: Search) -> Iterator[str]:
     """What the best model leaves, without a name for it."""
-    best = found.best
-    if best is not found.base:
+    best = search.best
+    if best is not search.base:
         ratio = best.relative_rms / best.floor
         yield f"the best model found, {best.model}, still leaves structure ({times(ratio)} the noise floor)"
     yield from discrepancy(best.frame(), log_shift_of(best))
 
 
-def _unknown(found: Search) -> str:
+def _unknown(search: Search) -> str:
     """The kind of structure that explains the data, if one does that no effect of the library is."""
-    if found.structure.p_value >= STRUCTURE_ALARM:
+    if search.structure.p_value >= VERDICT.structure_alarm:
         return ""
-    kind, frame = likeliest_unknown(found), found.frame
+    kind, frame = likeliest_unknown(search), search.frame
     spare = frame.size - frame.absorbed.shape[1]
     misfit = float(frame.rest @ frame.rest)
     left = misfit - kind.drop
-    all_of_it = left < EXPLAINED * spare
-    most_of_it = left - spare < MOST_OF_IT * (misfit - spare)
+    all_of_it = left < VERDICT.explained * spare
+    most_of_it = left - spare < VERDICT.most_of_it * (misfit - spare)
     return kind.says if all_of_it or most_of_it else ""
+
+
+def _confounded(evidence: Evidence) -> Iterator[str]:
+    """A sentence for each condition that varied, but not by itself."""
+    explained = {effect.name: effect for one in evidence.explanations for effect in one.grown.effects}
+    for name in sorted(moved_along(evidence.search.base.fit.measurement)):
+        beside = "frequency or temperature"
+        if name == "temperature":
+            beside = "frequency"
+        says = f"the {name} was not varied by itself but moves with {beside}; its effects are not judged"
+        names = sorted(effect.name for effect in explained.values() if name in effect.needs)
+        if names:
+            says = f"{says}: {', '.join(names)} would explain the data as well, and no fit can tell"
+        yield says
+
+
+def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> Iterator[str]:
+    """One sentence for each constant in the file's header whose effect was found, or may have been.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        What the diagnosis says of each effect.
+    measurement : Measurement
+        The data, with what its file said of the instrument; nothing is told where they are no modulus.
+    """
+    if not measurement.units.is_modulus:
+        return
+    for candidate in candidates:
+        constant = candidate.physics.constant
+        if constant is None or candidate.verdict == "absent" or constant.parameter not in candidate.parameters:
+            continue
+        stated = measurement.provenance.get(constant.fact)
+        if stated is None:
+            continue
+        factor = _to_si(candidate.physics, constant.parameter, measurement)
+        compared = _beside(float(stated.split()[0]), candidate.parameters[constant.parameter], factor, candidate)
+        yield f"the file's header gives {constant.says.format(stated=stated)}; {compared}"
+
+
+def _to_si(effect: Effect, parameter: str, measurement: Measurement) -> float:
+    """Factor from the printed unit of a parameter; a mass is printed in SI, whatever unit the data came in."""
+    unit = next(each.unit for each in effect.element.parameters if each.name == parameter)
+    if unit == INERTANCE:
+        return 1.0
+    return PRESSURE_UNITS[measurement.units.stiffness]
+
+
+def _beside(stated: float, value: Value, factor: float, candidate: Candidate) -> str:
+    best, low, high = factor * value.value, factor * value.low, factor * value.high
+    shown = f"{best:.3g} [{low:.3g}, {high:.3g}]"
+    ratio = float("inf")
+    if stated > 0:
+        ratio = best / stated
+    if low <= stated <= high or 1 / VERDICT.agrees <= ratio <= VERDICT.agrees:
+        return f"{candidate.effect} of {shown} agrees with it, as if the instrument had not corrected for it"
+    if ratio < 1:
+        return f"{candidate.effect} is found as {shown}, {ratio:.2g} of it: what a correction left, or another cause"
+    return f"{candidate.effect} is found as {shown}, {ratio:.2g} times as much: the header does not explain it"

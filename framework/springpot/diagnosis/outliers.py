@@ -9,29 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, f
 
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, sweeps_of
 
 from .frame import Frame
-from .noise import trimmed_residual
+from .policy import OUTLIERS
+from .refit import Refit
 from .result import Where
-from .search import Search
-from .sweeps import sweeps_of
+from .scatter import trimmed_residual
 from .words import plain
 
-RARE = 1e-4
-"""Chance that the largest of all points is held to stand out where all is noise."""
-MOST = 0.05
-"""Share of the points that may stand out; more are no outliers but structure."""
-FEWEST_POINTS = 12
-LEAST_LEFT = 0.1
-"""A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
 """Degrees of freedom and scale of the scatter that may be: normal first. The variance is taken without the furthest
 frequencies, so that a scale below one goes with long tails."""
-HEAVIER = 3.0
-"""Log-likelihood by which the others must speak for long tails before a point that is far off is held to be one."""
-PRICE = 5.0
-"""Log-odds against a point being an outlier, beside the one in n for which point it is."""
 
 
 @dataclass(frozen=True)
@@ -73,15 +62,15 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
         A fit.
     """
     n = len(frame.measurement)
-    most = max(2, int(MOST * n))
-    if n < FEWEST_POINTS:
+    most = max(2, int(OUTLIERS.most * n))
+    if n < OUTLIERS.fewest_points:
         return np.zeros(0, dtype=np.int64)
     followed = np.concatenate([frame.absorbed, frame.smooth], axis=1)
     found: list[int] = []
     while len(found) <= most:
         rows = np.array([row for row in range(n) if row not in found])
         worst, chance = _worst(frame, followed, rows)
-        if chance > RARE / n:
+        if chance > OUTLIERS.rare / n:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
     return np.zeros(0, dtype=np.int64)
@@ -104,7 +93,11 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
     free = 1.0 - np.sum(basis**2, axis=1)
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
-    scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0).reshape(2, -1).sum(axis=0)
+    scaled = (
+        np.where(free > OUTLIERS.least_left, left**2 / np.maximum(free, OUTLIERS.least_left), 0.0)
+        .reshape(2, -1)
+        .sum(axis=0)
+    )
     worst = int(np.argmax(scaled))
     if frame.scale_dof == inf:
         return int(rows[worst]), float(chi2.sf(scaled[worst], 2))
@@ -119,7 +112,7 @@ def _chance(squares: NDArray[np.float64]) -> float:
     the rest (censored). Noise with long tails makes no outliers.
     """
     half = 0.5 * np.sort(squares)
-    doubtful = max(2, int(MOST * len(half)))
+    doubtful = max(2, int(OUTLIERS.most * len(half)))
     inner = np.maximum(half[:-doubtful], 1e-12)
     likelihood = [
         float(np.sum(f.logpdf(inner / scale, 2, nu) - np.log(scale)))
@@ -127,7 +120,7 @@ def _chance(squares: NDArray[np.float64]) -> float:
         for nu, scale in TAILS
     ]
     best = int(np.argmax(likelihood))
-    if likelihood[best] < likelihood[0] + HEAVIER:
+    if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
     return float(f.sf(half[-1] / scale, 2, nu))
@@ -156,20 +149,20 @@ def without(measurement: Measurement, rows: NDArray[np.int64]) -> Measurement:
     return kept
 
 
-def are_outliers(found: Search, reduced: Search, count: int) -> bool:
+def are_outliers(with_points: tuple[Refit, Refit], without_points: tuple[Refit, Refit], count: int) -> bool:
     """Whether bad points explain more than the best effect that was found with them.
 
     Parameters
     ----------
-    found, reduced : Search
-        With and without the points.
+    with_points, without_points : (Refit, Refit)
+        The user's model and the best grown one, fitted to the data with and without the points.
     count : int
         How many they are.
     """
-    size = 2 * len(found.base.fit.measurement)
+    (base, best), (base_without, best_without) = with_points, without_points
+    size = 2 * len(base.fit.measurement)
     # Both in units of the noise of the data without the points: an estimate that holds them cannot judge them.
-    weights = reduced.base.noise.weights
-    scale = np.median(np.abs(weights)) / np.median(np.abs(found.base.noise.weights))
-    gain = scale**2 * found.best.rss - reduced.best.rss
-    spent = len(found.best.own) - len(reduced.best.own)
-    return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + PRICE))
+    scale = np.median(np.abs(base_without.noise.weights)) / np.median(np.abs(base.noise.weights))
+    gain = scale**2 * best.rss - best_without.rss
+    spent = len(best.own) - len(best_without.own)
+    return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + OUTLIERS.price))

@@ -21,30 +21,14 @@ from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
 from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
-from .findings import tail
+from .frame import chance_of_squares
 from .ladder import Ladder, discover
 from .material import any_material
+from .policy import RANKING
 from .refit import Refit, refit
 
-CHANCE = 1e-3
-"""Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
-right one in 25 data sets is lost."""
-DECISIVE = 10.0
-"""Information criterion above the least from which another model is decisively better (Kass and Raftery 1995,
-doi:10.1080/01621459.1995.10476572)."""
-ALIKE = 2.0
-"""Standard deviations of the noise between two curves, over all points together, below which no data like these tell
-them apart."""
-STARTS = 8
-"""Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
-NEXT = 3
-"""Models shown beside the adequate ones, which tell how much worse the next are."""
-LOOKED_AT = 20
-"""Of the others, how many are looked at for these."""
-MOST_DRAWN = 6
-"""Models in a picture: more colours are not told apart."""
 
 
 class Skipped(NamedTuple):
@@ -85,13 +69,13 @@ class Ranking(Comparison):
     @cached_property
     def next(self) -> tuple[Judgement, ...]:
         """The best of those that are not adequate, one of each kind of curve."""
-        nearest = self.judgements[len(self.adequate) :][:LOOKED_AT]
-        return tuple(group[0] for group in grouped(nearest)[:NEXT])
+        nearest = self.judgements[len(self.adequate) :][: RANKING.looked_at]
+        return tuple(group[0] for group in grouped(nearest)[: RANKING.next])
 
     @property
     def shown(self) -> tuple[Judgement, ...]:
         """One of each group, and the best of those that are not adequate."""
-        return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
+        return (*(group[0] for group in self.groups), *self.next)[: RANKING.most_drawn]
 
     @property
     def says(self) -> str:
@@ -148,7 +132,7 @@ def rank(
     told("looking for what is missing from any material")
     ladder = discover(measurement, any_material(), library, rng)
     case = ladder.steps[-1].case
-    floor = case.found.base
+    floor = case.search.base
     fits: list[Refit] = []
     skipped: list[Skipped] = []
     for effects in [floor.model.effects, ()] if floor.model.effects else [()]:
@@ -161,8 +145,10 @@ def rank(
         )
     alone = [found for found in fits if not found.model.effects]
     floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
-    ordered = sorted(judgements(fits, floors), key=lambda one: one.delta_bic)
-    adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
+    ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
+    adequate = [
+        one for one in ordered if chance_beside(one.refit, floor) >= RANKING.chance and not _outdone(one, ordered)
+    ]
     adequate.sort(key=lambda one: len(one.refit.theta))
     others = [one for one in ordered if one not in adequate]
     notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
@@ -192,12 +178,12 @@ def chance_beside(found: Refit, floor: Refit) -> float:
     """
     spare = max(found.fit.dof - floor.fit.dof, 1)
     scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
-    return tail(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
+    return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
 
 
 def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
-    limit, size = one.delta_bic - DECISIVE, len(one.refit.theta)
+    limit, size = one.delta_bic - RANKING.decisive, len(one.refit.theta)
     return any(other.delta_bic < limit and len(other.refit.theta) > size for other in others)
 
 
@@ -213,7 +199,7 @@ def _fitted(
     for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
         for found in _one(item.build(number), effects, floor, skipped):
             yield found
-            if found.log_evidence <= evidence or chance_beside(found, floor) >= CHANCE:
+            if found.log_evidence <= evidence or chance_beside(found, floor) >= RANKING.chance:
                 return
             evidence = found.log_evidence
 
@@ -229,14 +215,14 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
     elif len(grown.parameters) >= 2 * len(data.mean):
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
     else:
-        yield refit(grown, data, floor.noise, starts=STARTS)
+        yield refit(grown, data, floor.noise, starts=RANKING.starts)
 
 
 def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
     """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
     groups: list[list[Judgement]] = []
     for one in judgements:
-        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < RANKING.alike), None)
         if known is None:
             groups.append([one])
         else:

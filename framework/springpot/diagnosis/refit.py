@@ -15,9 +15,7 @@ from springpot.rheology import GRADIENT, Complex, Model, Real
 
 from .frame import Frame
 from .noise import Averaged, Noise
-
-NO_INFLUENCE = 1e-6
-"""Relative change of K per relative change of a parameter below which the parameter is without influence."""
+from .policy import SEARCH
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +107,8 @@ class Refit:
             response = self.model.network.respond(self.theta, measurement.points, GRADIENT)
         by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
         free = by_theta[self._free(by_theta, response.value)]
-        return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof)
+        estimated = self.noise.source == "estimated"
+        return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof, estimated)
 
     def frame_of(self, measurement: Measurement) -> Frame:
         """The fit beside other data under the same conditions; their noise is that of the point of nearest |K|."""
@@ -134,7 +133,7 @@ class Refit:
         blocked = ((self.theta <= bounds[:, 0] + room) & (downhill < 0)) | (
             (self.theta >= bounds[:, 1] - room) & (downhill > 0)
         )
-        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))))
+        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < SEARCH.no_influence * np.sqrt(len(value)))))
         return free
 
 

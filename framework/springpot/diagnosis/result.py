@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
-from springpot.rheology import Model
+from springpot.rheology import Effect, Model
 
 from .display import html_of_diagnosis
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
+
+
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 
 
@@ -74,8 +76,8 @@ class Candidate:
 
     Attributes
     ----------
-    effect : str
-        Its name.
+    physics : Effect
+        The effect itself, to be added to a model.
     alike : tuple of str
         Effects that these data cannot tell from it, itself included.
     probability : float
@@ -96,7 +98,7 @@ class Candidate:
         One sentence of physics.
     """
 
-    effect: str
+    physics: Effect
     alike: tuple[str, ...]
     probability: float
     delta_bic: float
@@ -108,9 +110,19 @@ class Candidate:
     parameters: dict[str, Value]
     says: str
 
+    @property
+    def effect(self) -> str:
+        """Its name."""
+        return self.physics.name
+
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where `alike` is called class."""
-        return {"class" if key == "alike" else key: value for key, value in asdict(self).items()}
+        row: dict[str, Any] = {"effect": self.effect, "class": list(self.alike)}
+        for item in fields(self):
+            if item.name not in ("physics", "alike", "parameters"):
+                row[item.name] = getattr(self, item.name)
+        row["parameters"] = {name: asdict(value) for name, value in self.parameters.items()}
+        return row
 
 
 @dataclass(frozen=True)
@@ -191,4 +203,4 @@ class Diagnosis:
         }
 
     def _repr_html_(self) -> str:
-        return html_of_diagnosis(self)
+        return html_of_diagnosis(self.to_dict())

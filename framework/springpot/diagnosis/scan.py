@@ -16,21 +16,82 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.identification import Window, settings
+from springpot.measurement import Measurement
+from springpot.rheology import Complex, Effect, Model, Real
 
-from .directions import Influence
 from .frame import Frame
-from .structure import EDGE, MORE
+from .policy import BATTERY, SCAN
 
-SMALL = (1e-5, 0.15)
-"""Relative changes of K that count as small: there a direction is a tangent."""
-ABSORBED = 1e-3
-"""A direction of which less than this is left after projection cannot be seen in these data."""
-PER_EFFECT = 64
-DRAWS = 3000
-WHOLE_STARTS = 3
-POWER = 1.645
-"""One-sided normal quantile of the 95 % power at which bounds are stated."""
+
+@dataclass(frozen=True, eq=False)
+class Influence:
+    """How K changes when an effect joins a fitted model with the model's parameters held.
+
+    Parameters
+    ----------
+    effect : Effect
+        The effect.
+    model : Model
+        The grown model.
+    theta : ndarray, shape (g, p)
+        Parameters of the grown model on the grid: the fitted ones and a setting of the effect.
+    change : ndarray of complex, shape (g, n)
+        K of the grown model minus K of the fitted one.
+    relative : ndarray, shape (g,)
+        Root mean square of |change| / |K|.
+    added : tuple of str
+        Names of the effect's own parameters, its size first.
+    """
+
+    effect: Effect
+    model: Model
+    theta: Real
+    change: Complex
+    relative: Real
+    added: tuple[str, ...]
+
+    def sized(self, setting: int, factor: float) -> dict[str, float]:
+        """The effect's own parameters at a setting, its size changed so that it changes K `factor` times as much."""
+        values = {name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added}
+        values[self.added[0]] *= factor if self.effect.vanishes_at == 0.0 else 1.0 / factor
+        return values
+
+
+def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, measurement: Measurement) -> Influence:
+    """What `effect` would change at a fitted model, over a grid of its settings.
+
+    Parameters
+    ----------
+    model : Model
+        The fitted model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    stiffness : ndarray of complex, shape (n,)
+        Its K at the measured points.
+    effect : Effect
+        The effect that may be missing.
+    measurement : Measurement
+        The data.
+    """
+    grown = model + effect
+    old = [grown.names.index(name) for name in model.names]
+    new = [i for i in range(len(grown.names)) if i not in old]
+    added = tuple(grown.parameters[i] for i in new)
+    grid = settings(added, Window.of(measurement), 64 if len(added) == 1 else 160 * (len(added) - 1) + 96)
+    full = np.empty((len(grid), len(grown.names)))
+    full[:, old] = theta
+    full[:, new] = grid
+    with np.errstate(all="ignore"):  # settings beyond what floating-point numbers hold are left out below
+        change = _finite(grown.network.respond(full, measurement.points).value - stiffness)
+    relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
+    usable = np.isfinite(relative) & (relative > 1e-7)
+    names = tuple(parameter.name for parameter in added)
+    return Influence(effect, grown, full[usable], change[usable], relative[usable], names)
+
+
+def _finite(values: Complex) -> Complex:
+    return np.where(np.isfinite(values), values, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +118,14 @@ class Directions:
     @classmethod
     def of(cls, frame: Frame, influence: Influence) -> Directions:
         """The directions of an effect at a fit."""
-        small = np.flatnonzero((influence.relative > SMALL[0]) & (influence.relative < SMALL[1]))[:PER_EFFECT]
+        small = np.flatnonzero((influence.relative > SCAN.small[0]) & (influence.relative < SCAN.small[1]))[
+            : SCAN.per_effect
+        ]
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
         share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), 1e-300)
-        seen = share > ABSORBED
+        seen = share > SCAN.absorbed
         unit = left[:, seen] / length[seen]
         return cls(small[seen], unit, length[seen], float(np.max(share, initial=0.0)))
 
@@ -134,8 +197,8 @@ def scan(
     simulated = np.zeros(0) if rng is None else _simulated_maxima(frame, tried, rng)
     rest = frame.standard(frame.rest[None, :])[0]
     along = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0)
-    if rng is not None and EDGE[0] < float(np.mean(simulated >= along**2)) < EDGE[1]:
-        simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(MORE))])
+    if rng is not None and BATTERY.edge[0] < float(np.mean(simulated >= along**2)) < BATTERY.edge[1]:
+        simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(BATTERY.more))])
     threshold = float(np.quantile(simulated, 0.99)) if len(simulated) else threshold
     scores = [
         _score(frame, influence, directions, threshold)
@@ -151,8 +214,8 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
     unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(np.float32)
     if unit.shape[1] == 0:
         return np.zeros(0)
-    maxima = np.empty(DRAWS)
-    for part in np.array_split(np.arange(DRAWS), 4):
+    maxima = np.empty(SCAN.draws)
+    for part in np.array_split(np.arange(SCAN.draws), 4):
         noise = frame.draws(len(part), rng).astype(np.float32)
         maxima[part] = np.max(noise @ unit, axis=1)
     return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
@@ -161,11 +224,11 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
 def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
-    needed = (np.sqrt(threshold) + POWER) * influence.relative[directions.setting] / directions.length
+    needed = (np.sqrt(threshold) + SCAN.power) * influence.relative[directions.setting] / directions.length
     bound = float(np.quantile(needed, 0.9)) if len(needed) and threshold < np.inf else np.inf
     left = frame.project(frame.whiten(influence.change).T)
     cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
-    starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
+    starts = influence.theta[np.argsort(cost)[: SCAN.whole_starts]]
     if score > 0.0:
         best = int(np.argmax(along))
         tangent = influence.sized(int(directions.setting[best]), float(along[best] / directions.length[best]))
@@ -180,3 +243,101 @@ def _with(influence: Influence, values: dict[str, float]) -> Real:
     for name, value in values.items():
         theta[influence.model.names.index(name)] = value
     return theta
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two effects that explain the residual together.
+
+    Attributes
+    ----------
+    first, second : Score
+        What the scan says of each.
+    model : Model
+        The model with both.
+    start : ndarray, shape (p,)
+        Parameters from which its refit should start.
+    gain : float
+        Drop of the whitened residual sum of squares that both should bring.
+    """
+
+    first: Score
+    second: Score
+    model: Model
+    start: Real
+    gain: float
+
+
+def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real, count: int) -> list[Pair]:
+    """The pairs of effects that should leave least, best first.
+
+    Parameters
+    ----------
+    frame : Frame
+        A fit.
+    scores : sequence of Score
+        The scan on it.
+    model : Model
+        The fitted model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    count : int
+        How many pairs.
+    """
+    seen = [score for score in scores if score.directions.unit.shape[1]]
+    chosen = [_representatives(frame, score) for score in seen]
+    unit = np.concatenate([score.directions.unit[:, rows] for score, rows in zip(seen, chosen, strict=True)], axis=1)
+    owner = np.repeat(np.arange(len(seen)), [len(rows) for rows in chosen])
+    gain, first = _joint_gain(unit, frame.rest)
+    best = np.full((len(seen), len(seen)), -np.inf)
+    np.maximum.at(best, (owner[:, None], owner[None, :]), gain)
+    found = []
+    rows = np.concatenate(chosen)
+    upper = np.where(np.triu(np.ones_like(best), 1) > 0, best, -np.inf)
+    for flat in np.argsort(upper.ravel())[::-1][:count]:
+        a, b = divmod(int(flat), len(seen))
+        if upper[a, b] <= 0.0:
+            break
+        inside = np.where((owner[:, None] == a) & (owner[None, :] == b), gain, -np.inf)
+        i, j = np.unravel_index(int(np.argmax(inside)), inside.shape)
+        sizes = float(first[i, j]), float(first[j, i])
+        found.append(_pair(model, theta, (seen[a], seen[b]), (int(rows[i]), int(rows[j])), sizes, float(gain[i, j])))
+    return found
+
+
+def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Directions of an effect that differ: the one along the residual, then ever the least like those kept."""
+    unit = score.directions.unit
+    kept = [int(np.argmax(frame.rest @ unit))]
+    alike = np.abs(unit.T @ unit[:, kept[0]])
+    while len(kept) < SCAN.representatives and alike.min() < SCAN.parallel:
+        kept.append(int(np.argmin(alike)))
+        alike = np.maximum(alike, np.abs(unit.T @ unit[:, kept[-1]]))
+    return np.array(kept, dtype=np.int64)
+
+
+def _joint_gain(unit: Real, rest: Real) -> tuple[Real, Real]:
+    """Drop of the sum of squares by every two directions together (m, m), and the step along the first (m, m)."""
+    cosine = unit.T @ unit
+    along = unit.T @ rest
+    room = np.maximum(1.0 - cosine**2, 1e-12)
+    first = (along[:, None] - cosine * along[None, :]) / room
+    allowed = (first > 0.0) & (first.T > 0.0) & (np.abs(cosine) < SCAN.parallel)
+    return np.where(allowed, along[:, None] * first + along[None, :] * first.T, -np.inf), first
+
+
+def _pair(
+    model: Model,
+    theta: Real,
+    scores: tuple[Score, Score],
+    rows: tuple[int, int],
+    sizes: tuple[float, float],
+    gain: float,
+) -> Pair:
+    first, second = scores
+    grown = model + first.influence.effect + second.influence.effect
+    values = dict(zip(model.names, theta.tolist(), strict=True))
+    for score, row, size in zip(scores, rows, sizes, strict=True):
+        directions = score.directions
+        values |= score.influence.sized(int(directions.setting[row]), size / float(directions.length[row]))
+    return Pair(first, second, grown, grown.vector(values), gain)

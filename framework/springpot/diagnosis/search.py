@@ -8,31 +8,18 @@ from math import inf
 
 import numpy as np
 
-from springpot.identification import EDGE
-from springpot.measurement import Measurement, telling
-from springpot.rheology import Effect, Model
+from springpot.errors import DataError
+from springpot.identification import EDGE, is_material
+from springpot.measurement import CONDITIONS, Measurement, spread_of, telling
+from springpot.rheology import Effect, Model, Real
 
-from .directions import influence
+from .battery import Battery, battery, repeats_structure
+from .floor import as_given, borne_out, fitted_to_floor, sharpened
 from .frame import Frame
-from .pairs import best_pairs
+from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, without
+from .policy import EVIDENCE, SEARCH
 from .refit import Refit, refit
-from .scan import Scan, Score, scan
-from .structure import Structure, repeats_structure, structure
-
-SINGLES = 12
-"""Effects refitted after the first scan."""
-BEAM = 4
-"""Single effects from which a second one is sought."""
-SECONDS = 4
-"""Second effects refitted for each of them."""
-TOGETHER = 8
-"""Pairs refitted that explain the residual only together."""
-LEFT_OVER = 1e-2
-"""Chance of a false alarm at which something is held to be left over."""
-RESOLVED = 3.0
-"""Points over which a narrow effect must spread at least."""
-COMMON = 1.0
-"""Prior weight below which an effect alone is not taken for an answer before pairs of common ones are tried."""
+from .scan import Scan, Score, best_pairs, influence, scan
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,32 +58,42 @@ class Search:
         Its linear geometry.
     scan : Scan
         Scores of the library.
-    structure : Structure
+    structure : Battery
         The test for structure of any kind in its residual.
     grown : list of Grown
         Grown models, the best evidence first.
-    left : Structure
+    left : Battery
         The test on the residual of the best model.
-    repeats : Structure
+    repeats : Battery
         The test on the scatter of repeats.
     """
 
     base: Refit
     frame: Frame
     scan: Scan
-    structure: Structure
+    structure: Battery
     grown: list[Grown] = field(default_factory=list)
-    left: Structure = field(default_factory=lambda: Structure(1.0, {}))
-    repeats: Structure = field(default_factory=lambda: Structure(1.0, {}))
+    left: Battery = field(default_factory=lambda: Battery(1.0, {}))
+    repeats: Battery = field(default_factory=lambda: Battery(1.0, {}))
 
     @property
     def best(self) -> Refit:
         """The model with the best evidence, the base included."""
         refits = [self.base, *(grown.refit for grown in self.grown)]
-        return max(refits, key=lambda found: found.log_evidence)
+        return max(refits, key=lambda refit: refit.log_evidence)
+
+    @property
+    def alarm(self) -> float:
+        """Chance that noise alone gives such a score, or leaves such structure, whichever is rarer."""
+        return min(self.scan.p_value, self.structure.p_value)
+
+    @property
+    def gain(self) -> float:
+        """Drop of the information criterion that the best model brings."""
+        return 2.0 * (self.best.log_evidence - self.base.log_evidence)
 
 
-def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
+def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> Search:
     """Look for what is missing from a fitted model.
 
     Parameters
@@ -110,78 +107,78 @@ def search(base: Refit, library: Sequence[Effect], rng: np.random.Generator) -> 
     """
     effects = [
         effect
-        for effect in held(library, base.fit.measurement)
+        for effect in applicable(library, base.fit.measurement)
         if not effect.narrow and _fits(base, base.model + effect) and not _twice(base.model, effect)
     ]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
-    found = Search(base, frame, scanned, structure(frame, rng))
-    found.left = found.structure
-    found.repeats = repeats_structure(base.data, rng)
-    found.grown = [_grow(base, (), score) for score in scanned.scores[:SINGLES]]
-    _sort(found)
-    if found.grown and min(scanned.p_value, found.structure.p_value) < 5 * LEFT_OVER:
-        found.left = structure(found.best.frame(), rng)
-        if found.left.p_value < LEFT_OVER * 20 or _strained(found):
-            _seek_pairs(found, [*effects, *_try_narrow(found, library)], rng)
-            _forget_narrow(found)
-    return found
+    search = Search(base, frame, scanned, battery(frame, rng))
+    search.left = search.structure
+    search.repeats = repeats_structure(base.data, rng)
+    search.grown = [_grow(base, (), score) for score in scanned.scores[: SEARCH.singles]]
+    _sort(search)
+    if search.grown and search.alarm < SEARCH.look_further:
+        search.left = battery(search.best.frame(), rng)
+        if search.left.p_value < SEARCH.left_over or _strained(search):
+            _seek_pairs(search, [*effects, *_try_narrow(search, library)], rng)
+            _forget_narrow(search)
+    return search
 
 
-def _try_narrow(found: Search, library: Sequence[Effect]) -> list[Effect]:
+def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
     """Let effects that can imitate any narrow feature compete, now that no simple common effect explains the data."""
-    base = found.base
+    base = search.base
     present = {effect.name for effect in base.model.effects}
     effects = []
-    for effect in held(library, base.fit.measurement):
+    for effect in applicable(library, base.fit.measurement):
         if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
-            for score in scan_effects(base, found.frame, [effect], threshold=found.scan.threshold).scores:
-                found.scan.scores.append(score)
-                found.grown += _clear(found, [_grow(base, (), score)])
+            for score in scan_effects(base, search.frame, [effect], threshold=search.scan.threshold).scores:
+                search.scan.scores.append(score)
+                search.grown += _clear(search, [_grow(base, (), score)])
                 effects.append(effect)
-    _sort(found)
+    _sort(search)
     return effects
 
 
-def _forget_narrow(found: Search) -> None:
+def _forget_narrow(search: Search) -> None:
     """Leave out of the scan the narrow effects that no fitted model has."""
-    named = {name for grown in found.grown for name in grown.names}
+    named = {name for grown in search.grown for name in grown.names}
     kept = [
         score
-        for score in found.scan.scores
+        for score in search.scan.scores
         if not score.influence.effect.narrow or score.influence.effect.name in named
     ]
-    found.scan.scores[:] = kept
+    search.scan.scores[:] = kept
 
 
-def _clear(found: Search, tried: Sequence[Grown]) -> list[Grown]:
+def _clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
     """The grown models whose narrow effects, if they have any, are seen as such."""
-    return [grown for grown in tried if _resolved(found, grown)]
+    return [grown for grown in tried if _resolved(search, grown)]
 
 
-def _resolved(found: Search, grown: Grown) -> bool:
+def _resolved(search: Search, grown: Grown) -> bool:
     """Whether a narrow effect is seen as such: at several points, as one alone is an outlier, and not too broad."""
     if not any(effect.narrow for effect in grown.effects):
         return True
     others = {effect.name for effect in grown.effects if not effect.narrow}
-    without = [one.refit for one in found.grown if {effect.name for effect in one.effects} == others]
-    before = without[0] if without and others else found.base
-    size = np.hypot(*found.frame.whiten(grown.refit.stiffness - before.stiffness).reshape(2, -1))
+    without = [one.refit for one in search.grown if {effect.name for effect in one.effects} == others]
+    before = without[0] if without and others else search.base
+    size = np.hypot(*search.frame.whiten(grown.refit.stiffness - before.stiffness).reshape(2, -1))
     at_end = any(
         parameter.scale == "linear"
-        and parameter.name not in found.base.model.names
+        and parameter.name not in search.base.model.names
         and min(value - parameter.lower, parameter.upper - value) <= EDGE * (parameter.upper - parameter.lower)
         for parameter, value in zip(grown.refit.model.parameters, grown.refit.theta, strict=True)
         if np.isfinite(parameter.upper - parameter.lower)
     )
-    return float(np.sum(size)) ** 2 >= RESOLVED * float(np.sum(size**2)) and not at_end
+    return float(np.sum(size)) ** 2 >= SEARCH.resolved * float(np.sum(size**2)) and not at_end
 
 
-def _strained(found: Search) -> bool:
+def _strained(search: Search) -> bool:
     """Whether the best single effect is a rare one, or one with so many parameters that it may stand for two."""
-    best = found.grown[0]
-    spent = len(best.refit.own) - len(found.base.own)
-    return spent > 1 or any(effect.prior < COMMON for effect in best.effects)
+    best = search.grown[0]
+    spent = len(best.refit.own) - len(search.base.own)
+    return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
 
 
 def _twice(model: Model, effect: Effect) -> bool:
@@ -194,7 +191,7 @@ def _fits(base: Refit, model: Model) -> bool:
     return len(model.names) <= 2 * len(base.fit.measurement)
 
 
-def held(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
+def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
     """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them.
 
     Factors without a law are left out: they can imitate every law.
@@ -219,27 +216,27 @@ def scan_effects(
 def _grow(base: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
     """Refit with one more effect."""
     grown = score.influence.model
-    found = refit(grown, base.data, base.noise, list(score.starts), starts=2)
-    return Grown((*before, score.influence.effect), found, score.predicted)
+    fitted = refit(grown, base.data, base.noise, list(score.starts), starts=2)
+    return Grown((*before, score.influence.effect), fitted, score.predicted)
 
 
-def _sort(found: Search) -> None:
-    found.grown.sort(key=lambda grown: -grown.refit.log_evidence)
+def _sort(search: Search) -> None:
+    search.grown.sort(key=lambda grown: -grown.refit.log_evidence)
 
 
-def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
+def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    base = found.base
+    base = search.base
     pairs = [
         Grown(
             (pair.first.influence.effect, pair.second.influence.effect),
             refit(pair.model, base.data, base.noise, [pair.start], starts=1),
             base.rss - pair.gain,
         )
-        for pair in best_pairs(found.frame, found.scan.scores, base.model, base.theta, TOGETHER)
+        for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together)
         if _fits(base, pair.model)
     ]
-    for first in found.grown[:BEAM]:
+    for first in search.grown[: SEARCH.beam]:
         frame = first.refit.frame()
         others = [
             effect
@@ -247,18 +244,159 @@ def _seek_pairs(found: Search, effects: Sequence[Effect], rng: np.random.Generat
             if not (effect.narrow and any(one.narrow for one in first.effects))
             and not _twice(first.refit.model, effect)
         ]
-        seconds = scan_effects(first.refit, frame, others).scores[:SECONDS]
+        seconds = scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]
         pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
-    found.grown += _clear(found, pairs)
-    _sort(found)
-    _add_singles(found)
-    found.left = structure(found.best.frame(), rng)
+    search.grown += _clear(search, pairs)
+    _sort(search)
+    _add_singles(search)
+    search.left = battery(search.best.frame(), rng)
 
 
-def _add_singles(found: Search) -> None:
+def _add_singles(search: Search) -> None:
     """Refit by themselves the effects that so far were only tried in good pairs: their rows tell what each does."""
-    alone = {grown.names[0] for grown in found.grown if len(grown.effects) == 1}
-    wanted = {name for grown in found.grown[:SINGLES] for name in grown.names} - alone
-    scores = [score for score in found.scan.scores if score.influence.effect.name in wanted]
-    found.grown += _clear(found, [_grow(found.base, (), score) for score in scores])
-    _sort(found)
+    alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
+    wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
+    scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
+    search.grown += _clear(search, [_grow(search.base, (), score) for score in scores])
+    _sort(search)
+
+
+def search_data(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    seeds: Sequence[Real] = (),
+) -> tuple[Search, list[Outlier]]:
+    """Look for what is missing from a model of data, without outliers and in units of a noise that is borne out.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    model : Model
+        The model to be judged.
+    library : sequence of Effect
+        Effects that may be missing.
+    rng : numpy.random.Generator
+        For simulated noise.
+    seeds : sequence of ndarray, shape (p,)
+        Starts worth trying beside those read off the data.
+
+    Returns
+    -------
+    Search, list of Outlier
+        The search, and the points that were set aside for it.
+
+    Raises
+    ------
+    DataError
+        If there are too few data to judge the model.
+    """
+    search = _search_in_noise(measurement, model, library, rng, seeds)
+    if (start := better_start(search)) is not None:
+        search = _search_in_noise(measurement, model, library, rng, [*seeds, start])
+    if search.alarm > SEARCH.suspicious or search.base.data.mean is not measurement:
+        return search, []
+    rows = outlying(search.frame)
+    if len(rows) == 0:
+        return search, []
+    reduced = _search_in_noise(without(measurement, rows), model, library, rng, seeds)
+    if reduced.alarm < SEARCH.suspicious and may_be_effects(measurement, rows):
+        return search, []
+    if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
+        return search, []
+    return reduced, described(reduced.base.frame_of(measurement), rows)
+
+
+def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
+    """Models grown by effects that took no part and explain the data as well as the best that did.
+
+    The condition that such an effect needs moved with the frequency, or an amplitude with the temperature, so that
+    no fit can say which of the two is the cause: they form a class with whatever else explains the data. Their scores
+    join the scan.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+    library : sequence of Effect
+        Effects that may be missing.
+    """
+    base = search.base
+    measurement = base.fit.measurement
+    moved = moved_along(measurement)
+    effects = [
+        effect
+        for effect in library
+        if effect.needs & moved and effect.needs <= set(measurement.conditions) and not effect.narrow
+        and not effect.by_levels and _fits(base, base.model + effect)
+    ]  # fmt: skip
+    least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
+    alike = []
+    for score in scan_effects(base, search.frame, effects, threshold=search.scan.threshold).scores:
+        grown = _grow(base, (), score)
+        if grown.refit.log_evidence > least:
+            search.scan.scores.append(score)
+            alike.append(grown)
+    return alike
+
+
+def moved_along(measurement: Measurement) -> set[str]:
+    """Conditions that varied, but not by themselves."""
+    spreads = {name: spread_of(measurement, name) for name in CONDITIONS}
+    varied = {name for name, spread in spreads.items() if spread is not None and spread.varied}
+    return varied - telling(measurement)
+
+
+def better_start(search: Search) -> Real | None:
+    """Parameters (p,) from which the user's model fits better than it did, read off the grown models.
+
+    A grown model that fits far better has either found what is missing or left a local minimum behind; then the
+    model alone fits as well from there, and nothing is missing at all.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+    """
+    base = search.base
+    if not search.grown or search.alarm > SEARCH.suspicious:
+        return None
+    if is_material(base.model):
+        return None  # its spectrum has no other minimum
+    seeds = []
+    for grown in search.grown[: SEARCH.tried_alone]:
+        values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
+        seeds.append(np.array([values[name] for name in base.model.names]))
+    again = refit(base.model, base.data, base.noise, seeds, starts=0)
+    return again.theta if again.log_likelihood > base.log_likelihood + SEARCH.better else None
+
+
+def _search_in_noise(
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    seeds: Sequence[Real],
+) -> Search:
+    base = fitted_to_floor(model, measurement, seeds)
+    _require_enough(base, measurement)
+    if base.noise.overruled:
+        # Structure that a sweep is too short to show as such looks like scatter, until its effect is found.
+        search = search_from(as_given(base), library, rng)
+        if borne_out(search.best):
+            return search
+    search = search_from(base, library, rng)
+    gain = 2.0 * (search.best.log_evidence - search.base.log_evidence)
+    if gain >= SEARCH.decisive and (sharper := sharpened(base, search.best)) is not None:
+        search = search_from(sharper, library, rng)
+    return search
+
+
+def _require_enough(base: Refit, measurement: Measurement) -> None:
+    if base.fit.dof < 1:
+        raise DataError(
+            f"{measurement.name}: {len(base.fit.measurement)} distinct points cannot judge a model of "
+            f"{len(base.theta)} parameters; measure at more frequencies"
+        )

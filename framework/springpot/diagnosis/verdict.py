@@ -1,121 +1,191 @@
-"""The overall verdict, and the sentence that says it."""
+"""The overall verdict: a table of rules on a few facts, and the sentence that says what came of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
-from .candidates import CLEAR_EVIDENCE
-from .occam import likeliest_unknown
+from .evidence import Evidence
+from .marginal import likeliest_unknown
 from .outliers import Outlier
-from .posterior import Posterior
+from .policy import VERDICT
 from .result import Verdict
 from .search import Search
 from .words import times
 
-LIBRARY_ALARM = 0.006
-"""Chance of a false alarm granted to the scan of the library."""
-STRUCTURE_ALARM = 0.005
-"""Chance of a false alarm granted to the test for structure of any kind."""
-BEYOND_DOUBT = 0.002
-"""Chance of a false alarm below which something is missing even if the evidence names it weakly."""
-REMAINDER = 0.005
-"""Share of the misfit that named effects may leave and still be the verdict."""
-NOISY = 1.2
-"""Error over noise floor below which only the pattern of a misfit tells it from noise."""
-NOTHING_LEFT = 10.0
-"""Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
-FEWEST_SPARE = 4
-"""Degrees of freedom below which data cannot be judged."""
-REPEATS_ALARM = 0.002
-"""Chance of a false alarm granted to the test of the repeats' scatter."""
+
+@dataclass(frozen=True)
+class Facts:
+    """All that the verdict depends on.
+
+    Attributes
+    ----------
+    repeats : bool
+        Repeats differ by more than chance: by a drift, or together along a sweep.
+    library : bool
+        The scan of the library raises its alarm.
+    structure : bool
+        The tests for structure of any kind raise theirs.
+    certain : bool
+        One of them is beyond doubt.
+    gain : float
+        Drop of the information criterion that the best grown model brings.
+    named : bool
+        The evidence prefers some effect to nothing.
+    unknown : bool
+        The evidence prefers something unknown to every effect.
+    chain : bool
+        What it prefers is a fault of the measuring chain that has a description.
+    left : bool
+        The best grown model leaves structure.
+    nearly_all : bool
+        It explains nearly all of the misfit, and what it leaves is small beside the noise.
+    few : bool
+        There are too few data to judge anything.
+    outliers : bool
+        Single points were set aside.
+    material : bool
+        A free spectrum follows the data better than the model with any effect does.
+    """
+
+    repeats: bool = False
+    library: bool = False
+    structure: bool = False
+    certain: bool = False
+    gain: float = 0.0
+    named: bool = False
+    unknown: bool = False
+    chain: bool = False
+    left: bool = False
+    nearly_all: bool = False
+    few: bool = False
+    outliers: bool = False
+    material: bool = False
+
+    @property
+    def alarm(self) -> bool:
+        """Noise alone does not explain the residual."""
+        return self.library or self.structure
+
+    @property
+    def clear(self) -> bool:
+        """The best grown model is clearly better."""
+        return self.gain >= VERDICT.clear_evidence
 
 
-def verdict_of(found: Search, probabilities: Posterior, outliers: Sequence[Outlier]) -> Verdict:
-    """Judge what fits and scans found; points that stand out are explained by no effect.
+class Rule(NamedTuple):
+    """One line of the table."""
+
+    reason: str
+    holds: Callable[[Facts], bool]
+    verdict: Verdict
+
+
+RULES = (
+    Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
+    Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
+    Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
+    Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
+    Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
+    Rule("noise explains all", lambda f: not f.alarm, "adequate"),
+    Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
+    Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
+    Rule("no effect helps clearly", lambda f: f.structure and not f.clear and not f.nearly_all, "unexplained"),
+    Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
+    Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
+    Rule("something, but not what", lambda f: True, "inconclusive"),
+)
+"""The first rule that holds gives the verdict."""
+
+
+def rule_for(facts: Facts) -> Rule:
+    """The first rule that holds."""
+    return next(rule for rule in RULES if rule.holds(facts))
+
+
+def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: bool) -> Facts:
+    """What fits, scans and evidence amount to.
 
     Parameters
     ----------
-    found : Search
-        Fits and scans, of the data without outliers.
-    probabilities : Posterior
-        Of every effect.
+    evidence : Evidence
+        Of every effect, with the search behind it.
     outliers : sequence of Outlier
         Points set aside.
+    beside_material : bool
+        Whether the search went on beside a free spectrum, as the model could not follow the material.
     """
-    judged = _without_outliers(found, probabilities)
-    return "unexplained" if outliers and judged in ("adequate", "inconclusive") else judged
+    search = evidence.search
+    unknown = evidence.unknown > VERDICT.likely
+    return Facts(
+        repeats=search.repeats.p_value < VERDICT.repeats_alarm,
+        library=search.scan.p_value < VERDICT.library_alarm,
+        structure=search.structure.p_value < VERDICT.structure_alarm,
+        certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
+        gain=search.gain,
+        named=evidence.nothing < VERDICT.likely,
+        unknown=unknown,
+        chain=unknown and bool(likeliest_unknown(search).says),
+        left=search.left.p_value < VERDICT.structure_alarm,
+        nearly_all=_all_but_explained(search),
+        few=search.base.fit.dof < VERDICT.fewest_spare,
+        outliers=bool(outliers),
+        material=beside_material,
+    )
 
 
-def _without_outliers(found: Search, probabilities: Posterior) -> Verdict:
-    by_library = found.scan.p_value < LIBRARY_ALARM
-    by_structure = found.structure.p_value < STRUCTURE_ALARM
-    gain = _gain(found)
-    if not (by_library or by_structure):
-        likely = gain >= CLEAR_EVIDENCE and probabilities.nothing < 0.5
-        return "inconclusive" if likely or found.base.fit.dof < FEWEST_SPARE else "adequate"
-    if probabilities.unknown > 0.5 and likeliest_unknown(found).says:
-        return "unexplained"
-    left = found.left.p_value < STRUCTURE_ALARM or probabilities.unknown > 0.5
-    if (left or (gain < CLEAR_EVIDENCE and by_structure)) and not _all_but_explained(found):
-        return "unexplained"
-    certain = min(found.scan.p_value, found.structure.p_value) < BEYOND_DOUBT
-    named = gain >= CLEAR_EVIDENCE or (certain and gain > 0.0)
-    return "effect-missing" if named and probabilities.nothing < 0.5 else "inconclusive"
-
-
-def _gain(found: Search) -> float:
-    """Drop of the information criterion that the best grown model brings."""
-    return 2.0 * (found.best.log_evidence - found.base.log_evidence)
-
-
-def _all_but_explained(found: Search) -> bool:
+def _all_but_explained(search: Search) -> bool:
     """Whether named effects explain nearly all of a misfit, and what they leave is small beside the noise.
 
     Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
     """
-    spare = found.base.fit.dof
-    excess = [refit.rss - spare for refit in (found.base, found.best)]
-    small = found.best.relative_rms < 2.0 * found.best.floor
-    return excess[0] > spare and excess[1] < max(REMAINDER * excess[0], NOTHING_LEFT) and small
+    spare = search.base.fit.dof
+    before, after = (refit.rss - spare for refit in (search.base, search.best))
+    small = search.best.relative_rms < VERDICT.small_rest * search.best.floor
+    return before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
 
 
-def sentence(
-    found: Search,
-    verdict: Verdict,
-    named: Sequence[str],
-    beside: Sequence[str],
-    imitators: frozenset[str],
-    outliers: Sequence[Outlier],
-) -> str:
+def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier]) -> str:
     """The verdict in words.
 
     Parameters
     ----------
-    found : Search
-        Fits and scans.
+    own : Search
+        Fits and scans of the user's model.
+    evidence : Evidence
+        By which effects are named.
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
-    named, beside : sequence of str
-        Effects one of which is missing, and those one of which is missing as well.
-    imitators : frozenset of str
-        Effects in whose place something else as narrow may stand.
     outliers : sequence of Outlier
         Points set aside.
     """
-    ratio = found.base.relative_rms / found.base.floor
+    ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":
-        second = f", and beside it {' or '.join(beside)}" if beside else ""
-        other = " or another narrow feature" if imitators & {*named, *beside} else ""
-        return f"{error}; missing is {' or '.join(named)}{second}{other}"
-    if verdict == "unexplained":
-        if outliers and min(found.scan.p_value, found.structure.p_value) > STRUCTURE_ALARM:
-            points = "a single point stands out" if len(outliers) == 1 else f"{len(outliers)} single points stand out"
-            return (
-                f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
-            )
-        pattern = ", but no pattern of noise" if ratio < NOISY else ""
-        return f"{error}{pattern}; something is missing that no effect of the library explains"
-    return f"{error}; these data cannot tell whether something is missing"
+        return f"{error}; missing is {_named(evidence)}"
+    if verdict == "inconclusive":
+        return f"{error}; these data cannot tell whether something is missing"
+    if outliers and min(own.scan.p_value, own.structure.p_value) > VERDICT.structure_alarm:
+        points = "a single point stands out"
+        if len(outliers) > 1:
+            points = f"{len(outliers)} single points stand out"
+        return f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
+    if own.alarm > VERDICT.structure_alarm and own.repeats.p_value < VERDICT.repeats_alarm:
+        return f"{error}, but repeats differ by more than chance: something changed while they were measured"
+    if ratio < VERDICT.noisy:
+        error = f"{error}, but no pattern of noise"
+    return f"{error}; something is missing that no effect of the library explains"
+
+
+def _named(evidence: Evidence) -> str:
+    """The effects one of which is missing, and those one of which is missing beside it."""
+    named, beside = evidence.classes[0], evidence.beside
+    words = " or ".join(named)
+    if beside:
+        words = f"{words}, and beside it {' or '.join(beside)}"
+    if evidence.imitators & {*named, *beside}:
+        words = f"{words} or another narrow feature"
+    return words

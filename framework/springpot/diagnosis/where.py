@@ -3,34 +3,156 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Real
+from springpot.measurement import HELD, Measurement, frequency_numbers, sweeps_of, temperatures_differ
+from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
-from .dependence import Part, condition_axes, dependences, level_words
-from .frame import Frame
-from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
+from .frame import Frame, spectrum
+from .policy import WHERE
+from .regions import Axis, Blocks, Region, Rows, rare, scales
 from .result import Where
-from .sweeps import spectrum, sweeps_of
 
-ALARM = 0.003
-"""Chance that noise alone makes a place of one part of K."""
-BANDS = (24, 12, 6)
-"""Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
-MOST = 5
-"""Places told of at most: the most telling ones."""
-SLIGHT = 0.1
-"""Share of the clearest place's standard deviations below which a place is not worth a sentence beside it."""
-ONE_PERIOD = 0.4
-"""Share of the power beyond the noise's that lies at one period if a misfit is a ripple."""
+AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
+          2.0: "growing as amplitude^2"}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """K' or K'' of a fit.
+
+    Attributes
+    ----------
+    word : str
+        What to call it.
+    residual, relative, whitened : ndarray, shape (n,)
+        Measured minus modelled: in the unit of K, as a share of |K|, in units of the noise.
+    """
+
+    word: str
+    residual: Real
+    relative: Real
+    whitened: Real
+
+
+def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
+    """The conditions that vary, with `most` levels at most."""
+    found = []
+    for name in HELD:
+        column = measurement.conditions.get(name)
+        if column is None or (name == "temperature" and not temperatures_differ(measurement)):
+            continue
+        number = _set_values(measurement, name, most)
+        count = int(number.max()) + 1
+        if count > 1:
+            found.append(Axis(name, number if count <= most else number * most // count))
+    return found
+
+
+def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
+    """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
+    column, number = measurement.conditions[name], measurement.levels(name)
+    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
+    part = np.zeros_like(number)
+    for value in range(int(number.max()) + 1):
+        rows = np.flatnonzero(number == value)
+        span = float(np.ptp(x[rows])) / HELD[name]
+        if span > WHERE.swept:
+            distinct, rank = np.unique(x[rows], return_inverse=True)
+            part[rows] = rank.ravel() * min(most, int(span), len(distinct)) // len(distinct)
+    return np.asarray(np.unique(number * most + part, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+
+def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
+    """Which levels some points hold: ``at 40 degC and above``; nothing where they hold all."""
+    column, level = measurement.conditions[axis.name], axis.level[rows]
+    if level.min() == 0 and level.max() == axis.count - 1:
+        return ""
+    low, high = float(column[rows].min()), float(column[rows].max())
+    start = "at " if axis.name == "temperature" else "at amplitudes of "
+    if _number(low) == _number(high):
+        return f"{start.replace('amplitudes', 'an amplitude')}{with_unit(measurement, axis.name, low)}"
+    if level.min() == 0:
+        return f"{start}{with_unit(measurement, axis.name, high)} and below"
+    if level.max() == axis.count - 1:
+        return f"{start}{with_unit(measurement, axis.name, low)} and above"
+    return f"{start}{_number(low)} to {with_unit(measurement, axis.name, high)}"
+
+
+def with_unit(measurement: Measurement, name: str, value: float) -> str:
+    """A temperature or an amplitude as it is printed."""
+    unit = "degC" if name == "temperature" else measurement.units.amplitude
+    return f"{_number(value)}{'' if unit == '-' else f' {unit}'}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def dependences(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows) -> Iterator[str]:
+    """Whether the misfit of some points changes with the conditions; nothing where the data cannot tell."""
+    for axis in axes:
+        _, level = np.unique(axis.level[rows], return_inverse=True)
+        if level.max() > 0:
+            yield _dependence(measurement, axis.name, part, rows, level.ravel())
+
+
+def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, level: Rows) -> str:
+    count = np.bincount(level)
+    relative = np.bincount(level, part.relative[rows]) / count
+    whitened = np.bincount(level, part.whitened[rows]) / count
+    middle = float(np.average(whitened, weights=count))
+    uneven = float(chi2.sf(np.sum(count * (whitened - middle) ** 2), len(count) - 1)) < WHERE.levels_differ
+    if np.ptp(relative) <= WHERE.alike * np.abs(np.mean(relative)):
+        these = "these " if _some(measurement, name, rows) else ""
+        return f"the same at all {these}{name}s"
+    if not uneven:
+        return ""
+    at = np.bincount(level, measurement.conditions[name][rows]) / count
+    size = np.abs(relative)
+    # A misfit that changes sign elsewhere is the difference of two laws and follows neither.
+    lawful = name == "amplitude" and not _some(measurement, name, rows)
+    law = _power(at, np.bincount(level, part.residual[rows]) / count) if lawful else ""
+    rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
+    if not law and abs(rank) < 0.5:
+        return f"varying with {name}"
+    ends = ", ".join(f"{100 * size[i]:.2g} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
+    trend = f"{'larger' if rank > 0 else 'smaller'} at higher {name}s"
+    return f"{law or trend} ({ends})"
+
+
+def _some(measurement: Measurement, name: str, rows: Rows) -> bool:
+    """Whether some points hold only a part of the range of a condition."""
+    column = measurement.conditions[name]
+    return float(np.ptp(column[rows])) < 0.999 * float(np.ptp(column))
+
+
+def _power(amplitude: Real, residual: Real) -> str:
+    """The law by which a residual changes with the amplitude, where there are levels enough to say."""
+    same = residual * np.sign(np.sum(residual)) > 0
+    if len(amplitude) < 4 or not np.all(same) or amplitude[-1] < 3.0 * amplitude[0] or amplitude[0] <= 0:
+        return ""
+    slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
+    power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
+    return AMPLITUDE_POWERS[power] if abs(power - slope) < WHERE.close_power else ""
+
+
 EVERYWHERE = "at all frequencies"
+
+
 LEVEL = "level along frequency"
-POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
+
+
+FREQUENCY_POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
           0.0: LEVEL, 0.5: "growing slowly with frequency", 1.0: "growing as omega",
           2.0: "growing as omega^2"}  # fmt: skip
-PLANES = ("stiffness", "compliance", "log-complex")
+
+
+PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
+"""Planes in which a residual is read at each point by itself."""
 
 
 def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
@@ -43,11 +165,7 @@ def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
     measured, modelled : ndarray of complex, shape (n,)
         K.
     """
-    if plane == "stiffness":
-        return measured - modelled
-    if plane == "compliance":
-        return 1.0 / measured - 1.0 / modelled
-    return np.asarray(np.log(measured / modelled), dtype=np.complex128)
+    return PLANES[plane].residual(measured, Response(modelled))
 
 
 def where(frame: Frame) -> list[Where]:
@@ -61,22 +179,22 @@ def where(frame: Frame) -> list[Where]:
         The fit.
     """
     rng = np.random.default_rng(0)  # the same fit is told of in the same words
-    conditions = condition_axes(frame.measurement, BANDS[1])
-    most = BANDS[len(conditions)]
-    axes = [_frequencies(frame.measurement.omega, most), *condition_axes(frame.measurement, most)]
+    conditions = condition_axes(frame.measurement, WHERE.bands[1])
+    most = WHERE.bands[len(conditions)]
+    axes = [_frequencies(frame.measurement, most), *condition_axes(frame.measurement, most)]
     blocks = Blocks(axes)
-    threshold = blocks.threshold(ALARM, scales(frame.scale_dof), rng)
+    threshold = blocks.threshold(WHERE.alarm, scales(frame.scale_dof), rng)
     found = [(part, region) for part in _parts(frame) for region in blocks.regions(part.whitened, threshold)]
     period, clear = _period(frame, rng)
     if period:
         found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
-    found = [(part, region) for part, region in found if abs(region.sigma) > SLIGHT * abs(found[0][1].sigma)]
+    found = [(part, region) for part, region in found if abs(region.sigma) > WHERE.slight * abs(found[0][1].sigma)]
     plane = _simplest_plane(frame) if found else ""
-    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]]
+    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[: WHERE.most]]
     if period:
-        places.insert(sum(abs(region.sigma) > clear for _, region in found[:MOST]), periodic(frame))
-    return places[:MOST]
+        places.insert(sum(abs(region.sigma) > clear for _, region in found[: WHERE.most]), periodic(frame))
+    return places[: WHERE.most]
 
 
 def _length(frequencies: Axis, region: Region) -> float:
@@ -118,11 +236,11 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     if first + 2 >= len(power):
         return 0.0, 0.0
     scale = scales(frame.scale_dof)
-    chance = spectrum(frame.measurement, rng.standard_normal((DRAWS, frame.size)))
+    chance = spectrum(frame.measurement, rng.standard_normal((WHERE.draws, frame.size)))
     peak = int(np.argmax(power))
     excess = np.maximum(power - np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale)), 0.0)
-    alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > ONE_PERIOD * float(np.sum(excess))
-    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), ALARM, scale):
+    alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > WHERE.one_period * float(np.sum(excess))
+    if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), WHERE.alarm, scale):
         return 0.0, 0.0
     return 2.0 * (len(power) - 1) / peak, float(np.sqrt(2.0 * power[peak] / (len(power) - 1)))
 
@@ -135,11 +253,12 @@ def _parts(frame: Frame) -> Iterator[Part]:
     yield Part("loss modulus", residual.imag, residual.imag / size, frame.residual[n:])
 
 
-def _frequencies(omega: Real, most: int) -> Axis:
+def _frequencies(measurement: Measurement, most: int) -> Axis:
     """Bands holding equally many distinct frequencies."""
-    distinct, which = np.unique(np.round(np.log(omega), 9), return_inverse=True)
-    bands = min(most, len(distinct))
-    return Axis("frequency", (which.ravel() * bands) // len(distinct), len(distinct) / bands)
+    which = frequency_numbers(measurement)
+    distinct = int(which.max()) + 1
+    bands = min(most, distinct)
+    return Axis("frequency", (which * bands) // distinct, distinct / bands)
 
 
 def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, plane: str) -> Where:
@@ -184,7 +303,7 @@ def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     if np.sum(kept) < 4:
         return ""
     slope = float(np.polyfit(np.log(omega[kept]), np.log(np.abs(part.residual[rows][kept])), 1)[0])
-    return POWERS[min(POWERS, key=lambda power: abs(power - slope))]
+    return FREQUENCY_POWERS[min(FREQUENCY_POWERS, key=lambda power: abs(power - slope))]
 
 
 def _conditions(measurement: Measurement) -> str:
@@ -194,15 +313,11 @@ def _conditions(measurement: Measurement) -> str:
 
 def _simplest_plane(frame: Frame) -> str:
     """The plane in which one straight line in omega^0, omega^1 or omega^2 explains most of the misfit."""
-    modelled = frame.model_stiffness
-    slopes = {
-        "stiffness": np.ones_like(modelled),
-        "compliance": -(modelled**2),
-        "log-complex": modelled,
-    }
+    modelled = Response(frame.model_stiffness)
     share: dict[str, float] = {}
     scale = frame.measurement.omega / np.exp(np.mean(np.log(frame.measurement.omega)))
-    for plane, slope in slopes.items():
+    for plane, kind in PLANES.items():
+        slope = kind.slope(modelled)
         columns = [factor * slope * scale**power for power in (-1, 0, 1, 2) for factor in (1.0, 1.0j)]
         lines = frame.whiten(np.array(columns)).T
         left = frame.project(lines)

@@ -15,6 +15,7 @@ from .opening import open_measurement, parts_of, pick_reader
 from .reader import Choice, Part, Reader
 from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
+from .sweeps import Sweep, distinct_log_omega, frequency_numbers, sweeps_of, temperatures_differ
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import Loading, TimeTest
@@ -38,6 +39,11 @@ from .units import (
 )
 
 __all__ = [
+    "Sweep",
+    "distinct_log_omega",
+    "frequency_numbers",
+    "sweeps_of",
+    "temperatures_differ",
     "AMPLITUDE_UNITS",
     "ANGLE_UNITS",
     "Budget",

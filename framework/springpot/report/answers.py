@@ -251,7 +251,7 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
 
 
 def _data(step: Step) -> Measurement:
-    return step.case.found.base.data.raw
+    return step.case.search.base.data.raw
 
 
 def parameters_text(step: Step) -> str:

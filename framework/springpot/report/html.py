@@ -116,7 +116,7 @@ READING = (
 
 def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:
     """Data with the first and the last model, which are one and the same if nothing was accepted."""
-    first, last = ladder.steps[0].case.found.base, ladder.steps[-1].case.found.base
+    first, last = ladder.steps[0].case.search.base, ladder.steps[-1].case.search.base
     data = with_noise_of(last.data.mean, last.noise.sd)
     aside = set_aside(measurement, last.data.raw)
     if len(ladder.steps) == 1:
@@ -140,7 +140,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]
     yield tag("h1", f"What is missing from {first.model.name}?")
-    yield tag("p", f"Data: {ladder.data}, {len(first.case.found.base.data.raw)} points", class_="quiet")
+    yield tag("p", f"Data: {ladder.data}, {len(first.case.search.base.data.raw)} points", class_="quiet")
     if added:
         names = " ".join(added)
         fall = f"{percent(first.relative_rms)} to {percent(last.relative_rms)} of |K|"
@@ -226,7 +226,7 @@ def _ranking(step: Step) -> Iterator[Html]:
     headers = ("effect", "verdict", "probability", "ΔBIC", "predicted", "after", "parameters", "physics")
     if rows:
         yield tag("div", table(headers, rows, headers[2:6]), class_="scroll")
-    yield from _note(effects_note(step.case.found.base.data.raw, (row.effect for row in shown), "°C"))
+    yield from _note(effects_note(step.case.search.base.data.raw, (row.effect for row in shown), "°C"))
     absent = absent_effects(diagnosis)
     if absent:
         named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
@@ -291,7 +291,7 @@ def _models(ladder: Ladder) -> Iterator[Html]:
         yield tag("h3", name)
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
         yield tag("div", _parameters(step), class_="scroll")
-        yield from _note(reference_note(step.case.found.base.data.raw, [step.model.network], "°C"))
+        yield from _note(reference_note(step.case.search.base.data.raw, [step.model.network], "°C"))
 
 
 def _note(text: str) -> Iterator[Html]:

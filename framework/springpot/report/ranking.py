@@ -17,7 +17,7 @@ NAMED = 12
 def ranked_text(ranking: Ranking) -> str:
     """The answer, the models worth a look, those that are alike, and the parameters of the first."""
     last = ranking.ladder.steps[-1]
-    data = last.case.found.base.data.raw
+    data = last.case.search.base.data.raw
     parts = [
         f"{ranking.data}: {ranking.says}",
         _floors(ranking),

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.diagnosis import Comparison, Error
-from springpot.diagnosis.thinning import thinned
+from springpot.diagnosis.noise import thinned
 from springpot.diagnosis.where import in_plane
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Complex, Real

@@ -3,7 +3,7 @@
 from .balance import BalancedSeries, Compliant, balanced_series, hardening_spring, slip_film
 from .continuum import Continuum
 from .drawing import draw, drawing_of
-from .effect import Effect, Layer
+from .effect import Effect, InstrumentConstant, Layer
 from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
 from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
 from .formula import (
@@ -150,6 +150,7 @@ __all__ = [
     "Composition",
     "Dimension",
     "Effect",
+    "InstrumentConstant",
     "FORCE",
     "FULL",
     "FixedPower",

@@ -15,6 +15,25 @@ from .nodes import Composing, Node, Parallel
 from .points import Complex, Points, Real
 
 
+@dataclass(frozen=True)
+class InstrumentConstant:
+    """What an instrument's file may say of an effect: the constant with which its software corrects for it.
+
+    Parameters
+    ----------
+    fact : str
+        Key under which readers keep it in the provenance.
+    parameter : str
+        The parameter of the effect that it would be.
+    says : str
+        What it means; ``{stated}`` is the constant with its unit.
+    """
+
+    fact: str
+    parameter: str
+    says: str
+
+
 class Layer(IntEnum):
     """How far from the material an effect acts.
 
@@ -66,6 +85,8 @@ class Effect:
     equation : str
         What is measured in place of K(omega) if the effect alone joins it, in terms of K, s = i omega, the
         amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.
+    constant : InstrumentConstant, optional
+        What the file of an instrument may say of it.
     """
 
     name: str
@@ -80,6 +101,7 @@ class Effect:
     prior: float = 1.0
     narrow: bool = False
     equation: str = ""
+    constant: InstrumentConstant | None = None
 
     @property
     def vanishes_at(self) -> float:

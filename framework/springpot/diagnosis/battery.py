@@ -1,0 +1,525 @@
+"""Is anything left? One battery of tests on the residual of a fit, which needs no list of effects.
+
+Each test looks for another kind of structure (slow curves, neighbours that are alike, ripples, single points, too
+much scatter). Its statistic becomes a chance by simulated noise that has lost what the parameters follow, and the
+smallest of these chances is itself judged against its own distribution in the same simulation: looking in several
+ways costs no false alarm. `diagnose` and `compare` ask this battery and no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
+from springpot.rheology import Complex, Real
+
+from .frame import Frame, orthonormal, slow_shapes, spectrum
+from .noise import Averaged
+from .outliers import outlying
+from .policy import BATTERY, VERDICT
+from .words import times
+
+Rows: TypeAlias = NDArray[np.int64]
+MAINS = (50.0, 60.0)
+MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
+"""Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
+NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
+"""Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
+sum over them sees it where the products of next neighbours alone are too few."""
+MEANINGS = {
+    -1.0: "as Coulomb friction would",
+    0.0: "as a power-law damper would",
+    2.0: "as a cubic spring would",
+}
+"""Power of the amplitude with which the third harmonic's share grows."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The outcome of one test.
+
+    Attributes
+    ----------
+    test : str
+        What was looked for.
+    statistic : float
+        In the units named by the sentence.
+    p_value : float
+        Chance that noise alone goes at least as far.
+    found : bool
+        Whether this is rarer than the tests together may be by chance.
+    says : str
+        One plain sentence.
+    """
+
+    test: str
+    statistic: float
+    p_value: float
+    found: bool
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Battery:
+    """Chances that noise alone leaves a residual like this.
+
+    Attributes
+    ----------
+    p_value : float
+        Of the most telling test, with the others taken into account.
+    parts : dict of str to float
+        Of each test by itself.
+    frame : Frame, optional
+        The fit; without it there are no sentences.
+    """
+
+    p_value: float
+    parts: dict[str, float]
+    frame: Frame | None = None
+
+    @property
+    def alarm(self) -> bool:
+        """Whether noise is no credible cause of the residual."""
+        return self.p_value < VERDICT.structure_alarm
+
+    @property
+    def kind(self) -> str:
+        """The most telling test."""
+        return min(self.parts, key=lambda name: self.parts[name])
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """Every test in a sentence, the surest first; none counts where the battery as a whole is silent."""
+        if self.frame is None:
+            return ()
+        rows = []
+        for test in TESTS:
+            if test.name in self.parts:
+                chance = self.parts[test.name]
+                counts = self.alarm and chance < VERDICT.structure_alarm
+                value, says = test.says(self.frame)
+                rows.append(Finding(test.name, value, chance, counts, says))
+        return tuple(sorted(rows, key=lambda one: (not one.found, one.p_value)))
+
+
+class ResidualTest(NamedTuple):
+    """One test of the battery.
+
+    Attributes
+    ----------
+    name : str
+        What is looked for.
+    statistic : callable
+        Of a fit and residuals (m, 2n) the statistics (m,), larger where there is more structure; None where the data
+        have nothing to test.
+    says : callable
+        Of a fit a number and a sentence on it.
+    """
+
+    name: str
+    statistic: Callable[[Frame, Real], Real | None]
+    says: Callable[[Frame], tuple[float, str]]
+
+
+def battery(frame: Frame, rng: np.random.Generator) -> Battery:
+    """Test the residual of a fit for structure of any kind.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit.
+    rng : numpy.random.Generator
+        For the simulated noise.
+    """
+    sample = np.concatenate([frame.standard(frame.rest[None, :]), frame.draws(BATTERY.draws, rng)])
+    statistics = _statistics(frame, sample)
+    tested = _judged(statistics, frame)
+    if not BATTERY.edge[0] < tested.p_value < BATTERY.edge[1]:
+        return tested
+    # Near the alarms two thousand draws leave the verdict to the seed: twenty thousand do not.
+    more = [statistics]
+    more += [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(BATTERY.more)]
+    return _judged({name: np.concatenate([each[name] for each in more]) for name in statistics}, frame)
+
+
+def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
+    """Test whether repeats differ by chance alone, or drift in time or move together along a sweep.
+
+    Parameters
+    ----------
+    data : Averaged
+        Data with repeats; without them nothing can be said and the chance is one.
+    rng : numpy.random.Generator
+        For the simulated noise.
+    """
+    if np.sum(data.scatter.dof) < BATTERY.fewest_repeats:
+        return Battery(1.0, {})
+    count = data.scatter.dof + 1.0
+    noise = rng.standard_normal((BATTERY.draws, 2, len(data.raw)))
+    order = np.argsort(data.group, kind="stable")
+    starts = np.searchsorted(data.group[order], np.arange(len(count)))
+    mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count
+    noise -= mean[:, :, data.group]
+    measured = data.deviations()
+    sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
+    sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), 3)
+    drift = orthonormal(np.asarray(slow, dtype=np.float64))
+    statistics = {
+        "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
+        "neighbours": sum(np.sum(_kinship(sample[:, :, sweep.rows]), axis=1) for sweep in sweeps_of(data.raw)),
+    }
+    return _judged(statistics)
+
+
+def _statistics(frame: Frame, sample: Real) -> dict[str, Real]:
+    values = {test.name: test.statistic(frame, sample) for test in TESTS}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _judged(statistics: dict[str, Real], frame: Frame | None = None) -> Battery:
+    """Chances of the first member of the sample, the smallest judged against its own distribution."""
+    chances = {name: _chances(values) for name, values in statistics.items()}
+    smallest = np.min(np.array(list(chances.values())), axis=0)
+    p_value = float(np.mean(smallest <= smallest[0]))
+    return Battery(p_value, {name: float(values[0]) for name, values in chances.items()}, frame)
+
+
+def _chances(values: Real) -> Real:
+    """Share of the sample that is at least as large, for every member of it."""
+    ordered = np.sort(values)
+    return (len(values) - np.searchsorted(ordered, values, side="left")) / len(values)
+
+
+# Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the other.
+def _scatter(frame: Frame, sample: Real) -> Real | None:
+    if frame.estimated:
+        return None
+    return np.asarray(np.sum(sample * sample, axis=1), dtype=np.float64)
+
+
+def _scatter_in_words(frame: Frame) -> tuple[float, str]:
+    value, free = float(frame.rest @ frame.rest), frame.size - frame.absorbed.shape[1]
+    ratio = times(np.sqrt(value / max(free, 1)))
+    says = f"the residual is {ratio} what the noise leaves (chi-square {value:.4g} on {free} degrees of freedom)"
+    return value, says
+
+
+def _part(number: int) -> Callable[[Frame, Real], Real]:
+    def statistic(frame: Frame, sample: Real) -> Real:
+        n = len(frame.measurement)
+        return np.asarray(np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64)
+
+    return statistic
+
+
+def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        n = len(frame.measurement)
+        rows = slice(number * n, (number + 1) * n)
+        free = max(float(n - np.sum(frame.absorbed[rows] ** 2)), 1.0)
+        ratio = float(np.sqrt(np.sum(frame.rest[rows] ** 2) / free))
+        return ratio, f"{word} alone is {times(ratio)} what its noise leaves"
+
+    return says
+
+
+# Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at a frequency.
+def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Real], Real | None]:
+    def statistic(frame: Frame, sample: Real) -> Real | None:
+        basis = basis_of(frame)
+        if basis.shape[1] == 0:
+            return None
+        return np.asarray(np.sum((sample @ basis) ** 2, axis=1), dtype=np.float64)
+
+    return statistic
+
+
+def _along_in_words(basis_of: Callable[[Frame], Real], word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        basis = basis_of(frame)
+        there = float(np.sum((basis.T @ frame.rest) ** 2)) / basis.shape[1]
+        scatter = float(frame.rough @ frame.rough) / max(frame.rough_dof, 1)
+        ratio = float(np.sqrt(there / max(scatter, 1e-300)))
+        return ratio, f"{word} is {times(ratio)} what point-to-point scatter leaves"
+
+    return says
+
+
+def _smooth(frame: Frame) -> Real:
+    return frame.smooth
+
+
+def _shared(frame: Frame) -> Real:
+    return frame.shared
+
+
+def _common(frame: Frame) -> Real:
+    """Slow shapes that all sweeps share."""
+    shapes = slow_shapes(frame.measurement)
+    degrees = len(shapes) // max(1, len(sweeps_of(frame.measurement)))
+    pooled = np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])
+    columns = [frame.whiten(factor * frame.model_stiffness * pooled) for factor in (1.0, 1.0j)]
+    return frame.beyond(np.concatenate(columns).T)
+
+
+# Neighbours that are alike, along frequency and in the order in which they were measured; and what swings.
+def _along_frequency(frame: Frame) -> list[Rows]:
+    return [sweep.rows for sweep in sweeps_of(frame.measurement)]
+
+
+def _in_order(frame: Frame) -> list[Rows]:
+    return [np.arange(len(frame.measurement))]
+
+
+def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Real], Real]:
+    def statistic(frame: Frame, sample: Real) -> Real:
+        n = len(frame.measurement)
+        total: Real = np.zeros(len(sample))
+        for rows in orders(frame):
+            for offset in (0, n):
+                total += _kinship(sample[:, rows + offset])
+        return total
+
+    return statistic
+
+
+def _kinship(rows: Real) -> Real:
+    """Weighted sum of products of neighbours along the last axis."""
+    total: Real = np.zeros(rows.shape[:-1])
+    for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):
+        total += weight * np.einsum("...i,...i->...", rows[..., lag:], rows[..., :-lag])
+    return total
+
+
+def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        n, rest = len(frame.measurement), frame.rest
+        pairs = [(rows[:-1] + k, rows[1:] + k) for rows in orders(frame) for k in (0, n)]
+        first, second = (np.concatenate(side) for side in zip(*pairs, strict=True))
+        # By the size of the very points that are paired (Cauchy and Schwarz): within -1 and 1.
+        size = float(np.linalg.norm(rest[first]) * np.linalg.norm(rest[second])) or 1.0
+        correlation = float(np.clip(np.sum(rest[first] * rest[second]) / size, -1.0, 1.0))
+        return correlation, f"neighbouring residuals {word} correlate by {correlation:.2f}"
+
+    return says
+
+
+def _ripple(frame: Frame, sample: Real) -> Real:
+    """Largest power of a periodic residual along the sweeps, of one period in all of them."""
+    return np.asarray(spectrum(frame.measurement, sample).max(axis=1), dtype=np.float64)
+
+
+def _ripple_in_words(frame: Frame) -> tuple[float, str]:
+    power = spectrum(frame.measurement, frame.rest[None])[0]
+    period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
+    return period, f"the residual swings with a period of {period:.2g} points"
+
+
+# What stands out: one frequency in all sweeps, single points, multiples of the mains.
+def _local(frame: Frame) -> Real:
+    """Narrow shapes fixed in Hz that all sweeps share: one to three neighbouring frequencies, each part by itself."""
+    which, n = frequency_numbers(frame.measurement), len(frame.measurement)
+    distinct = int(which.max()) + 1
+    columns = []
+    for width in (1, 2, 3):
+        starts = np.arange(distinct - width + 1)
+        inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
+        empty = np.zeros((n, len(starts)))
+        columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
+    local = frame.project(np.concatenate(columns, axis=1)[:, : BATTERY.most_local])
+    size = np.sqrt(np.sum(local * local, axis=0))
+    narrow: Real = local[:, size > 0.1] / size[size > 0.1]
+    return narrow
+
+
+def _one_frequency(frame: Frame, sample: Real) -> Real:
+    return np.asarray(np.max(np.abs(sample @ _local(frame)), axis=1, initial=0.0), dtype=np.float64)
+
+
+def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
+    along = np.abs(frame.rest @ _local(frame))
+    size = float(np.max(along, initial=0.0))
+    return size, f"at one frequency, with its neighbours or alone, the residual is off by {size:.2g} sd in all sweeps"
+
+
+def _largest(frame: Frame, sample: Real) -> Real:
+    return np.asarray(np.max(np.abs(sample), axis=1), dtype=np.float64)
+
+
+def _points_in_words(frame: Frame) -> tuple[float, str]:
+    rows = outlying(frame)
+    size = float(np.max(np.abs(frame.rest)))
+    if len(rows) == 0:
+        return size, f"no single point stands out; the furthest is off by {size:.2g} sd"
+    hertz = frame.measurement.frequency[rows]
+    places = ", ".join(f"{x:.3g} Hz" for x in hertz[:3])
+    if len(rows) > 3:
+        places = f"{places} and {len(rows) - 3} more"
+    if np.all(_near_mains(hertz)):
+        places = f"{places} (a multiple of the mains frequency)"
+    if len(rows) == 1:
+        return size, f"a single point stands out at {places}"
+    return size, f"single points stand out at {places}"
+
+
+def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
+    """Every inner point of a sweep with its neighbours, in both parts: rows of (2n,)."""
+    n = len(frame.measurement)
+    lines = [rows + k for rows in _along_frequency(frame) for k in (0, n)]
+    before, here, after = (
+        np.concatenate(side) for side in zip(*((rows[:-2], rows[1:-1], rows[2:]) for rows in lines), strict=True)
+    )
+    return before, here, after
+
+
+def _hum(frame: Frame, sample: Real) -> Real | None:
+    """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
+    before, here, after = _bends(frame)
+    near = np.tile(_near_mains(frame.measurement.frequency), 2)[here]
+    if not np.any(near) or np.sum(~near) < BATTERY.fewest_off_mains:
+        return None
+    off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
+    others = np.mean(off[:, ~near] ** 2, axis=1)
+    return np.asarray(np.mean(off[:, near] ** 2, axis=1) / np.maximum(others, 1e-300), dtype=np.float64)
+
+
+def _hum_in_words(frame: Frame) -> tuple[float, str]:
+    value = _hum(frame, frame.rest[None])
+    ratio = 1.0 if value is None else float(value[0])
+    frequency = frame.measurement.frequency
+    places = ", ".join(sorted({f"{x:.3g}" for x in frequency[_near_mains(frequency)]}, key=float)[:4])
+    says = f"at multiples of the mains ({places} Hz) points stand off {times(np.sqrt(ratio))} as far as others"
+    return ratio, says
+
+
+def _near_mains(frequency: Real) -> NDArray[np.bool_]:
+    lines = np.outer(MAINS, MAINS_FACTORS).ravel()
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < BATTERY.near_mains, axis=1)
+    return near
+
+
+# Trends with a condition that the model does not follow.
+def _trend_basis(name: str) -> Callable[[Frame], Real]:
+    def basis(frame: Frame) -> Real:
+        x = _condition(frame, name)
+        if x is None:
+            return np.zeros((frame.size, 0))
+        return frame.beyond(frame.relative(x[None]), BATTERY.least_trend)
+
+    return basis
+
+
+def _condition(frame: Frame, name: str) -> Real | None:
+    """A condition that varies, from -1 to 1 about its mean, on the scale on which K changes slowly."""
+    column = frame.measurement.conditions.get(name)
+    if column is None or np.ptp(column) < BATTERY.least_trend * np.max(np.abs(column)):
+        return None
+    x = column
+    if name == "amplitude" and np.all(column > 0):
+        x = np.log(column)
+    return np.asarray((x - np.mean(x)) / np.ptp(x), dtype=np.float64)
+
+
+def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        x = _condition(frame, name)
+        assert x is not None, "the test was made"
+        off = np.log(frame.measurement.stiffness / frame.model_stiffness)
+        size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
+        verb = "gains" if size > 0 else "loses"
+        words = (
+            f"from the lowest to the highest {name} the measured |K| {verb} {100 * abs(np.expm1(size)):.2g} % "
+            f"and its phase {phase:+.2g} deg against the model"
+        )
+        return float(size), words
+
+    return says
+
+
+TESTS = (
+    ResidualTest("scatter", _scatter, _scatter_in_words),
+    ResidualTest("storage alone", _part(0), _part_in_words(0, "storage")),
+    ResidualTest("loss alone", _part(1), _part_in_words(1, "loss")),
+    ResidualTest("slow", _along(_smooth), _along_in_words(_smooth, "slow structure along the sweeps")),
+    ResidualTest("shared", _along(_shared), _along_in_words(_shared, "what all sweeps share at a frequency")),
+    ResidualTest("common", _along(_common), _along_in_words(_common, "slow structure that all sweeps share")),
+    ResidualTest("runs", _alike(_along_frequency), _alike_in_words(_along_frequency, "along frequency")),
+    ResidualTest("order", _alike(_in_order), _alike_in_words(_in_order, "from row to row")),
+    ResidualTest("ripple", _ripple, _ripple_in_words),
+    ResidualTest("one frequency", _one_frequency, _one_frequency_in_words),
+    ResidualTest("single points", _largest, _points_in_words),
+    ResidualTest("mains frequency", _hum, _hum_in_words),
+    *(ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name)) for name in CONDITIONS),
+)
+"""All that is looked for."""
+
+
+def judged(found: list[Finding]) -> list[Finding]:
+    """Findings held against the number of tests made (Bonferroni), the surest first."""
+    kept = [replace(one, found=one.p_value * len(found) < VERDICT.harmonic_alarm) for one in found]
+    return sorted(kept, key=lambda one: (not one.found, one.p_value))
+
+
+def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
+    """Tests on even and odd force harmonics; none where they were not measured.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data with their `harmonics`, relative to the first.
+    noise : ndarray of complex, shape (n,)
+        Standard deviations of K' and K''; a sinusoid's fit leaves the same deviation in every harmonic.
+    """
+    if measurement.harmonics is None:
+        return []
+    relative = np.sqrt(0.5 * (noise.real**2 + noise.imag**2)) / measurement.magnitude
+    return [*_harmonic(measurement, relative, 3, "odd"), *_harmonic(measurement, relative, 2, "even")]
+
+
+def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -> Iterator[Finding]:
+    assert measurement.harmonics is not None
+    if measurement.harmonics.shape[1] < order - 1:
+        return
+    share = np.abs(measurement.harmonics[:, order - 2])
+    rows = np.flatnonzero(np.isfinite(share))
+    if len(rows) == 0:
+        return
+    value = float(np.sum((share[rows] / relative[rows]) ** 2))
+    chance = float(chi2.sf(value, 2 * len(rows)))
+    typical = float(np.median(share[rows]))
+    growth = _growth(measurement, share, rows)
+    words = f"{word} nonlinearity: harmonic {order} is {100 * typical:.2g} % of the first{growth}"
+    yield Finding(f"harmonic {order}", typical, chance, False, words)
+
+
+def _growth(measurement: Measurement, share: Real, rows: NDArray[np.int64]) -> str:
+    """The power of the amplitude with which the share grows, where amplitudes differ."""
+    amplitude = measurement.conditions.get("amplitude")
+    if amplitude is None:
+        return ""
+    x, y = amplitude[rows], share[rows]
+    usable = (x > 0) & (y > 0)
+    x, y = np.log(x[usable]), np.log(y[usable])
+    if len(x) < 3 or np.ptp(x) < np.log(VERDICT.spread):
+        return ""
+    design = np.column_stack([x - x.mean(), np.ones(len(x))])
+    (slope, level), *_ = np.linalg.lstsq(design, y, rcond=None)
+    rest = y - design @ np.array([slope, level])
+    error = float(np.sqrt(np.sum(rest**2) / max(len(x) - 2, 1) / np.sum(design[:, 0] ** 2)))
+    named = min(MEANINGS, key=lambda power: abs(power - slope))
+    meaning = (
+        f", {MEANINGS[named]}" if abs(named - slope) < max(VERDICT.close_power, 2 * error) and error < 0.7 else ""
+    )
+    return f", growing as amplitude^{slope:.2g} ± {2 * error:.1g}{meaning}"

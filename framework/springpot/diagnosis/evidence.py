@@ -1,0 +1,294 @@
+"""What the evidence says: how likely each explanation is, and which effects the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .frame import Frame
+from .marginal import harmonic_evidence, marginal, unknown_marginal
+from .policy import EVIDENCE
+from .refit import Refit
+from .search import Grown, Search
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """One answer to what is missing: just these effects.
+
+    Attributes
+    ----------
+    grown : Grown
+        The best fitted model that has them.
+    probability : float
+        That they, and nothing else, are missing.
+    """
+
+    grown: Grown
+    probability: float
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of its effects in order; one that is missing twice stands twice."""
+        return tuple(sorted(self.grown.names))
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Probabilities of what is missing, and what follows from them.
+
+    Attributes
+    ----------
+    search : Search
+        The fitted models behind them.
+    nothing : float
+        That the model is complete.
+    unknown : float
+        That something is missing which no effect of the library explains.
+    explanations : tuple of Explanation
+        Sets of effects that were tried, the likeliest first.
+    imitators : frozenset of str
+        Effects whose place something else as narrow may hold.
+    leaning : frozenset of str
+        Effects that the data ask for only in the company of such a one.
+    """
+
+    search: Search
+    nothing: float
+    unknown: float
+    explanations: tuple[Explanation, ...]
+    imitators: frozenset[str] = frozenset()
+    leaning: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, search: Search, confounded: Sequence[Grown] = ()) -> Evidence:
+        """Weigh the fitted models by their marginal likelihoods and the prior weights of their effects.
+
+        Parameters
+        ----------
+        search : Search
+            A finished search.
+        confounded : sequence of Grown
+            Models grown by effects of a condition that was not varied by itself. They share the place of the
+            likeliest explanation: that they fit as well or better is no evidence, as the data cannot tell them apart.
+        """
+        tried = one_for_each_set(search.grown)
+        library = max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
+        complete = search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
+        strange = unknown_marginal(search) + np.log((1.0 - EVIDENCE.prior_nothing) / library)
+        known = np.array([complete, *(marginal(search, each) + _log_prior(each, library) for each in tried)])
+        # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
+        weights = np.exp(known - known.max())
+        odds = float(np.exp(np.clip(strange - known.max() - np.log(np.sum(weights)), -700, 700)))
+        unknown = min(odds / (1.0 + odds), EVIDENCE.most_unknown)
+        weights *= (1.0 - unknown) / np.sum(weights)
+        everything = [effect for each in search.grown for effect in each.effects]
+        imitators = frozenset(effect.name for effect in everything if effect.narrow)
+        logs = zip(tried, known[1:], strict=True)
+        asked_for = {each.names[0] for each, log in logs if len(each.effects) == 1 and log >= complete}
+        leaning = frozenset(name for each in tried for name in each.names) - asked_for - imitators
+        found = [Explanation(each, weight) for each, weight in zip(tried, weights[1:].tolist(), strict=True)]
+        found.sort(key=lambda one: -one.probability)
+        if found and confounded:
+            found[:1] = _shared(found[0], confounded)
+        return cls(search, float(weights[0]), unknown, tuple(found), imitators, leaning)
+
+    @cached_property
+    def effects(self) -> dict[str, float]:
+        """For each effect, that it is among what is missing."""
+        chances: dict[str, float] = {}
+        for one in self.explanations:
+            doubtful = not self.imitators.isdisjoint(one.names)
+            for name in set(one.names):
+                share = self.trust(name) if doubtful else 1.0
+                chances[name] = chances.get(name, 0.0) + one.probability * share
+        return chances
+
+    @property
+    def narrow(self) -> float:
+        """That something narrow is missing which only looks like an effect of the library."""
+        imitated = [one.probability for one in self.explanations if not self.imitators.isdisjoint(one.names)]
+        return EVIDENCE.other_narrow * sum(imitated)
+
+    def trust(self, name: str) -> float:
+        """Chance that what looks like an effect is that effect."""
+        if name in self.imitators | self.leaning:
+            return 1.0 - EVIDENCE.other_narrow
+        return 1.0
+
+    def doubted(self, p_value: float) -> Evidence:
+        """The same, where what the best model leaves has this chance of being noise: little if it is none of these.
+
+        The odds for something unknown are those before the test, times the most that such a chance can speak for it
+        (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
+        """
+        p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
+        odds = EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value))
+        return self._with_unknown(max(self.unknown, odds / (1.0 + odds)))
+
+    def without_unknown(self) -> Evidence:
+        """The same, taking for granted that the library explains what is missing."""
+        return self._with_unknown(0.0)
+
+    def _with_unknown(self, unknown: float) -> Evidence:
+        share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        scaled = tuple(replace(one, probability=one.probability * share) for one in self.explanations)
+        return replace(self, nothing=self.nothing * share, unknown=unknown, explanations=scaled)
+
+    @cached_property
+    def leader(self) -> str:
+        """The effect to name first: of the likeliest explanation, the one that does most by itself."""
+        alone = {each.names[0]: each.refit.log_evidence for each in self.search.grown if len(each.effects) == 1}
+        likeliest = self.explanations[0]
+        return max(likeliest.names, key=lambda name: alone.get(name, -np.inf))
+
+    @cached_property
+    def rivals(self) -> dict[str, float]:
+        """Effects that could stand in the leading one's place, with their chances.
+
+        Where the best explanation holds a second effect, that one stays while rivals of the leader are counted.
+        """
+        best = next(one for one in self.explanations if self.leader in one.names)
+        partners = list(best.names)
+        partners.remove(self.leader)
+        chances: dict[str, float] = {}
+        for one in self.explanations:
+            others = _without(one.names, partners)
+            if len(one.names) == len(best.names) and len(others) == 1:
+                chances[others[0]] = chances.get(others[0], 0.0) + one.probability
+            elif len(one.names) < len(best.names):
+                counted = 0.0 if one.names[0] in partners else one.probability
+                chances[one.names[0]] = chances.get(one.names[0], 0.0) + counted
+        return chances
+
+    @cached_property
+    def partners(self) -> dict[str, float]:
+        """Effects one of which is missing beside the leading one, with their chances; none where that may be all."""
+        with_leader = [one for one in self.explanations if self.leader in one.names]
+        chances: dict[str, float] = {}
+        for one in with_leader:
+            if len(one.names) == 2:
+                (partner,) = _without(one.names, [self.leader])
+                chances[partner] = chances.get(partner, 0.0) + one.probability
+        enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
+        return chances if sum(chances.values()) > enough else {}
+
+    @property
+    def beside(self) -> list[str]:
+        """The fewest of the partners that hold nearly all of their probability, the likeliest first."""
+        return credible(self.partners)
+
+    @cached_property
+    def classes(self) -> list[list[str]]:
+        """Effects that these data cannot tell apart, the likeliest class first.
+
+        The first class is the smallest set of rivals that holds nearly all of their probability; the rest are
+        grouped by their curves.
+        """
+        if not self.explanations:
+            return []
+        first = credible(self.rivals)
+        ranked = sorted(best_with(self.search), key=lambda name: -self.effects.get(name, 0.0))
+        return [first, *_grouped(self.search, [name for name in ranked if name not in first])]
+
+    def likeliest_with(self) -> dict[str, Refit]:
+        """For each effect, the likeliest of the fitted models that have it."""
+        chosen: dict[str, Refit] = {}
+        for one in self.explanations:
+            for name in one.grown.names:
+                chosen.setdefault(name, one.grown.refit)
+        return chosen
+
+    def grown_beside(self, names: Iterable[str]) -> dict[str, Grown]:
+        """For each effect, the best fitted model that has just it and the leading one."""
+        partner_of = {tuple(sorted((self.leader, name))): name for name in names}
+        chosen: dict[str, Grown] = {}
+        for grown in self.search.grown:
+            partner = partner_of.get(tuple(sorted(grown.names)))
+            if partner is not None:
+                chosen.setdefault(partner, grown)
+        return chosen
+
+
+def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:
+    """Names that are left when each of the others has taken one of its name away."""
+    left = list(names)
+    for name in others:
+        if name in left:
+            left.remove(name)
+    return left
+
+
+def _shared(likeliest: Explanation, confounded: Sequence[Grown]) -> list[Explanation]:
+    """The likeliest explanation and those that may stand in its place, none of them likelier than it."""
+    best = likeliest.grown.refit.log_evidence
+    odds = [float(np.exp(min(each.refit.log_evidence - best, 0.0))) for each in confounded]
+    share = likeliest.probability / (1.0 + sum(odds))
+    others = [Explanation(each, share * odd) for each, odd in zip(confounded, odds, strict=True)]
+    return [replace(likeliest, probability=share), *sorted(others, key=lambda one: -one.probability)]
+
+
+def _log_prior(grown: Grown, library: float) -> float:
+    """Log prior of a set of effects: of one half, each by its share in the library, and a second one by half."""
+    prior = (1.0 - EVIDENCE.prior_nothing) * EVIDENCE.prior_pair ** (len(grown.effects) - 1)
+    for effect in grown.effects:
+        prior *= effect.prior / library
+    return float(np.log(max(prior, 1e-300)))
+
+
+def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
+    """The best model for each set of effects: the order in which they were added does not matter."""
+    best: dict[tuple[str, ...], Grown] = {}
+    for each in sorted(grown, key=lambda one: one.names):
+        key = tuple(sorted(each.names))
+        if key not in best or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding:
+            best[key] = each
+    return list(best.values())
+
+
+def credible(chances: dict[str, float]) -> list[str]:
+    """The fewest names that hold nearly all of the probability, the likeliest first."""
+    total = sum(chances.values())
+    covered, kept = 0.0, []
+    for name in sorted(chances, key=lambda name: -chances[name]):
+        if covered < EVIDENCE.credible * total:
+            kept.append(name)
+        covered += chances[name]
+    return kept
+
+
+def best_with(search: Search) -> dict[str, Refit]:
+    """For each effect, the best fitted model that has it."""
+    best: dict[str, Refit] = {}
+    for grown in search.grown:
+        for name in grown.names:
+            if name not in best or grown.refit.log_evidence > best[name].log_evidence:
+                best[name] = grown.refit
+    return best
+
+
+def distance(frame: Frame, first: Refit, second: Refit) -> float:
+    """Root mean square difference of two fitted curves in units of the noise."""
+    difference: Real = frame.whiten(first.stiffness - second.stiffness)
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+def _grouped(search: Search, names: Sequence[str]) -> list[list[str]]:
+    """Effects that change the model alike when each joins it alone; one that changes nothing is like no other."""
+    alone = {each.names[0]: each.refit for each in reversed(search.grown) if len(each.effects) == 1}
+    groups: list[list[str]] = []
+    for name in names:
+        seen = name in alone and distance(search.frame, alone[name], search.base) >= EVIDENCE.one_curve
+        for group in groups:
+            first = alone.get(group[0])
+            if seen and first is not None and distance(search.frame, alone[name], first) < EVIDENCE.one_curve:
+                group.append(name)
+                break
+        else:
+            groups.append([name])
+    return groups

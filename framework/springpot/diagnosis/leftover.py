@@ -1,0 +1,378 @@
+"""What the best model leaves, without a name: its size, fixed in Hz or moving, causal; and how well it predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+from scipy.stats import norm
+
+from springpot.measurement import (
+    CONDITIONS,
+    Measurement,
+    distinct_log_omega,
+    frequency_numbers,
+    sweeps_of,
+    temperatures_differ,
+)
+from springpot.rheology import Complex, Real, Shift
+
+from .frame import Frame, chance_of_squares, orthonormal
+from .noise import Averaged, Noise, Scatter
+from .policy import LEFTOVER, VALIDATION
+from .refit import Refit, refit
+from .where import where
+from .words import times
+
+Rows: TypeAlias = NDArray[np.int64]
+
+
+WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)
+"""Widths of the bumps in steps of the measured frequencies."""
+
+
+SIZES = np.geomspace(1e-2, 1e2, 17)
+"""Sizes of the bumps in sizes of the residual."""
+
+
+def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
+    """Log-evidence for causality against independent K' and K''; near zero where the data cannot tell.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit whose residual is judged.
+    x : ndarray, shape (n,)
+        Ln omega along which it is a curve, reduced by temperature or not.
+    groups : sequence of ndarray of int
+        Rows that share one curve, such as sweeps.
+    """
+    n, step = len(x), step_of(frame)
+    off = frame.measurement.stiffness - frame.model_stiffness
+    size = float(np.sqrt(np.mean(np.abs(off / frame.model_stiffness) ** 2)))
+    best: dict[str, Real] = {}
+    for width in WIDTHS:
+        total: dict[str, Real] = {}
+        for rows in groups:
+            both = np.concatenate([rows, rows + n])
+            absorbed = orthonormal(frame.absorbed[both])
+            values = frame.residual[both]
+            values = values - absorbed @ (absorbed.T @ values)
+            for name, columns in _bumps(frame, x, rows, width * step):
+                columns = columns - absorbed @ (absorbed.T @ columns)
+                total[name] = total.get(name, 0.0) + _evidence_of_bumps(columns, values, size * SIZES)
+        for name, evidence in total.items():
+            best[name] = np.append(best.get(name, []), np.max(evidence))
+    top = {name: float(np.max(values)) for name, values in best.items()}
+    return top.pop("causal") - max(top.values())
+
+
+def step_of(frame: Frame) -> float:
+    """Distance of neighbouring measured frequencies in ln omega, within reason."""
+    distinct = distinct_log_omega(frame.measurement)
+    if len(distinct) < 2:
+        return 1.0
+    return float(max(np.median(np.diff(distinct)), np.ptp(distinct) / LEFTOVER.most_steps))
+
+
+def _bumps(frame: Frame, x: Real, rows: Rows, width: float) -> Iterator[tuple[str, Real]]:
+    """Columns (2m, q) of the causal curve and of those whose parts are independent, whitened."""
+    stiffness = frame.model_stiffness[rows]
+    shapes = np.array(list(_shapes(x[rows], stiffness, width)))
+    weights = frame.weights[rows]
+
+    def whitened(change: Complex) -> Real:
+        return np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1).T
+
+    real, imaginary = whitened(shapes.real * stiffness), whitened(1j * shapes.imag * stiffness)
+    yield "causal", real + imaginary
+    yield "apart", np.concatenate([real, imaginary], axis=1)
+    yield "storage", real
+    yield "loss", imaginary
+
+
+def _shapes(x: Real, stiffness: Complex, width: float) -> Iterator[Complex]:
+    """Causal relative changes of K: resonances in and beside the band, and what those far away leave in it."""
+    beside = min(LEFTOVER.beyond, LEFTOVER.most_beside * width)
+    for pole in np.arange(x.min() - beside, x.max() + beside + width, width):
+        at = 1j * np.exp(np.clip(x - pole, -300.0, 300.0))
+        yield 2.0 * width * at / (1.0 + 2.0 * width * at + at**2)
+    s = 1j * np.exp(x - np.mean(x))
+    for far in (np.ones_like(s), s, 1.0 / stiffness, s / stiffness, s**2 / stiffness, stiffness, stiffness / s):
+        yield far / np.max(np.abs(far))
+
+
+def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
+    """Log-evidence of a sum of columns with normal coefficients of each size, over that of noise alone."""
+    power, directions = np.linalg.eigh(columns.T @ columns)
+    kept = power > 1e-10 * max(float(power[-1]), 1e-300)
+    power = power[kept]
+    along = (directions[:, kept].T @ (columns.T @ values)) ** 2 / power
+    gain = power * sizes[:, None] ** 2
+    return np.asarray(0.5 * np.sum(gain / (1.0 + gain) * along - np.log1p(gain), axis=1), dtype=np.float64)
+
+
+PATTERNS = {
+    "fixed": "it stays at the same frequencies at all temperatures, as faults of an instrument do",
+    "moving": "it moves along the frequency with temperature as the material does",
+    "": "",
+}
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Energy of a residual in some directions, in units of the noise, and their number."""
+
+    energy: float
+    size: int
+    scale_dof: float
+
+    @property
+    def chance(self) -> float:
+        """That noise alone has so much."""
+        if self.size == 0:
+            return 1.0
+        return chance_of_squares(self.energy, self.size, self.scale_dof)
+
+    @property
+    def excess(self) -> float:
+        """Energy beyond that of noise."""
+        return max(self.energy - self.size, 0.0)
+
+
+def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
+    """Sentences on what a model leaves; none where that is noise, and none on what the data cannot tell.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit of the best model.
+    log_shift : ndarray, shape (n,), optional
+        Its ln a_T at the points, see `log_shift_of`; without it nothing is said of temperature.
+    """
+    places = where(frame)
+    if not places and _seen(frame, np.concatenate([frame.smooth, frame.shared], axis=1)).chance > LEFTOVER.alarm:
+        return []
+    told = [_size_in_words(frame, places[0].says if places else "")]
+    pattern = _pattern(frame, log_shift)
+    told.append(PATTERNS[pattern])
+    told.append(_causality(frame, pattern, log_shift))
+    return [sentence for sentence in told if sentence]
+
+
+def log_shift_of(found: Refit) -> Real | None:
+    """Ln a_T of a fitted model at the points (n,), or None where it has no shift with temperature."""
+    model, points = found.model, found.fit.measurement.points
+    total: Real | None = None
+    for effect, prefix in model.named_effects():  # the second of one name has a prefix of its own
+        if effect.composition.kind is Shift and "temperature" in effect.needs:
+            names = [name for name in model.names if name.rpartition(".")[0] == prefix]
+            theta = found.theta[[model.names.index(name) for name in names]]
+            value = np.asarray(effect.element.respond(theta, points).value.real, dtype=np.float64)
+            total = value if total is None else total + value
+    return total
+
+
+def _size_in_words(frame: Frame, place: str) -> str:
+    off = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
+    noise = (1.0 / frame.weights.real**2 + 1.0 / frame.weights.imag**2) / frame.measurement.magnitude**2
+    kept = 1.0 - frame.absorbed.shape[1] / frame.size
+    size = float(np.sqrt(max(np.mean(off**2) - kept * np.mean(noise), 0.0)))
+    much = f"about {100 * size:.2g} % of |K| beyond the noise" if size > 0 else "no more than the noise in size"
+    return f"what is left is {much}{': ' if place else ''}{place}"
+
+
+def _seen(frame: Frame, basis: Real) -> _Seen:
+    return _Seen(float(np.sum((basis.T @ frame.rest) ** 2)), int(basis.shape[1]), frame.scale_dof)
+
+
+def _basis_without(basis: Real, other: Real) -> Real:
+    """Orthonormal basis of what one basis has beyond another."""
+    left = basis - other @ (other.T @ basis)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEFTOVER.resolved], LEFTOVER.resolved)
+
+
+def _relative(frame: Frame, shapes: Complex) -> Real:
+    """Relative changes of K (m, n), whitened, as columns (2n, m)."""
+    return frame.whiten(shapes * frame.model_stiffness).T
+
+
+def _curve(frame: Frame, x: Real) -> Real:
+    """Basis (2n, q) of any one curve along x, in size and phase of K."""
+    step = step_of(frame)
+    knots = x.min() + step * np.arange(-3, np.ptp(x) / step + 5.0)
+    splines = BSpline.design_matrix(x, knots, 3).toarray().T
+    splines = splines[np.sum(splines, axis=1) > 0.1]
+    return frame.beyond(_relative(frame, np.concatenate([splines, 1j * splines])), LEFTOVER.resolved)
+
+
+def _pattern(frame: Frame, log_shift: Real | None) -> str:
+    """Whether the residual is one curve of the frequency (fixed) or of the reduced frequency (moving)."""
+    if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < LEFTOVER.least_shift:
+        return ""
+    x = np.log(frame.measurement.omega)
+    fixed, moving = _curve(frame, x), _curve(frame, x + log_shift)
+    by_fixed_only = _seen(frame, _basis_without(fixed, moving))
+    by_moving_only = _seen(frame, _basis_without(moving, fixed))
+    if by_fixed_only.chance < LEFTOVER.alarm and by_moving_only.excess < LEFTOVER.small * by_fixed_only.excess:
+        return "fixed"
+    if by_moving_only.chance < LEFTOVER.alarm and by_fixed_only.excess < LEFTOVER.small * by_moving_only.excess:
+        return "moving"
+    return ""
+
+
+def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
+    x, groups = np.log(frame.measurement.omega), [sweep.rows for sweep in sweeps_of(frame.measurement)]
+    if np.ptp(x) == 0.0:
+        return ""
+    reduced = x + log_shift if pattern == "moving" and log_shift is not None else x
+    if pattern and _is_one(frame, _curve(frame, reduced)):
+        x, groups = reduced, [np.arange(len(x))]
+    frame = _no_rougher(frame)
+    evidence = causal_evidence(frame, x, groups)
+    if evidence > LEFTOVER.sure:
+        return "it is consistent with causality, so that a material or a rig can be its cause"
+    if evidence < -LEFTOVER.sure and causal_evidence(_with_resonance(frame, x), x, groups) < -LEFTOVER.sure:
+        return (
+            "it is not causal (storage and loss do not belong together): a fault of the instrument or of the "
+            "analysis, or a nonlinearity, is likelier than a property of a linear material; a loss that does not "
+            "change with frequency (ideal hysteretic damping) is not causal either"
+        )
+    return ""
+
+
+def _no_rougher(frame: Frame) -> Frame:
+    """The frame with noise as large as neighbours differ: scatter beyond the stated one is no breach of causality."""
+    n, lines = len(frame.measurement), [sweep.rows for sweep in sweeps_of(frame.measurement)]
+    bend = np.concatenate([np.diff(frame.rest[rows + k], 2) for rows in lines for k in (0, n)])
+    if len(bend) < LEFTOVER.fewest:
+        return frame
+    scatter = float(np.median(np.abs(bend))) / (norm.ppf(0.75) * np.sqrt(6.0))
+    return replace(frame, weights=frame.weights / max(scatter, 1.0))
+
+
+def _is_one(frame: Frame, curve: Real) -> bool:
+    """Whether one curve is all that the residual has beside noise; else each sweep is judged by itself."""
+    free = frame.size - int(frame.absorbed.shape[1]) - int(curve.shape[1])
+    left = float(frame.rest @ frame.rest) - _seen(frame, curve).energy
+    return _Seen(left, free, frame.scale_dof).chance > LEFTOVER.nothing
+
+
+def _with_resonance(frame: Frame, x: Real) -> Frame:
+    """The frame of a model that has one resonance more: too narrow for the points, it would not look causal."""
+    step, best, most = step_of(frame), np.zeros((0, len(x)), dtype=np.complex128), 0.0
+    for pole in np.arange(x.min() - step, x.max() + step, step / LEFTOVER.narrow):
+        for width in step * np.array([0.02, 0.05, 0.1, 0.2, 0.4, 0.8]):
+            at = 1j * np.exp(x - pole)
+            shape = frame.model_stiffness / (1.0 + 2.0 * width * at + at**2)
+            shapes = np.array([shape, at * shape])
+            energy = _seen(frame, frame.beyond(frame.whiten(shapes).T)).energy
+            if energy > most:
+                best, most = shapes, energy
+    return replace(frame, jacobian=np.concatenate([frame.jacobian, best]))
+
+
+def validation(base: Refit, grown: Refit) -> Iterator[str]:
+    """One sentence for each condition of which several levels were measured.
+
+    Parameters
+    ----------
+    base : Refit
+        The user's model.
+    grown : Refit
+        The model with what is missing.
+    """
+    for name in CONDITIONS:
+        folds = _folds_of_levels(base.fit.measurement, name)
+        if not folds:
+            continue
+        old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
+        word = "predicts it better" if new < VALIDATION.better * old else "does not predict it better"
+        yield (
+            f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
+        )
+
+
+def prediction_gain(before: Refit, after: Refit) -> float:
+    """Error of prediction after over before, where something inside the data is left out; one where nothing can be.
+
+    What is physics predicts what it has not seen; a curve that was bent to a misfit does not.
+
+    Parameters
+    ----------
+    before, after : Refit
+        A model, and the same with an effect.
+    """
+    measurement = after.fit.measurement
+    folds = next(
+        (folds for name in CONDITIONS if (folds := _folds_of_levels(measurement, name))), _folds_of_bands(measurement)
+    )
+    if not folds:
+        return 1.0
+    # Both on the same data in units of the same noise: outliers may have been set aside on one rung only.
+    again = refit(before.model, after.data, after.noise, [before.theta], starts=2)
+    return left_out_error(after, folds) / max(left_out_error(again, folds), 1e-300)
+
+
+def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
+    """Root mean square error, in units of the noise, of points that the fit has not seen.
+
+    Parameters
+    ----------
+    fitted : Refit
+        A fit of all data, from which each fit of less starts.
+    folds : list of ndarray of bool, shape (n,)
+        Rows to leave out.
+    """
+    total, count = 0.0, 0
+    for fold in folds:
+        less = refit(
+            fitted.model, _data_without(fitted.data, fold), _noise_of(fitted, ~fold), [fitted.theta], starts=0
+        )
+        off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
+        sd = fitted.noise.sd
+        total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
+        count += 2 * int(np.sum(fold))
+    return float(np.sqrt(total / count))
+
+
+def _folds_of_levels(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
+    """Rows of a few inner levels of a condition; the ends would have to be extrapolated."""
+    column = measurement.conditions.get(name)
+    if column is None or (name == "temperature" and not temperatures_differ(measurement)):
+        return []
+    level = measurement.levels(name)
+    count = int(level.max()) + 1
+    if count < VALIDATION.fewest_levels or len(level) < VALIDATION.points_of_each * count:
+        return []
+    return [level == number for number in _inner(count)]
+
+
+def _folds_of_bands(measurement: Measurement) -> list[NDArray[np.bool_]]:
+    """Rows of inner bands of frequency."""
+    which = frequency_numbers(measurement)
+    distinct = int(which.max()) + 1
+    if distinct < 2 * VALIDATION.bands:
+        return []
+    band = which * VALIDATION.bands // distinct
+    return [band == number for number in _inner(VALIDATION.bands)]
+
+
+def _inner(count: int) -> list[int]:
+    """A few of the numbers 1 to count - 2, evenly."""
+    return sorted({round(x) for x in np.linspace(1, count - 2, min(VALIDATION.folds, count - 2)).tolist()})
+
+
+def _data_without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:
+    """The averaged data without some rows; the reference temperature stays."""
+    mean = data.mean.subset(np.flatnonzero(~fold))
+    scatter = Scatter(*(column[~fold] for column in data.scatter))
+    return Averaged(mean, mean, scatter, np.arange(len(mean)))
+
+
+def _noise_of(fitted: Refit, rows: NDArray[np.bool_]) -> Noise:
+    return replace(fitted.noise, sd=fitted.noise.sd[rows])

@@ -1,0 +1,275 @@
+"""Marginal likelihoods: what a model explains, less what its parameters cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from springpot.identification import Uncertainty, Window, held_costs, shown
+from springpot.measurement import CONDITIONS
+from springpot.rheology import Complex, Real
+
+from .frame import Frame, orthonormal
+from .policy import EVIDENCE
+from .refit import Refit
+from .search import Grown, Search
+
+
+def harmonic_evidence(refit: Refit) -> float:
+    """Log-likelihood of the measured third harmonic, at most 0; 0 where none was measured.
+
+    Parameters
+    ----------
+    refit : Refit
+        A model, fitted.
+    """
+    data = refit.data.mean
+    if data.harmonics is None or data.harmonics.shape[1] < 2:
+        return 0.0
+    measured = data.harmonics[:, 1]
+    rows = np.flatnonzero(np.isfinite(measured))
+    if len(rows) == 0:
+        return 0.0
+    predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
+    if not np.all(np.isfinite(radius)):
+        return EVIDENCE.unpredicted_harmonic
+    sd: Real = (np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude)[rows] + EVIDENCE.least_harmonic
+    off = np.maximum(np.abs(measured[rows] - predicted[rows]) - radius[rows], 0.0)
+    size = np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
+    missed = off**2 / (sd**2 + (EVIDENCE.harmonic_tolerance * size) ** 2)
+    return -0.5 * float(np.mean(missed)) * min(float(len(rows)), EVIDENCE.most_harmonic_rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """One kind of structure without a name in the library.
+
+    Attributes
+    ----------
+    says : str
+        What it would be; empty for structure in general.
+    drops : ndarray, shape (places,)
+        Drop of the whitened residual sum of squares, at each place at which the shape was tried.
+    shapes : int
+        How many shapes follow the residual.
+    """
+
+    says: str
+    drops: Real
+    shapes: int
+
+    @property
+    def drop(self) -> float:
+        """The largest drop."""
+        return float(np.max(self.drops))
+
+
+def unknowns(frame: Frame) -> Iterator[Unknown]:
+    """Kinds of structure that may be left by a fit, each with what it would explain.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit.
+    """
+    for basis in (frame.smooth, frame.structured):
+        yield Unknown("", _explained(frame, basis), int(basis.shape[1]))
+    log_omega = np.log(frame.measurement.omega)
+    order = np.arange(len(frame.measurement), dtype=float)
+    for along, words in ((log_omega, "along frequency"), (order, "from row to row")):
+        if np.ptp(along) > 0:
+            curves = _creep(along)
+            yield _family(frame, curves, f"a gain that changes slowly {words}")
+            yield _family(frame, np.multiply(1j, curves), f"a phase that changes slowly {words}")
+    yield from _settling(frame, order)
+    for name in CONDITIONS:
+        curves = _own_levels(frame, name)
+        if len(curves):
+            yield _family(frame, curves, f"a gain of its own at each {name}")
+            yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
+    yield from _step(frame, log_omega)
+
+
+def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
+    basis = frame.beyond(frame.whiten(frame.model_stiffness * curves).T)
+    return Unknown(says, _explained(frame, basis), int(basis.shape[1]))
+
+
+def _own_levels(frame: Frame, name: str) -> Real:
+    """Shapes (m, n) that are one at one level of a condition and zero elsewhere, for all but the first of them.
+
+    None where there are fewer than three levels, or so few points at each that they could follow anything.
+    """
+    column = frame.measurement.conditions.get(name)
+    if column is None:
+        return np.zeros((0, len(frame.measurement)))
+    level = frame.measurement.levels(name)
+    count = int(level.max()) + 1
+    if count < EVIDENCE.fewest_levels or len(level) < EVIDENCE.points_of_each * count:
+        return np.zeros((0, len(level)))
+    shapes: Real = (level == np.arange(1, count)[:, None]).astype(np.float64)
+    return shapes
+
+
+def _creep(along: Real) -> Real:
+    """Polynomials without their constant, shape (CREEP, n)."""
+    x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
+    curves: Real = np.polynomial.legendre.legvander(x, EVIDENCE.creep_degree).T[1:]
+    return curves
+
+
+def _settling(frame: Frame, order: Real) -> Iterator[Unknown]:
+    """A gain or a phase that settles exponentially from row to row, as a rig that warms up does."""
+    x = order / len(order)
+    curves = np.exp(-x / np.array(EVIDENCE.settling_times)[:, None])
+    for factor, word in ((1.0, "gain"), (1.0j, "phase")):
+        yield Unknown(f"a {word} that settles from row to row", _each_alone(frame, factor * curves), 1)
+
+
+def _each_alone(frame: Frame, curves: Complex) -> Real:
+    """Drop of the sum of squares (m,) by each of some relative changes of K (m, n) alone."""
+    columns = frame.whiten(frame.model_stiffness * curves).T
+    left = frame.project(columns)
+    size = np.linalg.norm(left, axis=0)
+    seen = size > EVIDENCE.least_seen * np.linalg.norm(columns, axis=0)
+    return np.where(seen, (frame.rest @ left) ** 2 / np.where(seen, size, 1.0) ** 2, 0.0)
+
+
+def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
+    """A gain that differs between two ranges of frequency."""
+    levels = np.unique(np.round(log_omega, 6))
+    if len(levels) < 4:
+        return
+    between = 0.5 * (levels[1:-2] + levels[2:-1])
+    between = between[np.linspace(0, len(between) - 1, min(len(between), EVIDENCE.most_steps)).round().astype(int)]
+    drops = _each_alone(frame, (log_omega > between[:, None]).astype(np.complex128))
+    hertz = float(np.exp(between[int(np.argmax(drops))])) / (2.0 * np.pi)
+    yield Unknown(f"a gain that steps at {hertz:.3g} Hz", drops, 1)
+
+
+def _explained(frame: Frame, basis: Real) -> Real:
+    """Drop of the sum of squares (1,) by all shapes of a basis together."""
+    return np.array([np.sum((basis.T @ frame.rest) ** 2)])
+
+
+Rows: TypeAlias = NDArray[np.int64]
+
+
+def marginal(search: Search, grown: Grown) -> float:
+    """Log of the marginal likelihood of a grown model, by Laplace's method, up to what all models share.
+
+    What an effect's parameters cost is the logarithm of how much narrower the data make them than they were. Its
+    size is of unknown order of magnitude, and of unknown sign where physics allows both; its parameters are known the
+    better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
+    (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
+    """
+    spent = len(grown.refit.own) - len(search.base.own)
+    cost = EVIDENCE.unknown_sign * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
+    explained = _discounted(search, grown.refit.log_likelihood, spent, len(grown.effects))
+    return explained + harmonic_evidence(grown.refit) - cost + _refund(search, grown)
+
+
+def _refund(search: Search, grown: Grown) -> float:
+    """What is charged too much for parameters, sizes apart, that the data hardly determine.
+
+    An effect with one that has gone beyond what the data show pays in full: it has become a simpler effect. One that
+    the data leave open pays for the share of its range in which the model fits as well.
+    """
+    refit = grown.refit
+    if not np.all(np.isfinite(refit.fit.jacobian_u)):
+        return 0.0
+    uncertainty = Uncertainty(refit.fit, absolute=True)
+    variance = np.where(uncertainty.at_bound != 0, np.inf, np.diag(uncertainty.covariance))
+    rival = refit.log_likelihood > search.best.log_likelihood - EVIDENCE.rivals
+    kept, shares = [], 0.0
+    for rows in _extras(search, grown):
+        seen = [_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)) for i in rows]
+        if min(seen) > 0.0:
+            kept.append(rows)
+            shares += float(np.sum(np.log(seen)))
+    if not kept:
+        return 0.0
+    nuisances = np.concatenate(kept)
+    drop = max(2.0 * (refit.log_likelihood - search.base.log_likelihood), 0.0)
+    needed = np.minimum(drop, EVIDENCE.vague * _sharpness(refit, nuisances, uncertainty.at_bound))
+    return max(0.5 * float(len(nuisances) * np.log1p(drop) - np.sum(np.log1p(needed))) + shares, 0.0)
+
+
+def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
+    """How sharply the data determine some parameters together, all others free: principal precisions (q,).
+
+    Where only a combination of them is determined, one direction is sharp and the others are open.
+    """
+    slopes = np.where(at_bound == 0, refit.fit.jacobian_u, 0.0)
+    others = orthonormal(np.delete(slopes, rows, axis=1))
+    left = slopes[:, rows] - others @ (others.T @ slopes[:, rows])
+    return np.asarray(np.linalg.svd(left, compute_uv=False) ** 2, dtype=np.float64)
+
+
+def _extras(search: Search, grown: Grown) -> list[list[int]]:
+    """For each effect added, the numbers of its parameters other than its size."""
+    sizes = {(each.name, each.element.parameters[0].name) for each in grown.effects}
+    mine: dict[str, list[int]] = {}
+    for i, parameter in enumerate(grown.refit.model.parameters):
+        owner, _, short = parameter.name.rpartition(".")
+        if owner and parameter.name not in search.base.model.names and (owner.partition("#")[0], short) not in sizes:
+            mine.setdefault(owner, []).append(i)
+    return list(mine.values())
+
+
+def _seen(refit: Refit, i: int, left_open: bool) -> float:
+    """One where the data show a parameter, 0 where they do not, and where they leave it open the share of its range.
+
+    Two temperatures cannot tell two constants of a shift: the fit ends anywhere along a valley, and where is chance.
+    """
+    if np.linalg.norm(refit.fit.jacobian_u[:, i]) < EVIDENCE.least_influence:
+        return 0.0
+    parameter = refit.model.parameters[i]
+    low, high = shown(parameter, Window.of(refit.fit.measurement))
+    if low < float(refit.theta[i]) < high:
+        return 1.0
+    if not left_open or not low < high:
+        return 0.0
+    spread = np.geomspace if parameter.scale == "log" else np.linspace
+    worse = held_costs(refit.fit, parameter.name, spread(low, high, EVIDENCE.places)) - refit.rss
+    share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
+    return share if share > EVIDENCE.least_share else 0.0
+
+
+def likeliest_unknown(search: Search) -> Unknown:
+    """The kind of structure without a name that explains the data best."""
+    return max(unknowns(search.frame), key=lambda kind: _evidence_of(search, kind))
+
+
+def unknown_marginal(search: Search) -> float:
+    """Log-evidence of all such kinds together.
+
+    Structure in general has the weight of one common effect; each fault of a measuring chain has one of its own, as
+    laboratories meet them one by one.
+    """
+    kinds = list(unknowns(search.frame))
+    general = sum(not kind.says for kind in kinds)
+    weights = np.array([EVIDENCE.prior_chain if kind.says else 1.0 / general for kind in kinds])
+    evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
+    return float(logsumexp(evidence))
+
+
+def _evidence_of(search: Search, kind: Unknown) -> float:
+    """Log-evidence of one kind on top of the base model, the mean over its places."""
+    frame = search.frame
+    misfit = float(frame.rest @ frame.rest)
+    each = [
+        _discounted(search, search.base.noise.log_likelihood(misfit - drop, frame.size), kind.shapes, 1)
+        for drop in kind.drops.tolist()
+    ]
+    return float(logsumexp(each)) - float(np.log(len(each)))
+
+
+def _discounted(search: Search, log_likelihood: float, spent: int, effects: int) -> float:
+    drop = max(2.0 * (log_likelihood - search.base.log_likelihood), 0.0)
+    return float(log_likelihood - effects * EVIDENCE.unknown_size - 0.5 * spent * np.log1p(drop))

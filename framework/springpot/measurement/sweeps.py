@@ -1,0 +1,103 @@
+"""The lines along which measured points follow one another: one notion of a sweep for all that look at neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+from .measurement import Measurement
+
+DIGITS = 6
+"""Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
+DRIFT = 1.0
+"""Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
+SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
+"""Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
+
+
+class Sweep(NamedTuple):
+    """Points of one sweep.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (m,)
+        Row numbers, in the order of `x`.
+    x : ndarray, shape (m,)
+        ln omega, or where only a condition varies ln amplitude or the temperature.
+    """
+
+    rows: NDArray[np.int64]
+    x: Real
+
+
+def frequency_numbers(measurement: Measurement) -> NDArray[np.int64]:
+    """Number of the distinct frequency of each row, ascending; shape (n,)."""
+    _, number = np.unique(np.round(np.log(measurement.omega), DIGITS), return_inverse=True)
+    return np.asarray(number.ravel(), dtype=np.int64)
+
+
+def distinct_log_omega(measurement: Measurement) -> Real:
+    """Ln omega of the distinct frequencies, ascending."""
+    return np.asarray(np.unique(np.round(np.log(measurement.omega), DIGITS)), dtype=np.float64)
+
+
+def temperatures_differ(measurement: Measurement) -> bool:
+    """Whether there is more than the drift about one set temperature."""
+    column = measurement.conditions.get("temperature")
+    return column is not None and float(np.ptp(column)) >= DRIFT
+
+
+def sweeps_of(measurement: Measurement) -> list[Sweep]:
+    """Frequency sweeps, else amplitude or temperature sweeps; all rows are one sweep where each differs in all.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Measurement
+    >>> omega = np.array([1.0, 2.0, 4.0, 1.0, 2.0, 4.0])
+    >>> data = Measurement(omega, np.ones(6) + 1j, conditions={"temperature": np.array([20.0] * 3 + [40.0] * 3)})
+    >>> [sweep.rows.tolist() for sweep in sweeps_of(data)]
+    [[0, 1, 2], [3, 4, 5]]
+    """
+    # A sweep of fewer than three points has no course of its own: then the points follow another condition.
+    most = max(1, len(measurement) // 3)
+    log_omega = np.log(measurement.omega)
+    groups = [rows for _, rows in measurement.sweeps()]
+    if len(groups) <= most and np.ptp(log_omega) > 0:
+        return [_ordered(rows, log_omega) for rows in groups]
+    for name, scale in SCALES.items():
+        column = measurement.conditions.get(name)
+        if column is None or np.ptp(column) == 0:
+            continue
+        groups = list(_at_constant(measurement, name))
+        if len(groups) <= most:
+            return [_ordered(rows, scale(column)) for rows in groups]
+    return [_ordered(np.arange(len(measurement)), log_omega)]
+
+
+def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
+    """Rows at one frequency and equal conditions but for the swept one."""
+    columns = [frequency_numbers(measurement).astype(float)]
+    for name in SCALES:
+        if name != swept and name in measurement.conditions:
+            columns.append(np.round(measurement.conditions[name], DIGITS))
+    if measurement.repeat is not None:
+        columns.append(measurement.repeat.astype(float))
+    _, which = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    for group in range(int(which.max()) + 1):
+        yield np.flatnonzero(which.ravel() == group)
+
+
+def _ordered(rows: NDArray[np.int64], x: Real) -> Sweep:
+    order = np.argsort(x[rows], kind="stable")
+    return Sweep(rows[order], x[rows[order]])

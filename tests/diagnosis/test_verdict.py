@@ -1,0 +1,65 @@
+"""The table of verdicts: every line, and that no fact is forgotten."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from itertools import product
+
+import pytest
+
+from springpot.diagnosis.policy import VERDICT
+from springpot.diagnosis.verdict import RULES, Facts, rule_for
+
+CLEAR = VERDICT.clear_evidence
+SEEN = {"structure": True, "certain": True}
+
+
+@pytest.mark.parametrize(
+    ("facts", "verdict"),
+    [
+        ({}, "adequate"),
+        ({"few": True}, "inconclusive"),
+        ({"outliers": True}, "unexplained"),
+        ({"gain": CLEAR, "named": True}, "inconclusive"),
+        ({"gain": CLEAR}, "adequate"),
+        ({"material": True}, "unexplained"),
+        ({"repeats": True}, "unexplained"),
+        (SEEN | {"gain": CLEAR, "named": True}, "effect-missing"),
+        (SEEN | {"gain": CLEAR, "named": True, "outliers": True}, "effect-missing"),
+        (SEEN | {"gain": CLEAR, "named": True, "left": True}, "unexplained"),
+        (SEEN | {"gain": CLEAR, "named": True, "left": True, "nearly_all": True}, "effect-missing"),
+        (SEEN | {"gain": CLEAR, "named": True, "unknown": True}, "unexplained"),
+        (SEEN | {"gain": CLEAR, "named": True, "unknown": True, "chain": True, "nearly_all": True}, "unexplained"),
+        (SEEN | {"gain": CLEAR}, "inconclusive"),
+        (SEEN, "unexplained"),
+        (SEEN | {"outliers": True}, "unexplained"),
+        ({"library": True, "certain": True, "gain": 0.5 * CLEAR, "named": True}, "effect-missing"),
+        ({"library": True, "gain": 0.5 * CLEAR, "named": True}, "inconclusive"),
+        ({"library": True, "outliers": True}, "unexplained"),
+    ],
+)
+def test_the_first_rule_that_holds_gives_the_verdict(facts, verdict):
+    assert rule_for(Facts(**facts)).verdict == verdict
+
+
+def everything():
+    """All combinations of facts."""
+    names = [field.name for field in fields(Facts) if field.name != "gain"]
+    for values in product((False, True), repeat=len(names)):
+        for gain in (0.0, 0.5 * CLEAR, CLEAR):
+            yield Facts(**dict(zip(names, values, strict=True)), gain=gain)
+
+
+def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
+    used = set()
+    for facts in everything():
+        rule = rule_for(facts)
+        used.add(rule.reason)
+        if rule.verdict == "effect-missing":
+            assert facts.alarm
+            assert facts.named
+        if rule.verdict == "adequate":
+            assert not facts.alarm
+            assert not facts.outliers
+            assert not facts.repeats
+    assert used == {rule.reason for rule in RULES}
