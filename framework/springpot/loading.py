@@ -215,7 +215,7 @@ def _where(row: dict[str, Any]) -> Where:
 
 def _candidate(row: dict[str, Any]) -> Candidate:
     return Candidate(
-        effect=row["effect"],
+        physics=plugins().effect(row["effect"]),
         alike=tuple(row["class"]),
         probability=row["probability"],
         delta_bic=-inf if row["delta_bic"] is None else row["delta_bic"],

@@ -49,7 +49,7 @@ def test_noise_alone_rarely_alarms(known):
 
 def test_understated_noise_is_too_much_scatter():
     data = noisy()
-    bold = Measurement(OMEGA, data.stiffness, sd=0.007 * data.magnitude * (1 + 1j))
+    bold = Measurement(OMEGA, data.stiffness, sd=0.0065 * data.magnitude * (1 + 1j))
     judgement = springpot.compare(bold, [MAXWELL]).judgements[0]
     assert "scatter" in found(judgement)
 

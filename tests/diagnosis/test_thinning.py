@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.diagnosis.noise import average_repeats, thinned
+from springpot.diagnosis.policy import NOISE
 from springpot.measurement import Measurement
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from springpot.rheology import (
     Effect,
+    InstrumentConstant,
     Layer,
     balanced_series,
     dashpot,
@@ -28,6 +29,9 @@ EFFECTS = (
         "Liu et al. 2011, Rheologica Acta 50, 537",
         ("mounting-compliance", "instrument-compliance"),
         equation="1 / (1 / K + 1 / k)",
+        constant=InstrumentConstant(
+            "compliance as modulus", "k", "an instrument compliance that is a spring of {stated} in series"
+        ),
     ),
     Effect(
         "frame-resonance",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from springpot.rheology import (
     Effect,
+    InstrumentConstant,
     Layer,
     basset,
     dashpot,
@@ -34,6 +35,9 @@ EFFECTS = (
         citation="Ferry, Viscoelastic Properties of Polymers, 1980",
         aliases=("solvent-dashpot", "bearing-drag"),
         equation="K + c * s",
+        constant=InstrumentConstant(
+            "friction as viscosity", "c", "a bearing friction that is a viscosity of {stated}"
+        ),
     ),
     Effect(
         "parallel-springpot",
@@ -80,6 +84,9 @@ EFFECTS = (
         "Krieger 1990, J. Rheol. 34, 471",
         ("fixture-mass", "inerter", "instrument-inertia"),
         equation="K - m * omega^2",
+        constant=InstrumentConstant(
+            "inertia as modulus", "m", "a moment of inertia that takes {stated} omega^2 from the modulus"
+        ),
     ),
     Effect(
         "basset",
