@@ -8,7 +8,7 @@ ways costs no false alarm. `diagnose` and `compare` ask this battery and no othe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -23,7 +23,7 @@ from springpot.rheology import Complex, Real
 from .frame import Frame, orthonormal, slow_shapes, spectrum
 from .noise import Averaged
 from .outliers import outlying
-from .policy import BATTERY, VERDICT
+from .policy import BATTERY, OUTLIERS, VERDICT
 from .words import times
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -82,16 +82,19 @@ class Battery:
         Of each test by itself.
     frame : Frame, optional
         The fit; without it there are no sentences.
+    points : tuple of int
+        Rows that stand out by themselves, by the rule of `outliers`.
     """
 
     p_value: float
     parts: dict[str, float]
     frame: Frame | None = None
+    points: tuple[int, ...] = ()
 
     @property
     def alarm(self) -> bool:
         """Whether noise is no credible cause of the residual."""
-        return self.p_value < VERDICT.structure_alarm
+        return self.p_value < VERDICT.structure_alarm or bool(self.points)
 
     @property
     def kind(self) -> str:
@@ -107,9 +110,11 @@ class Battery:
         for test in TESTS:
             if test.name in self.parts:
                 chance = self.parts[test.name]
-                counts = self.alarm and chance < VERDICT.structure_alarm
+                counts = self.p_value < VERDICT.structure_alarm and chance < VERDICT.structure_alarm
                 value, says = test.says(self.frame)
                 rows.append(Finding(test.name, value, chance, counts, says))
+        if self.points:
+            rows.append(Finding("single points", *_points_in_words(self.frame, self.points)))
         return tuple(sorted(rows, key=lambda one: (not one.found, one.p_value)))
 
 
@@ -144,13 +149,14 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
     """
     sample = np.concatenate([frame.standard(frame.rest[None, :]), frame.draws(BATTERY.draws, rng)])
     statistics = _statistics(frame, sample)
-    tested = _judged(statistics, frame)
+    tested = replace(_judged(statistics, frame), points=tuple(outlying(frame).tolist()))
     if not BATTERY.edge[0] < tested.p_value < BATTERY.edge[1]:
         return tested
     # Near the alarms two thousand draws leave the verdict to the seed: twenty thousand do not.
     more = [statistics]
     more += [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(BATTERY.more)]
-    return _judged({name: np.concatenate([each[name] for each in more]) for name in statistics}, frame)
+    finer = _judged({name: np.concatenate([each[name] for each in more]) for name in statistics}, frame)
+    return replace(finer, points=tested.points)
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
@@ -354,24 +360,33 @@ def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
     return size, f"at one frequency, with its neighbours or alone, the residual is off by {size:.2g} sd in all sweeps"
 
 
-def _largest(frame: Frame, sample: Real) -> Real:
+def _largest(frame: Frame, sample: Real) -> Real | None:
+    """The furthest point; where the data's own scatter is dealt out, it is dealt out too, and tells nothing."""
+    if frame.estimated:
+        return None
     return np.asarray(np.max(np.abs(sample), axis=1), dtype=np.float64)
 
 
-def _points_in_words(frame: Frame) -> tuple[float, str]:
-    rows = outlying(frame)
+def _largest_in_words(frame: Frame) -> tuple[float, str]:
     size = float(np.max(np.abs(frame.rest)))
-    if len(rows) == 0:
-        return size, f"no single point stands out; the furthest is off by {size:.2g} sd"
+    return size, f"the furthest point is off by {size:.2g} sd"
+
+
+def _points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, bool, str]:
+    """Size, chance and sentence of points that stand out by the rule of `outliers`."""
+    rows = list(points)
+    n = len(frame.measurement)
+    size = float(np.max(np.hypot(frame.rest[rows], frame.rest[np.add(rows, n)])))
     hertz = frame.measurement.frequency[rows]
     places = ", ".join(f"{x:.3g} Hz" for x in hertz[:3])
     if len(rows) > 3:
         places = f"{places} and {len(rows) - 3} more"
     if np.all(_near_mains(hertz)):
         places = f"{places} (a multiple of the mains frequency)"
-    if len(rows) == 1:
-        return size, f"a single point stands out at {places}"
-    return size, f"single points stand out at {places}"
+    verb = "a single point stands out"
+    if len(rows) > 1:
+        verb = "single points stand out"
+    return size, OUTLIERS.rare, True, f"{verb} at {places}"
 
 
 def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
@@ -459,7 +474,7 @@ TESTS = (
     ResidualTest("order", _alike(_in_order), _alike_in_words(_in_order, "from row to row")),
     ResidualTest("ripple", _ripple, _ripple_in_words),
     ResidualTest("one frequency", _one_frequency, _one_frequency_in_words),
-    ResidualTest("single points", _largest, _points_in_words),
+    ResidualTest("furthest point", _largest, _largest_in_words),
     ResidualTest("mains frequency", _hum, _hum_in_words),
     *(ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name)) for name in CONDITIONS),
 )

@@ -1,0 +1,82 @@
+"""The battery of residual tests: right on noise of every kind, and on structure of every kind."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.diagnosis.battery import TESTS, battery
+from springpot.diagnosis.floor import fitted_to_floor
+
+MODEL = springpot.parse_model("fractional-zener")
+TRUTH = np.array([100.0, 400.0, 60.0, 0.5])
+SEEDS = 60
+
+
+def scatter(kind, rng, shape):
+    """Standardised noise of several kinds, shape (2, n)."""
+    if kind == "long tails":
+        return rng.standard_t(3, size=shape) / np.sqrt(3.0)
+    noise = rng.normal(size=shape)
+    if kind == "gain only":
+        noise[1] *= 0.1
+    if kind == "one noisy sweep":
+        noise[:, : shape[1] // 3] *= 3.0
+    return noise
+
+
+def sweeps(kind, seed=0, error=0.0):
+    """One sweep of 48 points, or three of 16 at three temperatures, with noise of 1 % of unknown size."""
+    temperature = np.repeat([0.0, 10.0, 20.0], 16) if kind == "one noisy sweep" else None
+    omega = np.geomspace(0.5, 300.0, 48)
+    if temperature is not None:
+        omega = np.tile(np.geomspace(0.5, 300.0, 16), 3)
+    noise = 0.01 * scatter(kind, np.random.default_rng(seed), (2, 48))
+    stiffness = MODEL.stiffness(TRUTH, omega) * (1.0 + error + noise[0] + 1j * noise[1])
+    conditions = {} if temperature is None else {"temperature": temperature}
+    return springpot.Measurement(omega, stiffness, conditions=conditions)
+
+
+def judged(data):
+    return battery(fitted_to_floor(MODEL, data).frame(), np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("kind", ["normal", "long tails", "gain only", "one noisy sweep"])
+def test_chances_on_noise_alone_are_chances(kind):
+    """Of 60 chances at most 9 are below 0.05 and at most 4 below 0.01, but for 1 in 1,000 and 4 in 10,000 runs."""
+    chances = np.array([judged(sweeps(kind, seed)).p_value for seed in range(SEEDS)])
+    assert np.sum(chances < 0.05) <= 9
+    assert np.sum(chances < 0.01) <= 4
+    assert 0.25 < np.median(chances) < 0.75
+
+
+X = np.linspace(-1.0, 1.0, 48)
+PATTERNS = {
+    "slow": 0.05 * X**3 * (1.0 + 0.5j),
+    "ripple": 0.03 * np.cos(np.arange(48) * 2.0 * np.pi / 6.0),
+    "single points": np.where(np.arange(48) == 20, 0.2, 0.0),
+    "runs": 0.03 * np.sin(9.0 * X),
+}
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_structure_of_each_kind_raises_the_alarm_and_is_told(name):
+    found = judged(sweeps("normal", 3, PATTERNS[name]))
+    assert found.alarm
+    assert found.parts.get(name, 0.0) < 0.005
+    [told] = [finding for finding in found.findings if finding.test == name]
+    assert told.found
+    assert told.says
+
+
+def test_every_test_has_a_sentence_and_a_silent_battery_finds_nothing():
+    found = judged(sweeps("normal", 1))
+    assert not found.alarm
+    assert {finding.test for finding in found.findings} == set(found.parts) <= {test.name for test in TESTS}
+    assert all(finding.says and not finding.found for finding in found.findings)
+
+
+def test_the_same_generator_gives_the_same_chances():
+    data = sweeps("normal", 2)
+    assert judged(data).parts == judged(data).parts
