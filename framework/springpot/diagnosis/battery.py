@@ -27,6 +27,8 @@ from .policy import BATTERY, OUTLIERS, VERDICT
 from .words import times
 
 Rows: TypeAlias = NDArray[np.int64]
+DRIFT_DEGREE = 3
+"""Degree of the polynomials by which repeats may drift."""
 MAINS = (50.0, 60.0)
 MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
 """Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
@@ -180,13 +182,31 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
-    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), 3)
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), DRIFT_DEGREE)
     drift = orthonormal(np.asarray(slow, dtype=np.float64))
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
         "neighbours": sum(np.sum(_kinship(sample[:, :, sweep.rows]), axis=1) for sweep in sweeps_of(data.raw)),
     }
     return _judged(statistics)
+
+
+def drift_share(data: Averaged) -> float:
+    """Share of what sets repeats apart that one slow curve from row to row explains; one is a drift and nothing else.
+
+    Replicates of several specimens differ by a smooth curve each, which no one curve explains.
+    """
+    measured = data.deviations()
+    size = float(np.sum(np.abs(measured) ** 2))
+    if size == 0.0:
+        return 0.0
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(measured)), DRIFT_DEGREE)
+    count = np.bincount(data.group)
+    # The deviations have lost the means of the repeats; so must the curves.
+    lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]
+    drift = orthonormal(slow - lost)
+    along = drift.T @ np.column_stack([measured.real, measured.imag])
+    return float(np.sum(along**2)) / size
 
 
 def _statistics(frame: Frame, sample: Real) -> dict[str, Real]:

@@ -288,6 +288,9 @@ class VerdictLevels:
     """Degrees of freedom below which data cannot be judged."""
     harmonic_alarm: float = 0.05
     """Chance that any harmonic of the force is held to be real where all are noise."""
+    drift_share: float = 0.75
+    """Share of what sets repeats apart from which one slow curve in time is its cause: 0.49 to 0.64 for replicates of
+    three bitumen specimens (fhwa-ptf-binder-dsr), 0.88 for an artificial drift."""
     repeats_alarm: float = 0.002
     """Chance of a false alarm granted to the test of the repeats' scatter."""
     likely: float = 0.5

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from .battery import drift_share
 from .evidence import Evidence
 from .marginal import likeliest_unknown
 from .outliers import Outlier
@@ -22,7 +23,7 @@ class Facts:
     Attributes
     ----------
     repeats : bool
-        Repeats differ by more than chance: by a drift, or together along a sweep.
+        Repeats drift by more than chance.
     library : bool
         The scan of the library raises its alarm.
     structure : bool
@@ -119,7 +120,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     search = evidence.search
     unknown = evidence.unknown > VERDICT.likely
     return Facts(
-        repeats=search.repeats.p_value < VERDICT.repeats_alarm,
+        repeats=drifted(search),
         library=search.scan.p_value < VERDICT.library_alarm,
         structure=search.structure.p_value < VERDICT.structure_alarm,
         certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
@@ -133,6 +134,12 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         outliers=bool(outliers),
         material=beside_material,
     )
+
+
+def drifted(search: Search) -> bool:
+    """Whether repeats differ by a drift: what they tell of the noise is then the drift's size."""
+    beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
+    return beyond_chance and drift_share(search.base.data) > VERDICT.drift_share
 
 
 def _all_but_explained(search: Search) -> bool:
@@ -173,8 +180,8 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         if len(outliers) > 1:
             points = f"{len(outliers)} single points stand out"
         return f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
-    if own.alarm > VERDICT.structure_alarm and own.repeats.p_value < VERDICT.repeats_alarm:
-        return f"{error}, but repeats differ by more than chance: something changed while they were measured"
+    if own.alarm > VERDICT.structure_alarm and drifted(own):
+        return f"{error}, but repeats drift by more than chance: something changed while they were measured"
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
     return f"{error}; something is missing that no effect of the library explains"
