@@ -36,6 +36,6 @@ def draw(ladder: Ladder, path: Path) -> None:
 
 def _scene(step: Step) -> Scene:
     """Averaged data with the standard deviations of the noise, and the model of one rung."""
-    fit = step.case.found.base
+    fit = step.case.search.base
     data: Measurement = replace(fit.data.mean, sd=fit.noise.sd)
     return Scene(data, [Fit(fit.model, fit.theta)])

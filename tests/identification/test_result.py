@@ -229,7 +229,7 @@ def test_diagnosis_and_discovery_know_what_is_held_and_left_out():
     ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia", **known)
     assert ladder.model.held == {"alpha": 0.5}
     assert "alpha" not in ladder.model.names
-    assert len(ladder.steps[0].case.found.base.data.raw) < len(springpot.read("artificial-hidden"))
+    assert len(ladder.steps[0].case.search.base.data.raw) < len(springpot.read("artificial-hidden"))
     assert "alpha" not in ladder.steps[-1].parameters
 
 

@@ -68,7 +68,7 @@ def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]
 def drawn(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     """The answer to a state whose ladder is known; see `answer`."""
     scene, case = Scene(measurement), ladder.steps[-1].case
-    base = case.found.base
+    base = case.search.base
     used = base.data.raw
     grown = list(grown_by_each(case))
     return {
@@ -99,9 +99,9 @@ def rungs(state: State, ladder: Ladder, measurement: Measurement) -> list[dict[s
 def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
     """Parameters of the last rung in printed units, with the ends that a search respects."""
     step = ladder.steps[-1]
-    units = step.case.found.base.fit.measurement.units
+    units = step.case.search.base.fit.measurement.units
     rows = []
-    for parameter in step.case.found.base.model.parameters:
+    for parameter in step.case.search.base.model.parameters:
         value = step.parameters.get(parameter.name)
         if value is None:  # a line of a free spectrum: hundreds of them, none of which anybody would move
             continue
@@ -124,7 +124,7 @@ def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
 
 def _noise(scene: Scene, case: Case) -> dict[str, Any]:
     """Standard deviations at the drawn points: those of the fitted point of nearest |K|, as a share of it."""
-    base = case.found.base
+    base = case.search.base
     fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
     order = np.argsort(fitted)
     nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]

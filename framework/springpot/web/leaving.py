@@ -110,7 +110,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     Frequencies are in Hz and, beside it, in rad/s, as the header says.
     """
     scene, case = Scene(measurement), ladder.steps[-1].case
-    base, unit = case.found.base, measurement.units.stiffness
+    base, unit = case.search.base, measurement.units.stiffness
     fits = [("model", base.model, base.theta)]
     fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]
     names = ["data", *(name for name, _, _ in fits)]

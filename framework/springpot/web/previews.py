@@ -37,9 +37,9 @@ class Grown:
 
 def grown_by_each(case: Case) -> Iterator[Grown]:
     """For each candidate of a diagnosis, the model as accepting it alone would make it, as far as it is known."""
-    alone = {one.names[0]: one.refit for one in reversed(case.found.grown) if len(one.effects) == 1}
-    scanned = {score.influence.effect.name: score for score in case.found.scan.scores}
-    base = case.found.base.model
+    alone = {one.names[0]: one.refit for one in reversed(case.search.grown) if len(one.effects) == 1}
+    scanned = {score.influence.effect.name: score for score in case.search.scan.scores}
+    base = case.search.base.model
     for candidate in case.diagnosis.candidates:
         name = candidate.effect
         if name in alone:
@@ -49,7 +49,7 @@ def grown_by_each(case: Case) -> Iterator[Grown]:
         if score is None or not len(score.starts):
             continue
         try:
-            model = (base + score.influence.effect).bound_to(case.found.base.fit.measurement.points)
+            model = (base + score.influence.effect).bound_to(case.search.base.fit.measurement.points)
         except SpringpotError:
             continue
         if len(score.starts[0]) == len(model.parameters):
