@@ -103,6 +103,13 @@ def test_export_from_a_fit_to_tests_in_time(springpot, fit):
     assert "uniaxialMaterial" in springpot("export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz").out
 
 
+def test_diagnose_judges_the_raw_signal(springpot, relaxed):
+    answer = springpot("diagnose", relaxed, "-m", "fractional-maxwell", "--json").json
+    assert answer["schema"] == "springpot.diagnosis-in-time/1"
+    assert answer["verdict"] == "adequate"
+    springpot("diagnose", relaxed).is_one_line("give --model")
+
+
 def test_what_is_for_sweeps_is_refused(springpot, relaxed):
     springpot("identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es").is_one_line("for sweeps")
     springpot("identify", relaxed, "-m", "fractional-maxwell", "--fix", "k=1").is_one_line("--fix is for sweeps")

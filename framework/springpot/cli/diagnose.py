@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import completion
+from . import completion, timetests
 from .common import (
     geometry_option,
     json_option,
@@ -51,11 +51,16 @@ def command(
     Without --model any linear passive material is judged: what is missing then is no part of the material.
 
     Each DATA is a file or a registered data set and gets its own answer; with several, --json prints one line of
-    JSON for each. One that cannot be used is named on stderr, and the others are still answered.
+    JSON for each. One that cannot be used is named on stderr, and the others are still answered. Tests in time are
+    judged together, on their raw signals.
     """
     from springpot.registry import parse_model
 
     expression = None if model is None else parse_model(model)
+    tests = timetests.named_tests(data, geometry)
+    if tests is not None:
+        timetests.diagnose(tests, expression, as_json)
+        return 0
     arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
     lines = as_json and len(data) > 1
     worst = 0

@@ -12,7 +12,8 @@ from .common import emit, opened
 if TYPE_CHECKING:
     from springpot.identification import Identification
     from springpot.measurement import TimeTest
-    from springpot.timetests import Known, Test, TestPrediction, TimeIdentification
+    from springpot.rheology import Model
+    from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
 
 SWEEPS_ONLY = ("optimiser", "objective", "budget", "restarts", "seed")
 """Options of searches among sweeps."""
@@ -90,6 +91,41 @@ def _show(found: TimeIdentification, figure: Path | None) -> None:
         print(f"note        {note}")
     if figure is not None:
         print(f"figure      {figure}")
+
+
+def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:
+    """``springpot diagnose`` of tests in time: what is missing, from the raw signals."""
+    from springpot.errors import ModelError
+    from springpot.registry import plugins
+    from springpot.timetests import diagnose as diagnose_in_time
+
+    if model is None:
+        raise ModelError("tests in time are judged by a model: give --model, such as fractional-zener")
+    found = diagnose_in_time(tests, model, plugins().items("effect"))
+    emit(found, as_json, lambda: _show_diagnosis(found))
+
+
+def _show_diagnosis(found: TimeDiagnosis) -> None:
+    from springpot.report.numbers import number
+    from springpot.report.text import Table
+
+    print(f"{found.base.model.name}: {found.verdict}\n{found.says}\n")
+    rows = [
+        [
+            each.effect,
+            each.verdict,
+            number(each.delta_bic, 3),
+            number(each.over_floor, 2),
+            ", ".join(
+                f"{name.partition('.')[2]} {entry['value']:.3g} {entry['unit']}"
+                for name, entry in each.parameters.items()
+            ),
+        ]
+        for each in found.candidates
+    ]
+    Table(("effect", "verdict", "delta BIC", "x floor after", "parameters"), rows, frozenset({"delta BIC"})).show()
+    for name in found.missing:
+        print(f"\n{name}: {next(each.says for each in found.candidates if each.effect == name)}")
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Tests in time: what a model answers, identification, prediction of one test from another."""
 
+from .diagnosis import TimeCandidate, TimeDiagnosis, diagnose
 from .identify import identify
 from .parts import Test
 from .predicted import predicted
@@ -11,7 +12,10 @@ __all__ = [
     "PartResult",
     "Test",
     "TestPrediction",
+    "TimeCandidate",
+    "TimeDiagnosis",
     "TimeIdentification",
+    "diagnose",
     "identify",
     "predict_test",
     "predicted",

@@ -35,7 +35,9 @@ FLAT = 1e-10
 """A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
 
 
-def identify(tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real] = ()) -> TimeIdentification:
+def identify(
+    tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real] = (), thorough: bool = True
+) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
     Parameters
@@ -46,6 +48,8 @@ def identify(tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real
         Any model whose parts have a meaning in time.
     seeds : sequence of ndarray, shape (p,)
         Further starts, in the units of the first test in time.
+    thorough : bool
+        Whether other starts are looked for too; else the search begins at the seeds and nowhere else.
 
     Returns
     -------
@@ -80,7 +84,7 @@ def identify(tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real
     require_tests(model, given)
     parts = parts_of_specimen(given)
     reference = reference_of(given)
-    search = Search(model, parts, reference, seeds)
+    search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     u, evaluations, converged = search.solved(parts, search.starts())
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
@@ -109,9 +113,19 @@ class Search:
         Temperature in kelvin at which shifts are one.
     seeds : sequence of ndarray, shape (p,)
         Further starts.
+    thorough : bool
+        Whether starts other than the seeds are tried.
     """
 
-    def __init__(self, model: Model, parts: Sequence[Part], reference: float, seeds: Sequence[Real] = ()) -> None:
+    def __init__(
+        self,
+        model: Model,
+        parts: Sequence[Part],
+        reference: float,
+        seeds: Sequence[Real] = (),
+        thorough: bool = True,
+    ) -> None:
+        self.thorough = thorough
         self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
         self._followed = False
         middle = float(np.mean([part.log_omega for part in parts]))
@@ -122,6 +136,8 @@ class Search:
 
     def starts(self) -> list[Real]:
         """Search points (p,) to begin at."""
+        if not self.thorough:
+            return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
         found = start_of(self.model, [part.test for part in in_time], [part.sd for part in in_time], sweeps)
@@ -159,7 +175,7 @@ class Search:
         quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
         found, spent = quick.u[int(np.argmin(quick.cost))], quick.evaluations
         count = sum(part.count(coarse=True) for part in parts)
-        if quick.cost.min() > DOUBTFUL**2 * count:
+        if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
             more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
             found, spent = more.u[int(np.argmin(more.cost))], spent + more.evaluations
         last = self._descend(parts, found[None], False, LAST, 1e-6)

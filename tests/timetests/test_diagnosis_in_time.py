@@ -1,0 +1,62 @@
+"""What is missing is found in the raw signal of a record, and nothing where nothing is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.measurement import TimeTest
+from springpot.registry import parse_model, plugins
+from springpot.timetests import diagnose
+
+MODEL = parse_model("fractional-zener")
+TRUE = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
+T = np.linspace(0.0, 15.0, 140)
+X = np.sin(1.3 * T) * (1.0 + 0.3 * np.sin(0.31 * T))
+TRIED = ("friction", "inertia", "dead-zone", "phase-error")
+
+
+def library():
+    return [plugins().effect(name) for name in TRIED]
+
+
+def record(effect=None, values=(), seed=1):
+    model = MODEL if effect is None else MODEL + effect
+    force = model.respond(np.append(TRUE, values), T, X)
+    noise = 0.005 * np.abs(force).max() * np.random.default_rng(seed).normal(size=len(T))
+    return TimeTest.of_history(T, X, force + noise, "mm", "N")
+
+
+def test_nothing_is_missing_where_nothing_is():
+    found = diagnose(record(), MODEL, library())
+    assert found.verdict == "adequate"
+    assert found.missing == ()
+    assert {each.verdict for each in found.candidates} <= {"absent"}
+    # It has no law in time.
+    assert "phase-error" not in {each.effect for each in found.candidates}
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"), [("friction", [12.0]), ("inertia", [30.0]), ("dead-zone", [40.0, 0.3])]
+)
+def test_what_is_missing_is_named_with_its_size(effect, values):
+    found = diagnose(record(effect, values), MODEL, library())
+    assert found.verdict == "effect-missing"
+    assert found.missing == (effect,)
+    best = found.candidates[0]
+    assert best.over_floor < 1.25
+    [first, *_] = best.parameters.values()
+    if effect == "friction":
+        assert "where the motion turns" in found.where
+    # N/mm s^2 are 1,000 kg.
+    assert first["value"] == pytest.approx(values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1)
+
+
+def test_what_no_effect_explains_is_called_unexplained():
+    odd = record()
+    bump = 40.0 * np.exp(-(((T - 11.0) / 0.4) ** 2))
+    test = TimeTest.of_history(T, X, odd.response + bump, "mm", "N")
+    found = diagnose(test, MODEL, library())
+    assert found.verdict in ("unexplained", "effect-missing")
+    assert max(each.over_floor for each in found.candidates[:1]) > 1.5
+    assert "missed most from 1" in found.where
