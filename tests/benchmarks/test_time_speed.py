@@ -7,8 +7,10 @@ from time import perf_counter
 import numpy as np
 import pytest
 
+from springpot.measurement import TimeTest
 from springpot.registry import parse_model
 from springpot.rheology.recursion import driven
+from springpot.timetests import identify
 
 SAMPLES = 100_000
 ROWS = {"even": 40, "uneven": 4}
@@ -70,3 +72,16 @@ def test_derivatives_cost_a_few_times_the_force():
     print(f"1,000 samples with derivatives by 4 parameters, spectrum included: {1e3 * whole:.1f} ms")
     spectrum = seconds(lambda: model.spectrum(theta, (0.1, 300.0)))
     assert whole < 30 * spectrum
+
+
+@pytest.mark.slow
+def test_an_identification_costs_a_few_curves():
+    """A thousand points of relaxation, with start, intervals and noise floor; a curve has its derivatives."""
+    model = parse_model("fractional-maxwell")
+    theta, t = np.array([400.0, 60.0, 0.5]), np.geomspace(0.01, 1000.0, 1000)
+    scatter = 1.0 + 0.01 * np.random.default_rng(0).normal(size=len(t))
+    test = TimeTest.of_relaxation(t, model.relaxation(theta, t) * scatter, "kPa")
+    whole = seconds(lambda: identify(test, model))
+    curve = seconds(lambda: model.in_time(theta, tolerance=1e-6).relaxation(t))
+    print(f"identification from 1,000 points of relaxation: {1e3 * whole:.1f} ms, one curve {1e3 * curve:.1f} ms")
+    assert whole < 40 * curve

@@ -13,7 +13,7 @@ MODEL = parse_model("fractional-zener")
 TRUE = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
 T = np.linspace(0.0, 15.0, 140)
 X = np.sin(1.3 * T) * (1.0 + 0.3 * np.sin(0.31 * T))
-TRIED = ("friction", "inertia", "dead-zone", "phase-error")
+TRIED = ("friction", "inertia", "dead-zone", "cubic-stiffness", "phase-error")
 
 
 def library():
@@ -37,7 +37,8 @@ def test_nothing_is_missing_where_nothing_is():
 
 
 @pytest.mark.parametrize(
-    ("effect", "values"), [("friction", [12.0]), ("inertia", [30.0]), ("dead-zone", [40.0, 0.3])]
+    ("effect", "values"),
+    [("friction", [12.0]), ("inertia", [30.0]), ("dead-zone", [40.0, 0.3]), ("cubic-stiffness", [40.0])],
 )
 def test_what_is_missing_is_named_with_its_size(effect, values):
     found = diagnose(record(effect, values), MODEL, library())
@@ -46,7 +47,7 @@ def test_what_is_missing_is_named_with_its_size(effect, values):
     best = found.candidates[0]
     assert best.over_floor < 1.25
     [first, *_] = best.parameters.values()
-    if effect == "friction":
+    if effect == "cubic-stiffness":
         assert "where the motion turns" in found.where
     # N/mm s^2 are 1,000 kg.
     assert first["value"] == pytest.approx(values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1)
