@@ -11,7 +11,7 @@ from springpot.diagnosis.policy import VERDICT
 from springpot.diagnosis.verdict import RULES, Facts, rule_for
 
 CLEAR = VERDICT.clear_evidence
-SEEN = {"structure": True, "certain": True}
+SEEN = {"by_battery": True, "certain": True}
 
 
 @pytest.mark.parametrize(
@@ -33,9 +33,9 @@ SEEN = {"structure": True, "certain": True}
         (SEEN | {"gain": CLEAR}, "inconclusive"),
         (SEEN, "unexplained"),
         (SEEN | {"outliers": True}, "unexplained"),
-        ({"library": True, "certain": True, "gain": 0.5 * CLEAR, "named": True}, "effect-missing"),
-        ({"library": True, "gain": 0.5 * CLEAR, "named": True}, "inconclusive"),
-        ({"library": True, "outliers": True}, "unexplained"),
+        ({"by_scan": True, "certain": True, "gain": 0.5 * CLEAR, "named": True}, "effect-missing"),
+        ({"by_scan": True, "gain": 0.5 * CLEAR, "named": True}, "inconclusive"),
+        ({"by_scan": True, "outliers": True}, "unexplained"),
     ],
 )
 def test_the_first_rule_that_holds_gives_the_verdict(facts, verdict):

@@ -24,9 +24,9 @@ class Facts:
     ----------
     repeats : bool
         Repeats drift by more than chance.
-    library : bool
+    by_scan : bool
         The scan of the library raises its alarm.
-    structure : bool
+    by_battery : bool
         The tests for structure of any kind raise theirs.
     certain : bool
         One of them is beyond doubt.
@@ -51,8 +51,8 @@ class Facts:
     """
 
     repeats: bool = False
-    library: bool = False
-    structure: bool = False
+    by_scan: bool = False
+    by_battery: bool = False
     certain: bool = False
     gain: float = 0.0
     named: bool = False
@@ -67,7 +67,7 @@ class Facts:
     @property
     def alarm(self) -> bool:
         """Noise alone does not explain the residual."""
-        return self.library or self.structure
+        return self.by_scan or self.by_battery
 
     @property
     def clear(self) -> bool:
@@ -92,7 +92,7 @@ RULES = (
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
-    Rule("no effect helps clearly", lambda f: f.structure and not f.clear and not f.nearly_all, "unexplained"),
+    Rule("no effect helps clearly", lambda f: f.by_battery and not f.clear and not f.nearly_all, "unexplained"),
     Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
     Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
     Rule("something, but not what", lambda f: True, "inconclusive"),
@@ -121,8 +121,8 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     unknown = evidence.unknown > VERDICT.likely
     return Facts(
         repeats=drifted(search),
-        library=search.scan.p_value < VERDICT.library_alarm,
-        structure=search.structure.p_value < VERDICT.structure_alarm,
+        by_scan=search.scan.p_value < VERDICT.library_alarm,
+        by_battery=search.structure.p_value < VERDICT.structure_alarm,
         certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
         gain=search.gain,
         named=evidence.nothing < VERDICT.likely,
