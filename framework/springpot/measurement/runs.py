@@ -1,19 +1,45 @@
-"""The runs of a measurement: rows of one step, temperature and repeat, whatever was swept in them."""
+"""The runs of a measurement: rows in which one thing was swept while all that is said of the others stayed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology import Real, levels_of
 
-from .measurement import Measurement
+RUNS = frozenset({"run", "set", "test", "series", "specimen", "sample", "batch", "cycle", "measurement"})
+"""Conditions in numbers that tell one test from another."""
+MOST_WORDS = 0.5
+"""Share of the rows that distinct words may be: with more, they are remarks on rows rather than names of sweeps."""
+RECURS = 1.5
+"""Times that a frequency was measured on average, from which several amplitudes were set at each frequency. A strain
+that follows the frequency, as inertia makes it, recurs once."""
+SAME_FREQUENCY = 3
+"""Digits of ln omega within which frequencies are one: a tenth of a per cent, far below any step of a sweep."""
 
-KELVINS = 0.5
-"""Neighbouring temperatures that differ by more than this belong to different runs; a slow ramp stays one."""
+
+class Rows(Protocol):
+    """What of a measurement tells its sweeps."""
+
+    @property
+    def omega(self) -> Real:
+        """Angular frequency (n,) in rad/s."""
+
+    @property
+    def conditions(self) -> Mapping[str, Real]:
+        """Columns (n,) beside the frequency."""
+
+    @property
+    def labels(self) -> Mapping[str, NDArray[np.str_]]:
+        """Columns (n,) of words."""
+
+    @property
+    def repeat(self) -> NDArray[np.int64] | None:
+        """Which repetition a row (n,) belongs to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +49,7 @@ class Run:
     Parameters
     ----------
     conditions : dict of str to str or float
-        Step, temperature (the mean) and repeat, as far as there are any.
+        What tells them from other rows: step, run, repeat, temperature and amplitude (the means), as far as known.
     rows : ndarray of int
         Their numbers.
     """
@@ -38,35 +64,68 @@ class Run:
         return ", ".join(parts) or "all"
 
 
-def runs_of(measurement: Measurement) -> Iterator[Run]:
-    """The runs, by step in the order of the file, then by temperature and repeat."""
-    keys: list[NDArray[np.int64]] = []
-    step = measurement.labels.get("step")
-    if step is not None:
-        _, first, which = np.unique(step, return_index=True, return_inverse=True)
-        keys.append(np.argsort(np.argsort(first))[which.ravel()])
-    temperature = measurement.conditions.get("temperature")
-    if temperature is not None:
-        keys.append(_levels(temperature))
-    if measurement.repeat is not None:
-        keys.append(measurement.repeat)
-    if not keys:
-        yield Run({}, np.arange(len(measurement)))
-        return
-    found, which = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
-    for i in range(len(found)):
-        rows = np.flatnonzero(which.ravel() == i)
-        conditions: dict[str, str | float] = {}
-        if step is not None:
-            conditions["step"] = str(step[rows[0]])
-        if temperature is not None:
-            conditions["temperature"] = float(np.mean(temperature[rows]))
-        if measurement.repeat is not None:
-            conditions["repeat"] = float(measurement.repeat[rows[0]])
-        yield Run(conditions, rows)
+def runs_of(data: Rows) -> Iterator[Run]:
+    """The sweeps: by the names of parts and runs in the order of the file, then by temperature, amplitude and repeat.
+
+    A condition that was itself swept or only wandered does not part them: a temperature ramp is one sweep, and so is
+    a frequency sweep in which the strain follows the frequency.
+
+    Parameters
+    ----------
+    data : Measurement
+        The data.
+    """
+    parts = [np.arange(len(data.omega))]
+    for column in _named(data):
+        parts = [rows[column[rows] == value] for rows in parts for value in dict.fromkeys(column[rows].tolist())]
+    for name in ("temperature", "amplitude"):
+        if name in data.conditions:
+            parts = [finer for rows in parts for finer in _by_level(data, name, rows)]
+    if data.repeat is not None:
+        parts = [rows[data.repeat[rows] == value] for rows in parts for value in np.unique(data.repeat[rows])]
+    for rows in parts:
+        yield Run(_conditions(data, rows, len(parts)), rows)
 
 
-def _levels(temperature: Real) -> NDArray[np.int64]:
-    """Number of the level of each temperature, in ascending order."""
-    values, which = np.unique(temperature, return_inverse=True)
-    return np.concatenate([[0], np.cumsum(np.diff(values) > KELVINS)])[which.ravel()].astype(np.int64)
+def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
+    """Columns that name parts and runs."""
+    found: list[NDArray[np.str_] | Real] = []
+    for name, words in data.labels.items():
+        if name == "step" or len(np.unique(words)) <= MOST_WORDS * len(words):
+            found.append(words)
+    return [*found, *(column for name, column in data.conditions.items() if name in RUNS)]
+
+
+def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each level, ascending, where frequencies were swept at each; else all as they are."""
+    level = levels_of(name, data.conditions[name][rows])
+    count = int(level.max()) + 1
+    frequency = np.round(np.log(data.omega[rows]), SAME_FREQUENCY)
+    pairs = len(np.unique(np.column_stack([level, frequency]), axis=0))
+    if count == 1 or pairs < 2 * count:
+        return [rows]
+    if name == "amplitude" and pairs < RECURS * len(np.unique(frequency)):
+        return [rows]
+    return [rows[level == number] for number in range(count)]
+
+
+def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, str | float]:
+    """What holds for all of the rows."""
+    found: dict[str, str | float] = {}
+    for name, words in data.labels.items():
+        if name == "step" or (count > 1 and len(set(words[rows])) == 1 and len(np.unique(words)) > 1):
+            found[name] = str(words[rows[0]])
+    for name in ("temperature", "amplitude"):
+        column = data.conditions.get(name)
+        # The amplitude is told only where it was set: it wanders in every sweep.
+        if column is not None and (name == "temperature" or _is_set(column, rows)):
+            found[name] = float(np.mean(column[rows]))
+    found |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in RUNS}
+    if data.repeat is not None:
+        found["repeat"] = float(data.repeat[rows[0]])
+    return found
+
+
+def _is_set(column: Real, rows: NDArray[np.int64]) -> bool:
+    """Whether the rows are one level of an amplitude that has several."""
+    return int(levels_of("amplitude", column[rows]).max()) == 0 and int(levels_of("amplitude", column).max()) > 0
