@@ -1,5 +1,7 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
+from springpot.rheology import HELD
+
 from . import geometry
 from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
@@ -9,7 +11,7 @@ from .geometry_text import parse_geometry
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
-from .measurement import CONDITIONS, HELD, KELVIN, Measurement, misspelt
+from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
 from .reader import Choice, Part, Reader

@@ -17,8 +17,8 @@ from springpot.rheology import Real
 
 from .measurement import Measurement
 
-HELD: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
-"""What a rig holds: amplitudes that lie within 10 % (as logarithms) and temperatures within 1 K were not varied.
+WANDER: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
+"""What moves without being varied: amplitudes within 10 % (as logarithms), temperatures 1 K, in a whole test.
 
 Strain of a rheometer under strain control is held within 4 % and less, and ovens drift by some tenths of a kelvin."""
 CHOSEN: Mapping[str, float] = {"amplitude": 0.2, "temperature": 1.0}
@@ -102,7 +102,7 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny)) if condition == "amplitude" else column
     whole = float(np.std(values))
     own = min(whole, _unexplained(measurement, condition, values))
-    return Spread(2.0 * whole, 2.0 * own, HELD[condition], CHOSEN[condition])
+    return Spread(2.0 * whole, 2.0 * own, WANDER[condition], CHOSEN[condition])
 
 
 def independent(measurement: Measurement, condition: str) -> bool:
@@ -117,7 +117,7 @@ def telling(measurement: Measurement) -> frozenset[str]:
     These are the ones that were varied by themselves, and an amplitude that was held: an effect that needs one is
     still told by what it does along the frequency. A temperature that was held shows nothing.
     """
-    names = {name for name in measurement.conditions if name not in HELD or independent(measurement, name)}
+    names = {name for name in measurement.conditions if name not in WANDER or independent(measurement, name)}
     amplitude = measurement.conditions.get("amplitude")
     if amplitude is not None and np.ptp(amplitude) == 0.0:
         names.add("amplitude")
@@ -143,7 +143,7 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     if condition == "temperature":
         return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
     temperature = measurement.conditions.get("temperature", np.zeros(len(values)))
-    same_omega, same_temperature = _levels(log_omega, SAME_FREQUENCY), _levels(temperature, HELD["temperature"])
+    same_omega, same_temperature = _levels(log_omega, SAME_FREQUENCY), _levels(temperature, WANDER["temperature"])
     both = same_omega * (int(same_temperature.max()) + 1) + same_temperature
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
     free = len(values) - len(np.unique(both))
@@ -179,5 +179,5 @@ def _off_curve(x: Real, y: Real) -> Real:
     weight, rest = np.ones(len(y)), y
     for _ in range(ROUNDS):
         rest = y - basis @ np.linalg.lstsq(basis * weight[:, None], y * weight, rcond=None)[0]
-        weight = 1.0 / np.sqrt(np.maximum(np.abs(rest), 1e-3 * HELD["amplitude"]))
+        weight = 1.0 / np.sqrt(np.maximum(np.abs(rest), 1e-3 * WANDER["amplitude"]))
     return np.sort(np.abs(rest))[degree + 1 :]

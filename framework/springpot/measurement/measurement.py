@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.plain import plain
-from springpot.rheology import Complex, Points, Real
+from springpot.rheology import HELD, Complex, Points, Real
 
 from .display import html_of
 from .units import Units
@@ -31,9 +31,6 @@ KELVIN = 273.15
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""
-HELD = {"amplitude": 0.02, "temperature": 0.5}
-"""How nearly a rig holds what was set: amplitudes (as a share) or temperatures (in kelvin) that lie closer than this
-to one another are one level. Rheometers state 0.1 to 0.5 K and 1 to 2 %."""
 WARM = 200.0
 """degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for one in kelvin."""
 _DTYPES: dict[str, np.dtype[Any]] = {

@@ -13,7 +13,7 @@ from .handoff import Handoff, Writer
 from .history import InTime
 from .hysteresis import smooth_hysteresis
 from .intime import Traced
-from .levels import Levels, free_factors, free_vertical_factors, levels_of
+from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
 from .linear import (
     basset,
     diffusion,
@@ -193,6 +193,7 @@ __all__ = [
     "dashpot",
     "draw",
     "drawing_of",
+    "HELD",
     "levels_of",
     "hardening_spring",
     "limits_form",
