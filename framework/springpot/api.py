@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,14 +14,13 @@ from springpot.diagnosis import Comparison, Diagnosis, Ladder, any_material, ran
 from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
-from springpot.diagnosis.display import use_drawing
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, Standing
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
 from springpot.registry import open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
-from springpot.superposition import MasterCurve, level_of, use_drawing_of_curves
+from springpot.superposition import MasterCurve, level_of
 from springpot.superposition import mastercurve as mastercurve_of
 
 T = TypeVar("T", Model, Effect)
@@ -380,19 +379,3 @@ def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:
     if not isinstance(optimiser, str):
         return optimiser
     return optimiser_of(optimiser)
-
-
-def _draw_ladder(ladder: Ladder, path: str | Path | None) -> Any:
-    from springpot.report.ladder import figure_ladder
-
-    return figure_ladder(ladder, path)
-
-
-def _draw_curve(curve: MasterCurve, path: str | Path | None) -> Any:
-    from springpot.report.mastercurve import figure_mastercurve
-
-    return figure_mastercurve(curve, path)
-
-
-use_drawing("ladder", _draw_ladder)
-use_drawing_of_curves(_draw_curve)

@@ -6,8 +6,6 @@ from time import sleep
 import numpy as np
 import pytest
 
-from springpot.diagnosis import display
-
 OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
 CANDIDATE = {
     "effect", "class", "probability", "delta_bic", "score", "verdict", "predicted_error", "error_after", "parameters",
@@ -280,7 +278,7 @@ def test_an_effect_of_the_users_own_takes_part(heavy):
     assert row.error_after == pytest.approx(diagnosis.candidates[0].error_after, rel=1e-3)
 
 
-def test_a_ladder_is_a_picture(heavy, tmp_path, monkeypatch):
+def test_a_ladder_is_a_picture(heavy, tmp_path):
     pytest.importorskip("matplotlib")
     import springpot
 
@@ -294,6 +292,3 @@ def test_a_ladder_is_a_picture(heavy, tmp_path, monkeypatch):
     levels = [segment[0, 1] for segment in third.get_segments()]
     np.testing.assert_allclose(levels, [100 * step.material_floor for step in ladder.steps])
     assert "material floor" in [text.get_text() for text in axes.get_legend().get_texts()]
-    monkeypatch.setattr(display, "_drawings", {})
-    with pytest.raises(springpot.errors.OutputError, match=r"import springpot\.api"):
-        ladder.plot()

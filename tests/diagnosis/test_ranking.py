@@ -1,5 +1,7 @@
 """Models ranked without being named: the simplest that does what any material can comes first."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,14 @@ def test_the_truth_comes_first_with_what_no_material_can_do_without(heavy):
     assert {"kelvin", "kelvin + inertia"} <= names
     assert not {"kelvin", "kelvin + inertia", "springpot + inertia"} & {one.model.name for one in heavy.adequate}
     assert min(one.delta_bic for one in heavy.judgements) == 0.0
+
+
+def test_a_ranking_is_kept_drawn_and_told(heavy, tmp_path):
+    again = pickle.loads(pickle.dumps(heavy))
+    assert jsonable(again) == jsonable(heavy)
+    assert str(again) == ranked_text(heavy)
+    pytest.importorskip("matplotlib")
+    assert heavy.plot(tmp_path / "ranking.svg").stat().st_size > 1000
 
 
 def test_a_richer_model_of_the_same_curve_stands_with_the_simple_one(heavy):

@@ -150,11 +150,6 @@ def test_all_that_can_be_drawn_is_drawn_alone_and_on_given_axes(fit: Identificat
     compared = springpot.compare("artificial-hidden", "fractional-maxwell")
     for thing in (fit.measurement, fit, fit.predict([1.0, 10.0]), compared):
         axes = figure().subplots()
-        if thing is compared:
-            from springpot.drawing import draw
-
-            assert draw(thing, axes=axes) is axes
-            continue
         assert thing.plot()._repr_png_().startswith(b"\x89PNG")
         assert thing.plot(ax=axes) is axes
         assert axes.lines

@@ -11,10 +11,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "plugins"))
 
-import structure
 from opening_cost import Cost
 from soak import Row
 
+import structure
 from springpot.measurement.budget import SECONDS
 
 CASES = 250

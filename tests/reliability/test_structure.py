@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-import structure
 from opening_cost import READERS
 from readers.test_fuzz import SEEDS
+
+import structure
 
 CASES = 25
 LARGEST = 100_000

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from springpot.drawing import draw, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
@@ -25,6 +27,10 @@ from .refit import Refit, refit
 from .result import Error, Value, Where
 from .where import where
 from .words import times
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Effects: TypeAlias = tuple[str, ...]
 
@@ -64,6 +70,9 @@ class Judgement:
         if not self.fails:
             return ()
         return tuple(where(self.refit.frame()))
+
+    def __repr__(self) -> str:
+        return f"<Judgement {self.model.name}: {self.says}>"
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -153,11 +162,21 @@ class Comparison:
         found = self.judgements[0].refit
         return replace(found.data.mean, sd=found.noise.sd)
 
+    def __str__(self) -> str:
+        return text_of(self)
+
     def __repr__(self) -> str:
         errors = ", ".join(
             f"{one.model.name} {one.error.relative_rms / one.error.noise_floor:.3g} x floor" for one in self.shown
         )
         return f"<Comparison of {self.data}: {errors}>"
+
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+        """Data and models in the views that rheologists use, and what is left; see `springpot.drawing.draw`.
+
+        Of a ranking those models are drawn that `shown` names.
+        """
+        return draw(self, path, ax)
 
     def _repr_html_(self) -> str:
         answer = self.to_dict() | {"models": [judgement.to_dict() for judgement in self.shown]}

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from springpot.errors import ModelError
 from springpot.identification import is_material, require_conditions
 from springpot.measurement import Measurement, steadied
 from springpot.rheology import Effect, Model, Real
@@ -20,7 +22,7 @@ from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
 from .policy import EXPERIMENT, SEARCH, VERDICT
 from .result import Diagnosis, NextExperiment, Verdict, Where
-from .search import Search, confounded, search_data, search_from
+from .search import Search, confounded, scan_effects, search_data, search_from
 from .verdict import facts_of, rule_for, sentence
 from .where import periodic, where
 
@@ -31,6 +33,24 @@ BESIDE_MATERIAL = {
 }
 """What is added where effects are named beside a free spectrum."""
 HARMONICS = "; the force holds harmonics that this model does not make"
+
+
+class GrownBy(NamedTuple):
+    """A model with one more effect.
+
+    Attributes
+    ----------
+    model : Model
+        The grown model.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    refitted : bool
+        Whether it was fitted with the effect; else the effect stands where the scan puts it, and the rest as before.
+    """
+
+    model: Model
+    theta: Real
+    refitted: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +79,44 @@ class Case:
     evidence: Evidence
     outliers: tuple[Outlier, ...]
     diagnosis: Diagnosis
+
+    def __repr__(self) -> str:
+        return f"<Case {self.diagnosis!r:.200}>"
+
+    def grown_with(self, effect: Effect) -> GrownBy:
+        """The model as accepting one effect would make it, without a new fit.
+
+        Parameters
+        ----------
+        effect : Effect
+            Scanned or not: the ``physics`` of a candidate, or any other.
+
+        Raises
+        ------
+        ModelError
+            If the model cannot take the effect, the data lack a column that it needs, or nothing is known of it.
+
+        Examples
+        --------
+        >>> import springpot
+        >>> ladder = springpot.discover("artificial-hidden", "fractional-maxwell", accept="inertia")
+        >>> case = ladder.steps[0].case
+        >>> grown = case.grown_with(case.diagnosis.best.physics)
+        >>> grown.model.name, grown.refitted
+        ('fractional-maxwell + inertia', True)
+        """
+        base = self.search.base
+        for grown in self.search.grown:
+            if grown.names == (effect.name,):
+                return GrownBy(grown.refit.model, grown.refit.theta, True)
+        if effect.by_levels:
+            raise ModelError(f"{effect.name} has a factor for each level, which only a fit can tell")
+        require_conditions(base.model + effect, base.fit.measurement)
+        scores = [score for score in self.search.scan.scores if score.influence.effect == effect]
+        for score in scores or scan_effects(base, self.search.frame, [effect]).scores:
+            for theta in score.starts[:1]:
+                return GrownBy(score.influence.model, theta, False)
+        raise ModelError(f"{effect.name} changes nothing that these data show of {base.model.name}")
 
 
 def diagnose(

@@ -1,41 +1,17 @@
-"""How results show themselves in a notebook, and the slot for what draws them."""
+"""How results show themselves in a notebook."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
-from springpot.errors import OutputError
 from springpot.markup import Html, table, tag
 
 Plain: TypeAlias = Mapping[str, Any]
-Drawing = Callable[[Any, "str | Path | None"], Any]
 
 
 SHOWN = 6
 """Candidates in a notebook's table."""
-
-
-_drawings: dict[str, Drawing] = {}
-
-
-def use_drawing(kind: str, drawing: Drawing) -> None:
-    """Let `drawing` draw results of one kind: figures are made above this room, which therefore hands itself up."""
-    _drawings[kind] = drawing
-
-
-def draw(kind: str, result: object, path: str | Path | None) -> Any:
-    """Draw a result, on a figure that is returned or into a file.
-
-    Raises
-    ------
-    OutputError
-        If nothing that draws it has been loaded.
-    """
-    if kind not in _drawings:
-        raise OutputError(f"nothing is loaded that draws a {kind}: import springpot.api first")
-    return _drawings[kind](result, path)
 
 
 def _percent(fraction: float) -> str:

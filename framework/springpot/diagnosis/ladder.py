@@ -5,22 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.drawing import draw, text_of
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
 from .candidates import printed
 from .diagnose import Case, examine
-from .display import draw, html_of_ladder
+from .display import html_of_ladder
 from .leftover import prediction_gain
 from .policy import LADDER
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +63,9 @@ class Step:
     case: Case
     alike: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<Step {self.model.name}: error {self.relative_rms / self.noise_floor:.3g} x floor>"
+
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
         told = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
@@ -87,6 +95,9 @@ class Ladder:
         """The model of the last rung."""
         return self.steps[-1].model
 
+    def __str__(self) -> str:
+        return text_of(self)
+
     def __repr__(self) -> str:
         errors = " -> ".join(f"{step.relative_rms / step.noise_floor:.3g}" for step in self.steps)
         return f"<Ladder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
@@ -101,9 +112,9 @@ class Ladder:
             "diagnosis": self.diagnosis.to_dict(),
         }
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """The error falling to the noise floor; see `springpot.report.ladder.figure_ladder`."""
-        return draw("ladder", self, path)
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+        """The error falling to the noise floor; see `springpot.drawing.draw`."""
+        return draw(self, path, ax)
 
     def _repr_html_(self) -> str:
         return html_of_ladder(self.to_dict())

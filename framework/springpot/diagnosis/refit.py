@@ -137,10 +137,20 @@ class Refit:
         return free
 
 
+@dataclass(frozen=True, eq=False)
+class OfNoise:
+    """Weights (n,) that a noise gives; a function made on the spot would keep every fit from being pickled."""
+
+    weights: Complex
+
+    def __call__(self, measurement: Measurement) -> Complex:
+        """The weights, whatever the measurement."""
+        return self.weights
+
+
 def noise_objective(noise: Noise) -> Objective:
     """Differences of K' and K'' in units of their noise."""
-    weights = noise.weights
-    return Objective("noise", "the differences over the standard deviations of the noise", lambda _: weights)
+    return Objective("noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights))
 
 
 def refit(model: Model, data: Averaged, noise: Noise, seeds: Sequence[Real] = (), starts: int = 8) -> Refit:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
+from springpot.drawing import text_of
 from springpot.rheology import Effect, Model
 
 from .display import html_of_diagnosis
@@ -180,6 +181,9 @@ class Diagnosis:
     def best(self) -> Candidate | None:
         """The effect that should be added, or None if none is missing."""
         return self.candidates[0] if self.candidates and self.verdict == "effect-missing" else None
+
+    def __str__(self) -> str:
+        return text_of(self)
 
     def __repr__(self) -> str:
         return f"<Diagnosis {self.model.name} of {self.data}: {self.verdict}; {self.says}>"

@@ -11,12 +11,14 @@ from springpot.errors import OutputError
 from springpot.identification import Identification, Prediction, is_material
 from springpot.loading import KeptLadder
 from springpot.measurement import Measurement
+from springpot.superposition import MasterCurve
 
 from . import views
 from .canvas import COLOURS, blank, finished, logarithmic
 from .curves import Fit
 from .figures import figure_identification, marks_of, sweep_marks
 from .ladder import draw_ladder, figure_ladder
+from .mastercurve import figure_mastercurve
 from .residuals import figure_compared, fits_of
 from .spectrum import figure_material
 from .views import Scene
@@ -117,6 +119,11 @@ def _compared(result: Comparison, path: Any) -> Any:
 @onto.register
 def _compared_onto(result: Comparison, axes: Any) -> None:
     _scene(axes, Scene(result.measurement, fits_of(result)))
+
+
+@whole.register
+def _superposed(result: MasterCurve, path: Any) -> Any:
+    return figure_mastercurve(result, path)
 
 
 def _scene(axes: Axes, scene: Scene) -> None:

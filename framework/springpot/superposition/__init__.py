@@ -1,7 +1,6 @@
 """Superposition: sweeps at many levels of a condition as one master curve, without a model."""
 
 from .curve import Level, MasterCurve, mastercurve
-from .curve import use_drawing as use_drawing_of_curves
 from .factors import Factors
 from .laws import LawFit
 from .simplicity import Failure, Simplicity
@@ -17,5 +16,4 @@ __all__ = [
     "level_of",
     "level_text",
     "mastercurve",
-    "use_drawing_of_curves",
 ]

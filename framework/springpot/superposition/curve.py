@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.errors import DataError, OutputError
+from springpot.drawing import draw
+from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
 from springpot.identification.alignment import aligned
 from springpot.identification.native import relative_objective
@@ -23,6 +23,10 @@ from .factors import Factors, Rows, factors_of
 from .laws import LawFit, judged_laws
 from .simplicity import Alone, Simplicity, each_alone, simplicity
 from .words import level_text, unit_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SCHEMA = "springpot.mastercurve/1"
 SHARED = 0.5
@@ -173,17 +177,9 @@ class MasterCurve:
         whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
         return str(whole)
 
-    def plot(self, path: str | Path | None = None) -> Any:
-        """Draw the curve, the factors and what is left; on a figure that is returned or into a file.
-
-        Raises
-        ------
-        OutputError
-            If matplotlib is missing or the file cannot be written.
-        """
-        if _drawing is None:
-            raise OutputError("nothing is loaded that draws a master curve: import springpot.api first")
-        return _drawing(self, path)
+    def plot(self, path: str | Path | None = None) -> Figure | Axes | Path:
+        """The curve, the factors and what is left; see `springpot.drawing.draw`."""
+        return draw(self, path)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.mastercurve/1``."""
@@ -208,15 +204,6 @@ class MasterCurve:
             "notes": list(self.notes),
             "seconds": self.seconds,
         }
-
-
-_drawing: Callable[[MasterCurve, str | Path | None], Any] | None = None
-
-
-def use_drawing(drawing: Callable[[MasterCurve, str | Path | None], Any]) -> None:
-    """Let `drawing` draw master curves: figures are made above this room, which therefore hands itself up."""
-    global _drawing
-    _drawing = drawing
 
 
 def mastercurve(

@@ -1,7 +1,4 @@
-"""What each candidate would make of the curve, from fits that the diagnosis has already done.
-
-This is the only file of the room that looks behind a diagnosis: into the `Case` of a step of a ladder.
-"""
+"""What each candidate would make of the curve, from fits that the diagnosis has already done."""
 
 from __future__ import annotations
 
@@ -37,20 +34,9 @@ class Grown:
 
 def grown_by_each(case: Case) -> Iterator[Grown]:
     """For each candidate of a diagnosis, the model as accepting it alone would make it, as far as it is known."""
-    alone = {one.names[0]: one.refit for one in reversed(case.search.grown) if len(one.effects) == 1}
-    scanned = {score.influence.effect.name: score for score in case.search.scan.scores}
-    base = case.search.base.model
     for candidate in case.diagnosis.candidates:
-        name = candidate.effect
-        if name in alone:
-            yield Grown(name, alone[name].model, alone[name].theta, True)
-            continue
-        score = scanned.get(name)
-        if score is None or not len(score.starts):
-            continue
         try:
-            model = (base + score.influence.effect).bound_to(case.search.base.fit.measurement.points)
-        except SpringpotError:
+            grown = case.grown_with(candidate.physics)
+        except SpringpotError:  # nothing to be drawn
             continue
-        if len(score.starts[0]) == len(model.parameters):
-            yield Grown(name, model, score.starts[0], False)
+        yield Grown(candidate.effect, *grown)
