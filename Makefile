@@ -27,7 +27,8 @@ demo: $(READY)  ## the whole story on embedded data; figures in results/demo/
 bench: $(READY)  ## speed, side by side with the libraries
 	$(BIN)/python -m pytest --benchmark-enable --benchmark-only tests/benchmarks
 
-soak: $(READY)  ## the long tests of reliability, on all that can be broken; table in results/soak/
+soak: $(READY)  ## the long tests: more seeds and sizes, and all that can be broken; table in results/soak/
+	$(BIN)/python -m pytest -m soak
 	$(BIN)/python tests/reliability/soak.py
 
 site: $(READY)  ## the documentation as a site, in build/site/

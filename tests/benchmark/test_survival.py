@@ -116,13 +116,14 @@ def test_two_runs_at_once_do_no_harm(tmp_path, undisturbed):
 
 
 def test_ctrl_c_ends_at_once_and_keeps_what_is_finished(tmp_path):
+    begun = monotonic()
     process = start(script(tmp_path, pause=0.3, repetitions=100), tmp_path)
     wait_for(lambda: count(tmp_path) >= 3)
     asked = monotonic()
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=10)
-    # Two seconds are promised on an idle machine; other work may share this one.
-    assert monotonic() - asked < 6
+    _, told = process.communicate(timeout=300)
+    # Two seconds are promised on an idle machine, and it needs as long to begin: what slows one slows the other.
+    assert monotonic() - asked < 3 * (asked - begun)
     assert process.returncode == 130
     assert "trials are kept, run again to go on" in told
     assert "Traceback" not in told

@@ -1,8 +1,9 @@
 """The exact dualities of linear and first-harmonic rheology, one by one, as diagnoses of data made by hand.
 
-Data come from formulas written here, at two sizes of the effect relative to the noise, each with a seed of its own.
-Wherever two effects draw the same curve both must be in the first class and neither may be said to be known. Where
-two forms of a model draw the same curve they must fit equally and be told the same.
+Data come from formulas written here, at two sizes of the effect relative to the noise, each with a seed of its own;
+each base meets one of the two here, and both in ``make soak``. Wherever two effects draw the same curve both must be
+in the first class and neither may be said to be known. Where two forms of a model draw the same curve they must fit
+equally and be told the same.
 
 What is only nested (one of the two draws every curve of the other, but not the other way round) is no duality: the
 restricted effect may be preferred, but the wider one must fit as well. Such tests say "nested".
@@ -24,8 +25,20 @@ TWO_TEMPERATURES = design(12, temperatures=(10.0, 40.0))
 FOUR_TEMPERATURES = design(8, temperatures=(-10.0, 10.0, 30.0, 50.0))
 CONFIDENT = 0.95
 
-noises = pytest.mark.parametrize(("level", "seed"), [(0.002, 1), (0.02, 3)])
+NOISES = ((0.002, 1), (0.02, 3))
 """Noise as a fraction of |K|, and its seed."""
+
+
+def crossed(name, values, noises=NOISES):
+    """Each value with the noises in turn, so that either is seen; the other pairs are for the soak."""
+    pairs = []
+    for i, value in enumerate(values):
+        for j, (level, seed) in enumerate(noises):
+            marks = [] if i % len(noises) == j else [pytest.mark.soak]
+            label = getattr(value, "name", value)
+            pairs.append(pytest.param(value, level, seed, marks=marks, id=f"{label}-{level:g}"))
+    return pytest.mark.parametrize((name, "level", "seed"), pairs)
+
 
 SPRING = Base("spring", lambda p, s: p[0] + 0 * s, (100.0,))
 DASHPOT = Base("dashpot", lambda p, s: p[0] * s, (3.0,))
@@ -70,16 +83,14 @@ def absorbed(diagnosis, *names):
 # E1 and E2: springs, and dashpots, inside and outside
 
 
-@noises
-@pytest.mark.parametrize("base", [SPRING, DASHPOT], ids=lambda base: base.name)
+@crossed("base", [SPRING, DASHPOT])
 def test_a_mode_beside_a_spring_is_a_mode_in_series(base, level, seed):
     """Zener is Poynting-Thomson, and Jeffreys is a dashpot in series with Kelvin: alpha = 1 of the duality."""
     data = measured(SWEEP, exact(base, SWEEP) + mode(SWEEP_S, 60.0, 0.05), seed, level)
     one_class(springpot.diagnose(data, base.name), "relaxation-mode", "retardation-mode")
 
 
-@noises
-@pytest.mark.parametrize("base", [SOFT_KELVIN, DASHPOT], ids=lambda base: base.name)
+@crossed("base", [SOFT_KELVIN, DASHPOT])
 def test_a_spring_in_series_is_a_filter(base, level, seed):
     """(k + c s) / (1 + s tau) is Zener and c s / (1 + s tau) is Maxwell: not in the catalogue, but exact."""
     data = measured(SWEEP, in_series(exact(base, SWEEP), 4000.0), seed, level)
@@ -132,7 +143,7 @@ def test_zener_and_jeffreys_forms_are_reached_from_both_sides(kind, law, inside,
     ],
     ids=["zener", "fractional-zener", "burgers"],
 )
-@pytest.mark.parametrize(("level", "seed"), [(0.003, 1), (0.015, 2)])
+@pytest.mark.parametrize(("level", "seed"), [(0.003, 1), pytest.param(0.015, 2, marks=pytest.mark.soak)])
 def test_compliance_hides_in_every_form_that_has_a_spring_in_series(law, names, level, seed):
     data = measured(SWEEP, in_series(law, 700.0), seed, level)
     found = [springpot.diagnose(data, name) for name in names]
@@ -141,8 +152,7 @@ def test_compliance_hides_in_every_form_that_has_a_spring_in_series(law, names, 
         assert diagnosis.error.relative_rms == pytest.approx(found[0].error.relative_rms, rel=1e-4)
 
 
-@noises
-@pytest.mark.parametrize("base", [SOFT_KELVIN, SPRINGPOT, DASHPOT], ids=lambda base: base.name)
+@crossed("base", [SOFT_KELVIN, SPRINGPOT, DASHPOT])
 def test_compliance_shows_where_no_spring_is_in_series(base, level, seed):
     data = measured(SWEEP, in_series(exact(base, SWEEP), 900.0), seed, level)
     assert "series-spring" in springpot.diagnose(data, base.name).best.alike
@@ -197,7 +207,7 @@ def test_a_gain_is_a_scale_of_all_moduli(base, gain, seed):
     np.testing.assert_allclose(after, before * scale, rtol=1e-4)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.soak)])
 def test_a_gain_at_one_of_two_temperatures_is_a_vertical_shift(seed):
     """And no gain error, which is the same at both."""
     at = TWO_TEMPERATURES
@@ -245,23 +255,20 @@ def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
 # E8: a constant loss at one amplitude
 
 
-@noises
-@pytest.mark.parametrize("base", [KELVIN, SOFT_KELVIN, SPRING], ids=lambda base: base.name)
+@crossed("base", [KELVIN, SOFT_KELVIN, SPRING])
 def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
     """Friction, a hysteretic loss, and crosstalk whose part in phase the spring takes."""
     data = measured(ONE_AMPLITUDE, exact(base, ONE_AMPLITUDE) + 12.0j, seed, level)
     one_class(springpot.diagnose(data, base.name), "friction", "hysteretic-loss", "crosstalk")
 
 
-@noises
-@pytest.mark.parametrize("phase", [0.8, np.pi / 2.0])
+@crossed("phase", [0.8, np.pi / 2.0])
 def test_crosstalk_at_one_amplitude_is_friction(phase, level, seed):
     data = measured(ONE_AMPLITUDE, exact(KELVIN, ONE_AMPLITUDE) + 14.0 * np.exp(1j * phase), seed, level)
     one_class(springpot.diagnose(data, KELVIN.name), "friction", "hysteretic-loss", "crosstalk")
 
 
-@pytest.mark.parametrize(("level", "seed"), [(0.01, 1), (0.02, 3)])
-@pytest.mark.parametrize("base", [SPRING, STIFF_KELVIN], ids=lambda base: base.name)
+@crossed("base", [SPRING, STIFF_KELVIN], noises=[(0.01, 1), (0.02, 3)])
 @pytest.mark.parametrize("turned", [True, False], ids=["phase-error", "friction"])
 def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, seed):
     """K e^(i phi) is K + i phi k where K is nearly k: exact on a spring, a matter of noise on a stiff Kelvin."""
@@ -275,8 +282,7 @@ def test_a_phase_error_on_a_dominant_spring_is_friction(base, turned, level, see
 # E9: two amplitudes
 
 
-@pytest.mark.parametrize(("level", "seed"), [(0.001, 1), (0.01, 3)])
-@pytest.mark.parametrize("effect", ["cubic-stiffness", "dead-zone"])
+@crossed("effect", ["cubic-stiffness", "dead-zone"], noises=[(0.001, 1), (0.01, 3)])
 @pytest.mark.parametrize("base", [KELVIN, SPRING], ids=lambda base: base.name)
 def test_storage_that_rises_between_two_amplitudes_has_two_names_or_three(base, effect, level, seed):
     """One number, the rise: a cubic spring, a gap, and on a pure spring also K (1 + q X^2), which scales K''.

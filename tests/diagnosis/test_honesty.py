@@ -1,5 +1,7 @@
 """Nothing is invented: noise alone, noise misjudged, outliers, and structure that no effect of the library has."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hidden_data import AMPLITUDES, KELVIN, LEVEL, SWEEP, ZENER, design, exact, hidden, measured
@@ -16,14 +18,16 @@ def text(diagnosis):
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
-def test_noise_alone_is_seldom_flagged_and_never_accepted(known):
-    """Two per cent may be flagged: of 24, more than two happens less than once in eighty."""
+@pytest.mark.parametrize(("draws", "flags"), [(8, 1), pytest.param(24, 2, marks=pytest.mark.soak)])
+def test_noise_alone_is_seldom_flagged_and_never_accepted(draws, flags, known):
+    """Two per cent may be flagged: of 8, more than one, or of 24, more than two, happens about once in eighty."""
     ladders = [
-        springpot.discover(measured(SWEEP, exact(KELVIN, SWEEP), seed=s, known=known), KELVIN.name) for s in range(24)
+        springpot.discover(measured(SWEEP, exact(KELVIN, SWEEP), seed=s, known=known), KELVIN.name)
+        for s in range(draws)
     ]
-    assert [len(ladder.steps) for ladder in ladders] == [1] * 24
+    assert [len(ladder.steps) for ladder in ladders] == [1] * draws
     flagged = [ladder.diagnosis.verdict in ("effect-missing", "unexplained") for ladder in ladders]
-    assert sum(flagged) <= 2
+    assert sum(flagged) <= flags
 
 
 @pytest.mark.parametrize("seed", [54, 164])
@@ -34,21 +38,22 @@ def test_an_unlucky_draw_of_unknown_noise_is_not_accepted_as_an_effect(seed):
 
 @pytest.mark.parametrize("base", [KELVIN, ZENER], ids=lambda b: b.name)
 def test_noise_alone_over_amplitudes_is_left_alone(base):
-    for seed in range(4):
+    for seed in range(2):
         ladder = springpot.discover(measured(AMPLITUDES, exact(base, AMPLITUDES), seed=seed), base.name)
         assert len(ladder.steps) == 1
         assert ladder.verdict in ("adequate", "inconclusive")
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.soak) for seed in (2, 3))])
 def test_a_misstated_sigma_is_doubted_and_invents_nothing(factor, seed):
     data = measured(FINE, exact(KELVIN, FINE), seed=seed, said=LEVEL * factor)
-    diagnosis = springpot.diagnose(data, KELVIN.name)
+    ladder = springpot.discover(data, KELVIN.name)
+    assert len(ladder.steps) == 1
+    diagnosis = ladder.diagnosis
     assert diagnosis.verdict in ("adequate", "inconclusive")
     assert "small" in diagnosis.error.doubt if factor < 1.0 else "large" in diagnosis.error.doubt
     assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
-    assert len(springpot.discover(data, KELVIN.name).steps) == 1
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
@@ -71,24 +76,25 @@ def spoilt(known, rows):
     return springpot.Measurement(data.omega, stiffness, sd=data.sd, units=data.units)
 
 
+@cache
+def ladder_of_spoilt(known, rows):
+    """With one rung, its last diagnosis is that of the model itself: one examination serves all that is asked."""
+    return springpot.discover(spoilt(known, rows), KELVIN.name)
+
+
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 @pytest.mark.parametrize("rows", OUTLIERS)
-def test_two_outliers_are_no_missing_effect(known, rows):
-    diagnosis = springpot.diagnose(spoilt(known, rows), KELVIN.name)
-    assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
-    assert diagnosis.verdict != "effect-missing"
+def test_two_outliers_are_no_missing_effect_and_nothing_is_accepted_for_them(known, rows):
+    ladder = ladder_of_spoilt(known, rows)
+    assert len(ladder.steps) == 1
+    assert [c.effect for c in ladder.diagnosis.candidates if c.verdict == "missing"] == []
+    assert ladder.diagnosis.verdict != "effect-missing"
 
 
 @pytest.mark.parametrize("rows", OUTLIERS)
 def test_two_outliers_are_named_as_such(rows):
-    diagnosis = springpot.diagnose(spoilt(True, rows), KELVIN.name)
+    diagnosis = ladder_of_spoilt(True, rows).diagnosis
     assert "outl" in text(diagnosis) or "single point" in text(diagnosis)
-
-
-@pytest.mark.parametrize("rows", OUTLIERS)
-@pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
-def test_discovery_accepts_nothing_because_of_two_outliers(known, rows):
-    assert len(springpot.discover(spoilt(known, rows), KELVIN.name).steps) == 1
 
 
 F = FINE.omega / (2.0 * np.pi)
@@ -103,23 +109,20 @@ STRANGE = {
 
 @pytest.mark.parametrize("known", [True, False], ids=["sigma-known", "sigma-unknown"])
 @pytest.mark.parametrize("kind", STRANGE)
-def test_structure_outside_the_library_is_unexplained(kind, known):
+def test_structure_outside_the_library_is_unexplained_and_shown(kind, known):
     data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6, known=known)
     diagnosis = springpot.diagnose(data, KELVIN.name)
     assert diagnosis.verdict == "unexplained"
     assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
+    assert diagnosis.where
 
 
-@pytest.mark.parametrize("kind", STRANGE)
-def test_structure_outside_the_library_is_shown_where_it_is(kind):
-    data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6)
-    assert springpot.diagnose(data, KELVIN.name).where
-
-
-@pytest.mark.parametrize("kind", STRANGE)
+# Where effects are tried and dropped again a ladder costs ten diagnoses: one of these is enough here.
+@pytest.mark.parametrize(
+    "kind", [k if k in ("notch", "fast ripple") else pytest.param(k, marks=pytest.mark.soak) for k in STRANGE]
+)
 def test_structure_outside_the_library_is_not_folded_into_the_model(kind):
-    data = measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6)
-    ladder = springpot.discover(data, KELVIN.name)
+    ladder = springpot.discover(measured(FINE, exact(KELVIN, FINE) * STRANGE[kind], seed=6), KELVIN.name)
     assert ladder.verdict == "unexplained"
     assert len(ladder.steps) == 1
 

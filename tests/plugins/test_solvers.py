@@ -60,7 +60,7 @@ def test_opensees_gives_k_over_the_band(frequency):
     script = OPENSEES.replace("ops.testUniaxialMaterial(100)\n", "")
     run = [sys.executable, "-c", script, str(frequency)]
     done = subprocess.run(
-        run, input=handed("openseespy").text, capture_output=True, text=True, timeout=120, check=False
+        run, input=handed("openseespy").text, capture_output=True, text=True, timeout=600, check=False
     )
     if "Failed to import openseespy" in done.stderr:
         pytest.skip("openseespy lacks a library of this machine, such as libblas3")

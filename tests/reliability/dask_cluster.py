@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
 
-START = 60.0
+START = 300.0
 """Seconds in which a scheduler and its workers must be there on a busy machine."""
 
 

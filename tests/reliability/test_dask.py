@@ -16,9 +16,16 @@ pytest.importorskip("distributed", reason="dask is not installed")
 DEEDS = ["segfault", "success without a result", "spin", "kill its parent", "patch the objective", "an error"]
 
 
+@pytest.fixture(scope="module")
+def dask(tmp_path_factory):
+    """For the tests in their order: a fault hurts no process, then a worker is lost, at last the scheduler."""
+    with cluster(tmp_path_factory.mktemp("cluster")) as found:
+        yield found
+
+
 @pytest.fixture
-def dask(tmp_path):
-    with cluster(tmp_path) as found:
+def another(tmp_path):
+    with cluster(tmp_path, count=1) as found:
         yield found
 
 
@@ -41,13 +48,6 @@ def at_third_call(monkeypatch, deed):
     monkeypatch.setattr(Store, "add", adding)
 
 
-def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(dask, undisturbed, tmp_path, monkeypatch):
-    at_third_call(monkeypatch, dask.workers[0].kill)
-    outcome = run_study(race([], 3), engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False)
-    assert (outcome.ran, outcome.failed) == (12, 0)
-    assert trials(outcome.store) == undisturbed
-
-
 def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path):
     outcome = run_study(race(DEEDS, 3), engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False)
     found = trials(outcome.store)
@@ -58,8 +58,16 @@ def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path)
     assert all(worker.poll() is None for worker in dask.workers), "a trial has ended a worker of the cluster"
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(dask, tmp_path, monkeypatch, number):
+def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(dask, undisturbed, tmp_path, monkeypatch):
+    at_third_call(monkeypatch, dask.workers[0].kill)
+    outcome = run_study(race([], 3), engine=f"dask:{dask.address}", out=tmp_path, quiet=True, tables=False)
+    assert (outcome.ran, outcome.failed) == (12, 0)
+    assert trials(outcome.store) == undisturbed
+
+
+@pytest.mark.parametrize(("number", "one"), [(signal.SIGKILL, "dask"), (signal.SIGTERM, "another")])
+def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(number, one, request, tmp_path, monkeypatch):
+    dask = request.getfixturevalue(one)
     at_third_call(monkeypatch, lambda: os.kill(dask.scheduler.pid, number))
     study = race([], 25)
     with pytest.raises(StudyError, match="finished trials are kept, run again to go on") as caught:

@@ -33,7 +33,7 @@ def test_a_long_name_stays_in_its_card(tmp_path, width):
     page = tmp_path / "cards.html"
     page.write_text(f"<!doctype html><body>{cards(width)}<script>{MEASURE}</script></body>", encoding="utf-8")
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    done = subprocess.run([*command, "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([*command, "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=600)
     [found] = re.findall(r'data-over="(\[[^"]*\])"', done.stdout)
     over = json.loads(found)
     assert len(over) == 5

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import socket
-import time
 from typing import Any
 
 from springpot.web import Workbench
@@ -15,7 +14,7 @@ def token_of(bench: Workbench) -> str:
     return bench.address.partition("#token=")[2]
 
 
-def raw(bench: Workbench, head: str, body: bytes = b"", patience: float = 20.0) -> tuple[int, bytes]:
+def raw(bench: Workbench, head: str, body: bytes = b"", patience: float = 300.0) -> tuple[int, bytes]:
     """Send a request as it stands; its status, and all that came back."""
     with socket.create_connection(("127.0.0.1", bench.port), timeout=patience) as line:
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -43,7 +42,7 @@ def ask(bench: Workbench, path: str, body: bytes | dict[str, Any] = b"", method:
     """The last line of an answer, with the token as the page sends it."""
     content = json.dumps(body).encode() if isinstance(body, dict) else body
     start = head(bench, method, path, X_Springpot_Token=token_of(bench), Content_Length=str(len(content)))
-    _, answer = raw(bench, start, content, 60.0)
+    _, answer = raw(bench, start, content)
     lines = [line for line in unchunked(answer).splitlines() if line.startswith(b"{")]
     found: dict[str, Any] = json.loads(lines[-1])
     return found
@@ -59,7 +58,3 @@ def unchunked(answer: bytes) -> bytes:
         count = int(size, 16)
         body, rest = body + rest[:count], rest[count + 2 :]
     return body
-
-
-def within(seconds: float, begun: float) -> bool:
-    return time.monotonic() - begun < seconds

@@ -104,7 +104,7 @@ def test_a_browser_that_leaves_ends_what_only_it_waited_for(bench: Workbench, da
         assert b"stage" in line.recv(4096) + line.recv(4096)
         assert bench._desk._running
     begun = time.monotonic()
-    while bench._desk._running and time.monotonic() - begun < 20:
+    while bench._desk._running and time.monotonic() - begun < 300:
         time.sleep(0.02)
     assert not bench._desk._running
     assert not any("ranking" in key for key in bench._desk._kept)

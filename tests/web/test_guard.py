@@ -111,7 +111,7 @@ def test_a_body_without_end_is_cut_off(bench: Workbench):
     )
     piece = b"100000\r\n" + b"1,2,3\n" * 174762 + b"1234\r\n"
     answer, sent = b"", 0
-    with socket.create_connection(("127.0.0.1", bench.port), timeout=30) as line:
+    with socket.create_connection(("127.0.0.1", bench.port), timeout=300) as line:
         line.sendall(begin.replace("\n", "\r\n").encode() + b"\r\n\r\n")
         try:
             while sent < 4 * LARGEST:
@@ -194,15 +194,20 @@ def test_twenty_slow_connections_hinder_nobody(bench: Workbench):
         start = head(bench, "POST", "/api/data", X_Springpot_Token=token_of(bench), Content_Length="1000")
         line.sendall((start.replace("\n", "\r\n") + "\r\n\r\nabc").encode() if i % 2 else start[:40].encode())
         slow.append(line)
-    begun = time.monotonic()
-    status, _ = raw(bench, head(bench))
-    took = time.monotonic() - begun
-    quiet = time.monotonic()
-    raw(bench, head(bench))
-    assert status == 200
-    assert took < 50 * (time.monotonic() - quiet) + 1.0
+    beside = [answered(bench) for _ in range(5)]
     for line in slow:
         line.close()
+    alone = [answered(bench) for _ in range(5)]
+    # The least of five: what else this machine does now and then is no hindrance of ours.
+    assert min(beside) < 50 * min(alone)
+
+
+def answered(bench: Workbench) -> float:
+    """Seconds until the page is there."""
+    begun = time.monotonic()
+    status, _ = raw(bench, head(bench))
+    assert status == 200
+    return time.monotonic() - begun
 
 
 def test_base64_is_made_by_the_server_alone(bench: Workbench, damper: bytes):

@@ -32,7 +32,7 @@ def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Pat
     assert running.stdout is not None
     assert running.stdout.readline().startswith("springpot workbench: http://127.0.0.1:")
     running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=30)
+    out, err = running.communicate(timeout=300)
     assert running.returncode in (0, 130)
     assert out == ""
     assert "Traceback" not in err

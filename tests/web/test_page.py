@@ -7,7 +7,6 @@ import io
 import json
 import re
 import shutil
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -26,8 +25,31 @@ playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'brows
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here: 'apt-get install chromium'")
 
-PATIENCE = 60_000
+PATIENCE = 300_000
 MODEL = "fractional-maxwell"
+COST_OF_A_PREVIEW = """() => {
+    const timed = (work) => {
+        const begun = performance.now();
+        work();
+        return performance.now() - begun;
+    };
+    // Takes a frame at 60 Hz on the machine on which this was written: a slower one is slower at both.
+    const frame = () => {
+        let sum = 0;
+        for (let i = 0; i < 500_000; i += 1) sum += Math.exp(Math.sin(i));
+        return sum;
+    };
+    const middle = (times) => times.sort((a, b) => a - b)[Math.floor(times.length / 2)];
+    const previews = [], yardsticks = [];
+    for (const option of document.querySelectorAll("#effects li")) {
+        previews.push(timed(() => {
+            option.dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse" }));
+            document.body.getBoundingClientRect();
+        }));
+        yardsticks.push(timed(frame));
+    }
+    return [middle(previews), middle(yardsticks)];
+}"""
 Open = Callable[..., Any]
 
 
@@ -300,18 +322,8 @@ def test_a_preview_costs_less_than_a_frame_and_a_slider_little_more(page: Open, 
     here = page()
     here.drop("damper.csv", damper)
     here.judge(MODEL)
-    took = here.page.evaluate(
-        """() => {
-            const times = [...document.querySelectorAll("#effects li")].map((option) => {
-                const begun = performance.now();
-                option.dispatchEvent(new PointerEvent("pointerenter", { pointerType: "mouse" }));
-                document.body.getBoundingClientRect();
-                return performance.now() - begun;
-            });
-            return times.sort((a, b) => a - b)[Math.floor(times.length / 2)];
-        }"""
-    )
-    assert took < 16, "ms for a preview with its layout: one frame at 60 Hz"
+    preview, yardstick = here.page.evaluate(COST_OF_A_PREVIEW)
+    assert preview < yardstick, "ms for a preview with its layout, and for a frame's worth of work"
     before = here.page.get_attribute("#plot-view .line.model.storage", "d")
     slider = here.page.locator("[aria-label='move k']")
     slider.focus()
@@ -386,9 +398,7 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, damper: bytes):
     here.drop("damper.csv", damper)
     here.shows("material")
     running.close()
-    begun = time.monotonic()
     here.page.locator("#lost").wait_for()
-    assert time.monotonic() - begun < PATIENCE
     here.page.hover("#effect-inertia")
     assert here.page.locator("#plot-view .line.preview").count() == 2
     context.close()
