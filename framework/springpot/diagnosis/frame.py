@@ -32,11 +32,11 @@ def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     return u[:, s > tolerance * s[0]]
 
 
-def slow_shapes(measurement: Measurement) -> Real:
-    """Legendre polynomials along each sweep, shape (m, n), zero outside their sweep."""
+def slow_shapes(measurement: Measurement, highest: int = SWEEPS.smooth_degree) -> Real:
+    """Legendre polynomials along each sweep, up to a degree, shape (m, n), zero outside their sweep."""
     shapes: list[Real] = []
     for rows, x in sweeps_of(measurement):
-        degree = min(SWEEPS.smooth_degree, max(0, len(np.unique(x)) // 3 - 1))
+        degree = min(highest, max(0, len(np.unique(x)) // 3 - 1))
         span = float(np.ptp(x))
         x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))
         for polynomial in np.polynomial.legendre.legvander(x, degree).T:
@@ -240,9 +240,15 @@ class Frame:
         """Orthonormal basis of slow structure that the parameters cannot follow, shape (2n, q).
 
         Polynomials along each sweep, in magnitude and in phase: what a missing effect looks like,
-        whichever it is.
+        whichever it is. Of so high a degree only that some freedom is left to the scatter: where a model of many
+        parameters and the polynomials follow all of few points, the noise would seem to be nothing.
         """
-        return self.beyond(self.relative(slow_shapes(self.measurement)))
+        free = self.size - self.absorbed.shape[1]
+        for degree in range(SWEEPS.smooth_degree, -1, -1):
+            basis = self.beyond(self.relative(slow_shapes(self.measurement, degree)))
+            if free - basis.shape[1] >= SCATTER.fewest_rough:
+                return basis
+        return np.zeros((self.size, 0))
 
     @cached_property
     def shared(self) -> Real:

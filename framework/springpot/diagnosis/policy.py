@@ -86,6 +86,8 @@ class ScatterLevels:
     """Degrees of freedom from which the scatter about a model says how large the noise is."""
     dealt_alone: int = 8
     """Points of a sweep from which its scatter is dealt out anew by itself."""
+    fewest_rough: int = 8
+    """Degrees of freedom that slow curves leave to the scatter at least: its size is then known to a quarter."""
     fewest_own: float = 20.0
     """Degrees of freedom below which a scatter says too little of itself."""
 
