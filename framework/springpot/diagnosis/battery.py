@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
+from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .frame import Frame, orthonormal, slow_shapes, spectrum
+from .frame import Frame, orthonormal, spectrum
 from .noise import Averaged
 from .outliers import outlying
 from .policy import BATTERY, OUTLIERS, VERDICT
@@ -292,12 +292,7 @@ def _shared(frame: Frame) -> Real:
 
 
 def _common(frame: Frame) -> Real:
-    """Slow shapes that all sweeps share."""
-    shapes = slow_shapes(frame.measurement)
-    degrees = len(shapes) // max(1, len(sweeps_of(frame.measurement)))
-    pooled = np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])
-    columns = [frame.whiten(factor * frame.model_stiffness * pooled) for factor in (1.0, 1.0j)]
-    return frame.beyond(np.concatenate(columns).T)
+    return frame.common
 
 
 # Neighbours that are alike, along frequency and in the order in which they were measured; and what swings.
@@ -354,28 +349,12 @@ def _ripple_in_words(frame: Frame) -> tuple[float, str]:
 
 
 # What stands out: one frequency in all sweeps, single points, multiples of the mains.
-def _local(frame: Frame) -> Real:
-    """Narrow shapes fixed in Hz that all sweeps share: one to three neighbouring frequencies, each part by itself."""
-    which, n = frequency_numbers(frame.measurement), len(frame.measurement)
-    distinct = int(which.max()) + 1
-    columns = []
-    for width in (1, 2, 3):
-        starts = np.arange(distinct - width + 1)
-        inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
-        empty = np.zeros((n, len(starts)))
-        columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
-    local = frame.project(np.concatenate(columns, axis=1)[:, : BATTERY.most_local])
-    size = np.sqrt(np.sum(local * local, axis=0))
-    narrow: Real = local[:, size > 0.1] / size[size > 0.1]
-    return narrow
-
-
 def _one_frequency(frame: Frame, sample: Real) -> Real:
-    return np.asarray(np.max(np.abs(sample @ _local(frame)), axis=1, initial=0.0), dtype=np.float64)
+    return np.asarray(np.max(np.abs(sample @ frame.narrow), axis=1, initial=0.0), dtype=np.float64)
 
 
 def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
-    along = np.abs(frame.rest @ _local(frame))
+    along = np.abs(frame.rest @ frame.narrow)
     size = float(np.max(along, initial=0.0))
     return size, f"at one frequency, with its neighbours or alone, the residual is off by {size:.2g} sd in all sweeps"
 
@@ -448,28 +427,14 @@ def _near_mains(frequency: Real) -> NDArray[np.bool_]:
 # Trends with a condition that the model does not follow.
 def _trend_basis(name: str) -> Callable[[Frame], Real]:
     def basis(frame: Frame) -> Real:
-        x = _condition(frame, name)
-        if x is None:
-            return np.zeros((frame.size, 0))
-        return frame.beyond(frame.relative(x[None]), BATTERY.least_trend)
+        return frame.trends[name]
 
     return basis
 
 
-def _condition(frame: Frame, name: str) -> Real | None:
-    """A condition that varies, from -1 to 1 about its mean, on the scale on which K changes slowly."""
-    column = frame.measurement.conditions.get(name)
-    if column is None or np.ptp(column) < BATTERY.least_trend * np.max(np.abs(column)):
-        return None
-    x = column
-    if name == "amplitude" and np.all(column > 0):
-        x = np.log(column)
-    return np.asarray((x - np.mean(x)) / np.ptp(x), dtype=np.float64)
-
-
 def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
-        x = _condition(frame, name)
+        x = frame.condition(name)
         assert x is not None, "the test was made"
         off = np.log(frame.measurement.stiffness / frame.model_stiffness)
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))

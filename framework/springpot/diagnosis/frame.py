@@ -12,10 +12,10 @@ from scipy.linalg import svd
 from scipy.stats import chi2, f
 
 from springpot.identification import weighted
-from springpot.measurement import Measurement, frequency_numbers, sweeps_of
+from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .policy import SCATTER, SWEEPS
+from .policy import BATTERY, SCATTER, SWEEPS
 
 
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
@@ -178,8 +178,8 @@ class Frame:
         """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""
         if not self._deals_out:
             return rest
-        rough = rest - (rest @ self.structured) @ self.structured.T
-        variance = np.einsum("ij,ij->i", rough, rough) / self.rough_dof
+        along = rest @ self.structured
+        variance = (np.einsum("ij,ij->i", rest, rest) - np.einsum("ij,ij->i", along, along)) / self.rough_dof
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-300))[:, None], dtype=np.float64)
 
     def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -255,6 +255,50 @@ class Frame:
         """Orthonormal basis (2n, q) of what is alike in all sweeps at a frequency and is not slow."""
         columns = self.relative(shared_shapes(self.measurement))
         return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
+
+    @cached_property
+    def common(self) -> Real:
+        """Orthonormal basis (2n, q) of slow shapes that all sweeps share."""
+        shapes = slow_shapes(self.measurement)
+        degrees = len(shapes) // max(1, len(sweeps_of(self.measurement)))
+        return self.beyond(self.relative(np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])))
+
+    @cached_property
+    def narrow(self) -> Real:
+        """Unit columns (2n, m) fixed in Hz, alike in all sweeps: one to three neighbouring frequencies of a part."""
+        which, n = frequency_numbers(self.measurement), len(self.measurement)
+        distinct = int(which.max()) + 1
+        columns = []
+        for width in (1, 2, 3):
+            starts = np.arange(distinct - width + 1)
+            inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
+            empty = np.zeros((n, len(starts)))
+            columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
+        left = self.project(np.concatenate(columns, axis=1)[:, : BATTERY.most_local])
+        size = np.sqrt(np.sum(left * left, axis=0))
+        seen = size > BATTERY.least_local
+        return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
+
+    @cached_property
+    def trends(self) -> dict[str, Real]:
+        """For each condition an orthonormal basis (2n, q) of a trend with it, in size and phase; empty if held."""
+        bases = {}
+        for name in CONDITIONS:
+            x = self.condition(name)
+            bases[name] = np.zeros((self.size, 0))
+            if x is not None:
+                bases[name] = self.beyond(self.relative(x[None]), BATTERY.least_trend)
+        return bases
+
+    def condition(self, name: str) -> Real | None:
+        """A condition that varies, about its mean and over its range, on the scale of a slow change of K; (n,)."""
+        column = self.measurement.conditions.get(name)
+        if column is None or np.ptp(column) < BATTERY.least_trend * np.max(np.abs(column)):
+            return None
+        x = column
+        if name == "amplitude" and np.all(column > 0):
+            x = np.log(column)
+        return np.asarray((x - np.mean(x)) / np.ptp(x), dtype=np.float64)
 
     @cached_property
     def structured(self) -> Real:

@@ -130,6 +130,8 @@ class BatteryLevels:
     """Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
     least_trend: float = 1e-3
     """Relative spread of a condition, and share of a trend that the parameters leave, below which there is none."""
+    least_local: float = 0.1
+    """Share of a narrow shape that the parameters must leave: less of a single point is their own noise."""
     most_local: int = 600
     """Narrow shapes looked at; more points than these have slow structure enough."""
 
