@@ -202,6 +202,7 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         else NextExperiment(**{**advice, "separates": tuple(advice["separates"])}),
         notes=tuple(answer["notes"]),
         evidence=answer["evidence"],
+        parameters=_values(answer.get("parameters", {})),  # older files have none
     )
 
 

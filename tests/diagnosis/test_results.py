@@ -9,7 +9,7 @@ import pytest
 import springpot
 from springpot.errors import ModelError, OutputError
 from springpot.registry import plugins
-from springpot.report.jsontext import jsonable
+from springpot.report.jsontext import jsonable, to_json
 
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
@@ -39,7 +39,8 @@ def test_what_is_printed_is_the_text_of_the_command_line(ladder, compared, capsy
     assert capsys.readouterr().out == f"{ladder}\n"
     run(["compare", DATA, "--model", MODEL, "--model", f"{MODEL} + inertia"])
     assert capsys.readouterr().out == f"{compared}\n"
-    assert str(ladder.diagnosis) in str(ladder).replace("at the last step: ", "")
+    run(["diagnose", DATA, "--model", MODEL])
+    assert capsys.readouterr().out.startswith(f"{ladder.steps[0].case.diagnosis}\n")
 
 
 def test_short_forms_fit_on_a_line(ladder, compared):
@@ -84,3 +85,19 @@ def test_an_effect_that_the_data_cannot_show_is_refused(ladder):
     with pytest.raises(ModelError, match="only a fit can tell"):
         ladder.steps[0].case.grown_with(effects["free-shift"])
     assert np.all(np.isfinite(ladder.steps[0].case.grown_with(effects["time-delay"]).theta))
+
+
+def test_a_diagnosis_tells_the_parameters_of_the_model_that_it_judges(ladder, tmp_path):
+    first = ladder.steps[0]
+    diagnosis = first.case.diagnosis
+    assert diagnosis.parameters == first.parameters
+    k = diagnosis.parameters["k"]
+    assert k.low < k.value < k.high
+    assert f"fitted: k {k.value:.0f} [" in str(diagnosis)
+    assert str(ladder).count("fitted: ") == 0  # a discovery has them in a table already
+    assert ">alpha</td>" in diagnosis._repr_html_()
+    path = tmp_path / "diagnosis.json"
+    path.write_text(to_json(diagnosis), encoding="utf-8")
+    assert springpot.load(path).parameters == diagnosis.parameters
+    path.write_text(to_json({k: v for k, v in diagnosis.to_dict().items() if k != "parameters"}), encoding="utf-8")
+    assert springpot.load(path).parameters == {}

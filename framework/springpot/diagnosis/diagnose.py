@@ -13,7 +13,7 @@ from springpot.identification import is_material, require_conditions
 from springpot.measurement import Measurement, steadied
 from springpot.rheology import Effect, Model, Real
 
-from .candidates import candidates_of
+from .candidates import candidates_of, printed
 from .evidence import Evidence
 from .experiment import next_experiment
 from .material import MaterialFloor, error_of, material_floor, split_in_words
@@ -233,6 +233,7 @@ def _answer(
             "nothing": evidence.nothing,
             "unknown": evidence.unknown + evidence.narrow,
         },
+        parameters=printed(search.base),
     )
 
 

@@ -23,7 +23,7 @@ def _floors(error: Plain) -> str:
 
 
 def html_of_diagnosis(answer: Plain) -> Html:
-    """Verdict, error against both floors, where the model fails and the leading effects.
+    """Verdict, error against both floors, where the model fails, its parameters and the leading effects.
 
     Parameters
     ----------
@@ -31,6 +31,10 @@ def html_of_diagnosis(answer: Plain) -> Html:
         Schema ``springpot.diagnosis/1``.
     """
     error = answer["error"]
+    values = []
+    for name, value in answer["parameters"].items():
+        numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
+        values.append((name, *numbers, value["unit"]))
     rows = []
     for c in answer["candidates"][:SHOWN]:
         errors = [_percent(c[name]) for name in ("predicted_error", "error_after")]
@@ -44,6 +48,8 @@ def html_of_diagnosis(answer: Plain) -> Html:
     if answer["split"]:
         parts.append(tag("p", answer["split"]))
     parts.append(tag("ul", *(tag("li", place["says"]) for place in answer["where"])))
+    if values:
+        parts.append(table(("parameter", "value", "from", "to", "unit"), values))
     if rows:
         parts.append(table(headers, rows))
     return tag("div", *parts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
@@ -162,6 +163,10 @@ class Diagnosis:
         What would tell the leading ones apart.
     notes : tuple of str
         What else the user should know.
+    evidence : dict of str to float
+        The chances on which the verdict rests.
+    parameters : dict of str to Value
+        Those of the model as it is, with their intervals.
     """
 
     data: str
@@ -176,6 +181,7 @@ class Diagnosis:
     next_experiment: NextExperiment | None = None
     notes: tuple[str, ...] = ()
     evidence: dict[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, Value] = field(default_factory=dict)
 
     @property
     def best(self) -> Candidate | None:
@@ -198,6 +204,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "says": self.says,
             "split": self.split,
+            "parameters": {name: asdict(value) for name, value in self.parameters.items()},
             "where": [where.to_dict() for where in self.where],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "classes": [list(names) for names in self.classes],

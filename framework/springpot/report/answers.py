@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
 from springpot.diagnosis.words import plain
 from springpot.identification import Value as Measured
@@ -34,7 +36,7 @@ NOTHING = 1e-6
 def diagnosis_text(
     diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
 ) -> str:
-    """The answer: verdict, error, where, the effects that matter, what to measure next.
+    """The answer: verdict, error, where, the model's parameters, the effects that matter, what to measure next.
 
     Parameters
     ----------
@@ -51,11 +53,15 @@ def diagnosis_text(
     notes, most = diagnosis.notes, len(diagnosis.notes)
     if not verbose:
         most = NOTES
+    fitted, refers = _fitted(diagnosis), ""
+    if fitted and measurement is not None:
+        refers = reference_note(measurement, [diagnosis.model.network])
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{held}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis, len(diagnosis.where) if verbose else PLACES),
-        ranking_text(diagnosis, measurement, width, verbose),
+        "\n".join(filter(None, (fitted, refers))),
+        ranking_text(diagnosis, None if refers else measurement, width, verbose),
         _absent(diagnosis) if verbose or diagnosis.verdict == "adequate" else "",
         _next(diagnosis),
         "\n".join(f"note: {note}" for note in notes[:most]),
@@ -73,6 +79,13 @@ def _held(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
         factor, unit = units.of(known[name].unit)
         told.append(f"{name} = {factor * value:g}" if unit == "-" else f"{name} = {factor * value:g} {unit}")
     return f" (with {', '.join(told)} held)" if told else ""
+
+
+def _fitted(diagnosis: Diagnosis) -> str:
+    """The model's parameters as fitted, without what is missing."""
+    if not diagnosis.parameters:
+        return ""
+    return f"fitted: {'; '.join(f'{name} {value_text(value)}' for name, value in diagnosis.parameters.items())}"
 
 
 def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
@@ -239,13 +252,14 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
     first, last = ladder.steps[0], ladder.steps[-1]
     line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
     words = "" if len(ladder.steps) > 1 else ", nothing accepted"
+    judged = replace(ladder.diagnosis, parameters={})  # they stand above, in a table
     parts = [
         f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
         table,
         parameters_text(last),
         reference_note(_data(last), [last.model.network]),
         "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
-        f"at the last step: {diagnosis_text(ladder.diagnosis, _data(last), width, verbose)}",
+        f"at the last step: {diagnosis_text(judged, _data(last), width, verbose)}",
     ]
     return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
 
