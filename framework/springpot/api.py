@@ -10,10 +10,11 @@ from typing import TypeVar
 import numpy as np
 
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_value
-from springpot.diagnosis import Comparison, Diagnosis, Ladder, any_material, rank
+from springpot.diagnosis import Comparison, Diagnosis, Ladder, Progress, any_material, rank
 from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
+from springpot.diagnosis.progress import silent
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, Standing
 from springpot.identification import identify as identify_objects
@@ -161,6 +162,7 @@ def diagnose(
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
+    progress: Progress = silent,
 ) -> Diagnosis:
     """Find which physical effect is missing from a model.
 
@@ -177,6 +179,8 @@ def diagnose(
         Of simulated noise; the same seed gives the same bits.
     fix, bounds, exclude
         What is known beforehand, and rows to leave out; see `identify`.
+    progress : callable, optional
+        Told in a few words what is being done.
 
     Raises
     ------
@@ -196,7 +200,7 @@ def diagnose(
     """
     data = excluded(_measurement(measurement), exclude)
     judged = constrained(_judged(model), data.units, fix, bounds)
-    return diagnose_objects(data, judged, library(effects), np.random.default_rng(seed))
+    return diagnose_objects(data, judged, library(effects), np.random.default_rng(seed), progress)
 
 
 def discover(
@@ -209,6 +213,8 @@ def discover(
     fix: Mapping[str, float] | None = None,
     bounds: Mapping[str, Bounds] | None = None,
     exclude: str | Sequence[str] = (),
+    progress: Progress = silent,
+    reached: Callable[[Ladder], None] | None = None,
 ) -> Ladder:
     """Add missing effects one by one and watch the error fall.
 
@@ -226,6 +232,10 @@ def discover(
         Of simulated noise.
     fix, bounds, exclude
         What is known beforehand, and rows to leave out; see `identify`.
+    progress : callable, optional
+        Told in a few words what is being done.
+    reached : callable, optional
+        Given the ladder as it stands after each step: what was reached is there even if the rest is interrupted.
 
     Raises
     ------
@@ -245,7 +255,7 @@ def discover(
     grown = start
     for effect in wanted or ():
         grown = grown.taking(effect)  # told before the first fit
-    return discover_objects(data, start, found, np.random.default_rng(seed), wanted)
+    return discover_objects(data, start, found, np.random.default_rng(seed), wanted, progress, reached)
 
 
 def compare(
@@ -253,7 +263,7 @@ def compare(
     models: Model | str | Sequence[Model | str] | None = None,
     *,
     seed: int = 0,
-    told: Callable[[str], None] = lambda stage: None,
+    progress: Progress = silent,
 ) -> Comparison:
     """Judge models against the same noise floor: their errors, where they fail, and how sure that is.
 
@@ -265,8 +275,8 @@ def compare(
         At least one; without it all installed models are ranked against what any linear passive material reaches.
     seed : int
         Of simulated noise.
-    told : callable, optional
-        Told in a few words what is being done while installed models are ranked.
+    progress : callable, optional
+        Told in a few words what is being done.
 
     Returns
     -------
@@ -287,8 +297,8 @@ def compare(
     """
     data, rng = _measurement(measurement), np.random.default_rng(seed)
     if models is None:
-        return rank(data, list(plugins().items("model")), library(), rng, told)
-    return compare_objects(data, [_model(model) for model in _listed(models)], rng)
+        return rank(data, list(plugins().items("model")), library(), rng, progress)
+    return compare_objects(data, [_model(model) for model in _listed(models)], rng, progress)
 
 
 def mastercurve(

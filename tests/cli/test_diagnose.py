@@ -86,8 +86,9 @@ def test_nothing_missing_is_said_plainly(springpot, sound):
 def test_several_files_give_json_lines_and_a_bad_one_stops_nobody(springpot, heavy, sound, tmp_path):
     answer = springpot("diagnose", heavy, tmp_path / "no.csv", sound, "-m", "fractional-maxwell", "--json")
     assert answer.code == 2
-    assert answer.err.count("\n") == 1
-    assert "no.csv" in answer.err
+    # On a busy machine what is being done is told too.
+    [line] = [line for line in answer.err.splitlines() if line.startswith("springpot: ")]
+    assert "no.csv" in line
     lines = [json.loads(line) for line in answer.out.splitlines()]
     assert [line["data"] for line in lines] == ["heavy", "sound"]
     assert [line["verdict"] for line in lines] == ["effect-missing", "adequate"]

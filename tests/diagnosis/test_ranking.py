@@ -164,11 +164,9 @@ def test_stages_are_told():
     data = measured("kelvin", [1.0, 0.1])
     found = rank(data, SMALL[:2], library, np.random.default_rng(0), told.append)
     assert isinstance(found, Ranking)
-    assert told == [
-        "looking for what is missing from any material",
-        "fitting model 1 of 2: kelvin",
-        "fitting model 2 of 2: springpot",
-    ]
+    assert told[0] == "looking for what is missing from any material"
+    assert told[1].startswith("step 0: ")
+    assert told[-2:] == ["fitting model 1 of 2: kelvin", "fitting model 2 of 2: springpot"]
 
 
 def test_data_that_judge_no_model_are_refused():

@@ -59,7 +59,5 @@ def _compared(measurement: Measurement, models: list[Model], seed: int) -> Compa
     """The given models, or all that are installed."""
     from springpot.api import compare
 
-    if models:
-        return compare(measurement, models, seed=seed)
     with Waiting() as waiting:
-        return compare(measurement, seed=seed, told=waiting.told)
+        return compare(measurement, models or None, seed=seed, progress=waiting.told)

@@ -81,12 +81,11 @@ Shown = Callable[["Diagnosis", "Measurement"], str]
 
 def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown: Shown) -> int:
     from springpot.api import diagnose
+    from springpot.diagnosis.progress import within
 
     measurement = opener()
-    judged = arguments["model"].name if arguments["model"] else "any material"
     with Waiting() as waiting:
-        waiting.told(f"diagnosing {judged} of {measurement.name}")
-        diagnosis = diagnose(measurement, **arguments)
+        diagnosis = diagnose(measurement, **arguments, progress=within(measurement.name, waiting.told))
     print(shown(diagnosis, measurement), flush=True)
     return 0
 

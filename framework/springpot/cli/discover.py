@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,7 +23,13 @@ from .common import (
     verbose_option,
     window,
 )
+from .faults import INTERRUPTED
 from .waiting import Waiting
+
+if TYPE_CHECKING:
+    from springpot.diagnosis import Ladder
+    from springpot.measurement import Measurement
+    from springpot.rheology import Model
 
 ACCEPT = "Accept this effect; may be given several times."
 
@@ -55,13 +62,14 @@ def command(
     verbose: bool,
     as_json: bool,
     **options: Any,
-) -> None:
+) -> int:
     """Add effects that are missing from a model of DATA and show how far each lowers the error.
 
     Every step shows the error that was predicted and the one that was reached, both beside the noise floor and the
     least error that any material reaches. Without --model discovery begins with any linear passive material.
+
+    Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.api import discover
     from springpot.registry import parse_model, plugins
     from springpot.report.answers import ladder_text
     from springpot.report.canvas import check_figure_path
@@ -81,9 +89,7 @@ def command(
     measurement = opened(data, geometry)
     wanted = None if auto else effects
     again = again_with(data, model, accept, auto, seed, geometry, options)
-    with Waiting() as waiting:
-        waiting.told(f"looking for what is missing in {measurement.name}")
-        ladder = discover(measurement, expression, accept=wanted, seed=seed or 0, **known_from(options))
+    ladder, code = _climbed(measurement, expression, accept=wanted, seed=seed or 0, **known_from(options))
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:
@@ -92,6 +98,25 @@ def command(
     for path in (figure, report):
         if path is not None and not as_json:
             print(f"\nwritten: {path}")
+    return code
+
+
+def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
+    """The ladder, as far as it was waited for, and the exit code that says which."""
+    from springpot.api import discover
+    from springpot.diagnosis.progress import within
+
+    reached: list[Ladder] = []
+    with Waiting() as waiting:
+        progress = within(measurement.name, waiting.told)
+        try:
+            return discover(measurement, model, **arguments, progress=progress, reached=reached.append), 0
+        except KeyboardInterrupt:
+            if not reached:
+                raise
+    steps = len(reached[-1].steps)
+    print(f"springpot: interrupted; the answer is that of step {steps - 1}, the last one reached", file=sys.stderr)
+    return reached[-1], INTERRUPTED
 
 
 def again_with(

@@ -5,6 +5,7 @@ from .compare import Comparison, Judgement, compare
 from .diagnose import Case, diagnose, examine
 from .ladder import Ladder, Step, discover
 from .material import any_material
+from .progress import Progress
 from .ranking import Ranking, rank
 from .result import Candidate, Diagnosis, Error, NextExperiment, Value, Where
 
@@ -18,6 +19,7 @@ __all__ = [
     "Judgement",
     "Ladder",
     "NextExperiment",
+    "Progress",
     "Ranking",
     "Step",
     "Value",

@@ -23,6 +23,7 @@ from .floor import fitted_to_floor
 from .material import MaterialFloor, error_of, material_floor
 from .noise import thinned
 from .policy import RANKING
+from .progress import Progress, silent
 from .refit import Refit, refit
 from .result import Error, Value, Where
 from .where import where
@@ -194,7 +195,9 @@ class Comparison:
         }
 
 
-def compare(measurement: Measurement, models: Sequence[Model], rng: np.random.Generator) -> Comparison:
+def compare(
+    measurement: Measurement, models: Sequence[Model], rng: np.random.Generator, progress: Progress = silent
+) -> Comparison:
     """Fit models and judge each against the noise floor that they share.
 
     The floor is the lowest that any of the models finds: a model that fails takes part of its failure for noise.
@@ -207,6 +210,8 @@ def compare(measurement: Measurement, models: Sequence[Model], rng: np.random.Ge
         At least one.
     rng : numpy.random.Generator
         For the simulated noise against which the residual of any material is held.
+    progress : callable
+        Told in a few words what is being done.
 
     Raises
     ------
@@ -220,14 +225,14 @@ def compare(measurement: Measurement, models: Sequence[Model], rng: np.random.Ge
     if not models:
         raise OptionError("nothing to compare: give at least one model")
     measured, measurement = len(measurement), thinned(measurement)
-    fits = _fits(measurement, models)
+    fits = _fits(measurement, models, progress)
     quiet = fits[0]
     notes = [quiet.noise.doubt] if quiet.noise.doubt else []
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
-    return Comparison(
-        measurement.name, tuple(judgements(fits, material_floors(fits, rng), rng)), harmonics_of(quiet), tuple(notes)
-    )
+    progress("looking how near any material comes")
+    judged = judgements(fits, material_floors(fits, rng), rng)
+    return Comparison(measurement.name, tuple(judged), harmonics_of(quiet), tuple(notes))
 
 
 def harmonics_of(found: Refit) -> tuple[Finding, ...]:
@@ -260,11 +265,14 @@ def effects_of(found: Refit) -> Effects:
     return tuple(effect.name for effect in found.model.effects)
 
 
-def _fits(measurement: Measurement, models: Sequence[Model]) -> list[Refit]:
+def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress) -> list[Refit]:
     """Fits of all models in units of one noise."""
     for model in models:
         require_conditions(model, measurement)
-    first = [fitted_to_floor(model, measurement) for model in models]
+    first = []
+    for model in models:
+        progress(f"fitting {model.name}")
+        first.append(fitted_to_floor(model, measurement))
     for found in first:
         if found.fit.dof < 1:
             raise DataError(

@@ -21,6 +21,7 @@ from .noise import thinned
 from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
 from .policy import EXPERIMENT, SEARCH, VERDICT
+from .progress import Progress, silent
 from .result import Diagnosis, NextExperiment, Verdict, Where
 from .search import Search, confounded, scan_effects, search_data, search_from
 from .verdict import facts_of, rule_for, sentence
@@ -120,7 +121,11 @@ class Case:
 
 
 def diagnose(
-    measurement: Measurement, model: Model, library: Sequence[Effect], rng: np.random.Generator
+    measurement: Measurement,
+    model: Model,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    progress: Progress = silent,
 ) -> Diagnosis:
     """Find what is missing from a model of measured data.
 
@@ -134,6 +139,8 @@ def diagnose(
         Effects that may be missing.
     rng : numpy.random.Generator
         For simulated noise.
+    progress : callable
+        Told in a few words what is being done.
 
     Raises
     ------
@@ -142,7 +149,7 @@ def diagnose(
     ModelError
         If the data lack a column that the model needs.
     """
-    return examine(measurement, model, library, rng).diagnosis
+    return examine(measurement, model, library, rng, progress=progress).diagnosis
 
 
 def examine(
@@ -151,13 +158,17 @@ def examine(
     library: Sequence[Effect],
     rng: np.random.Generator,
     seeds: Sequence[Real] = (),
+    progress: Progress = silent,
 ) -> Case:
     """As `diagnose`, with the fits and scans behind the answer, and with starts (p,) known from a smaller model."""
     require_conditions(model, measurement)
     data = _prepared(measurement, model)
+    progress(f"fitting {model.name} and trying what may be missing from it")
     search, outliers = search_data(data, model, library, rng, seeds)
+    progress("looking how near any material comes")
     floor = material_floor(search.base, rng)
-    naming = _naming_search(search, floor, library, rng)
+    naming = _naming_search(search, floor, library, rng, progress)
+    progress("weighing what was found")
     evidence = Evidence.of(naming, confounded(naming, library))
     verdict = rule_for(facts_of(evidence, outliers, naming is not search)).verdict
     if verdict == "effect-missing":
@@ -177,7 +188,7 @@ def _prepared(measurement: Measurement, model: Model) -> Measurement:
 
 
 def _naming_search(
-    search: Search, floor: MaterialFloor, library: Sequence[Effect], rng: np.random.Generator
+    search: Search, floor: MaterialFloor, library: Sequence[Effect], rng: np.random.Generator, progress: Progress
 ) -> Search:
     """The search by which effects are named: that on any material, where the model and its effects leave structure.
 
@@ -185,6 +196,7 @@ def _naming_search(
     """
     if is_material(search.base.model) or search.left.p_value >= VERDICT.structure_alarm:
         return search
+    progress("trying what may be missing beside any material")
     free = search_from(floor.refit, library, rng)
     gain = 2.0 * (free.best.log_evidence_of_all - search.best.log_evidence_of_all)
     if gain > SEARCH.decisive:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .diagnose import Case, examine
 from .display import html_of_ladder
 from .leftover import prediction_gain
 from .policy import LADDER
+from .progress import Progress, silent, within
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
@@ -120,12 +121,17 @@ class Ladder:
         return html_of_ladder(self.to_dict())
 
 
+Reached: TypeAlias = Callable[[Ladder], None]
+
+
 def discover(
     measurement: Measurement,
     model: Model,
     library: Sequence[Effect],
     rng: np.random.Generator,
     accept: Sequence[Effect] | None = None,
+    progress: Progress = silent,
+    reached: Reached | None = None,
 ) -> Ladder:
     """Accept effects until nothing significant is left, or the given ones in order.
 
@@ -141,23 +147,44 @@ def discover(
         For simulated noise.
     accept : sequence of Effect, optional
         Effects to accept in this order; without it every decision is taken by the evidence.
+    progress : callable
+        Told in a few words what is being done.
+    reached : callable, optional
+        Given the ladder as it stands after each rung, so that what was reached is there even if the rest is
+        interrupted. The ladder that is returned may be shorter: rungs that led nowhere are taken back.
     """
-    case = examine(measurement, model, library, rng)
+    case = examine(measurement, model, library, rng, progress=within("step 0", progress))
     steps = [_step(case, None, None)]
+    _hand_out(measurement, steps, reached)
     wanted = list(accept) if accept is not None else None
     while _open(steps) if wanted is None else wanted:
         effect = _decisive(case) if wanted is None else wanted.pop(0)
         if effect is None:
             break
         predicted = _predicted(case, effect)
-        previous, case = case, _grown(measurement, case, effect, library, rng)
+        rung = within(f"step {len(steps)}", progress)
+        previous, case = case, _grown(measurement, case, effect, library, rng, rung)
         steps.append(replace(_step(case, effect.name, predicted, previous), alike=_alike(previous, effect)))
+        _hand_out(measurement, steps, reached)
     if accept is None:
         steps = _explained(steps)
         case = steps[-1].case
     if accept is None and len(steps) > 2:
-        case, steps = _pruned(measurement, case, steps, library, rng)
-    return Ladder(measurement.name, tuple(steps), case.diagnosis.verdict, case.diagnosis)
+        rung = within(f"step {len(steps)}", progress)
+        case, steps = _pruned(measurement, case, steps, library, rng, rung)
+    return _ladder(measurement, steps)
+
+
+def _ladder(measurement: Measurement, steps: Sequence[Step]) -> Ladder:
+    """The ladder that ends with the last of these steps."""
+    diagnosis = steps[-1].case.diagnosis
+    return Ladder(measurement.name, tuple(steps), diagnosis.verdict, diagnosis)
+
+
+def _hand_out(measurement: Measurement, steps: Sequence[Step], reached: Reached | None) -> None:
+    """Give away what there is so far."""
+    if reached is not None:
+        reached(_ladder(measurement, steps))
 
 
 def _open(steps: Sequence[Step]) -> bool:
@@ -168,14 +195,19 @@ def _open(steps: Sequence[Step]) -> bool:
 
 
 def _grown(
-    measurement: Measurement, case: Case, effect: Effect, library: Sequence[Effect], rng: np.random.Generator
+    measurement: Measurement,
+    case: Case,
+    effect: Effect,
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    progress: Progress,
 ) -> Case:
     """The next rung, fitted also from the smaller model with the effect as the scan saw it: it cannot do worse."""
     base = case.search.base
     require_conditions(base.model + effect, measurement)
     seeds = [start for score in scan_effects(base, case.search.frame, [effect]).scores for start in score.starts]
     seeds += [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
-    return examine(measurement, base.model + effect, library, rng, seeds)
+    return examine(measurement, base.model + effect, library, rng, seeds, progress)
 
 
 def _decisive(case: Case) -> Effect | None:
@@ -235,7 +267,12 @@ def _step(case: Case, accepted: str | None, predicted: float | None, before: Cas
 
 
 def _pruned(
-    measurement: Measurement, case: Case, steps: list[Step], library: Sequence[Effect], rng: np.random.Generator
+    measurement: Measurement,
+    case: Case,
+    steps: list[Step],
+    library: Sequence[Effect],
+    rng: np.random.Generator,
+    progress: Progress,
 ) -> tuple[Case, list[Step]]:
     """Drop accepted effects that later ones have made needless."""
     base = case.search.base
@@ -243,7 +280,7 @@ def _pruned(
     for name in added[:-1]:
         smaller: Refit = refit(base.model - name, base.data, base.noise)
         if smaller.log_evidence > base.log_evidence:
-            previous, case = case, examine(measurement, smaller.model, library, rng)
+            previous, case = case, examine(measurement, smaller.model, library, rng, progress=progress)
             dropped = replace(_step(case, None, None, previous), accepted=f"-{name}")
             return case, [*steps, dropped]
     return case, steps

@@ -7,7 +7,7 @@ those beside which a free spectrum gains no more than it gains from noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -25,6 +25,7 @@ from .frame import chance_of_squares
 from .ladder import Ladder, discover
 from .material import any_material
 from .policy import RANKING
+from .progress import Progress, silent
 from .refit import Refit, refit
 
 FIRST_MEMBER, LAST_MEMBER = 2, 6
@@ -106,7 +107,7 @@ def rank(
     installed: Sequence[Model | Family],
     library: Sequence[Effect],
     rng: np.random.Generator,
-    told: Callable[[str], None] = lambda stage: None,
+    progress: Progress = silent,
 ) -> Ranking:
     """Rank models against the material floor.
 
@@ -121,7 +122,7 @@ def rank(
         Effects that may be missing from any material.
     rng : numpy.random.Generator
         For simulated noise.
-    told : callable
+    progress : callable
         Told in a few words what is being done.
 
     Raises
@@ -129,15 +130,15 @@ def rank(
     DataError
         If there are too few data to judge anything.
     """
-    told("looking for what is missing from any material")
-    ladder = discover(measurement, any_material(), library, rng)
+    progress("looking for what is missing from any material")
+    ladder = discover(measurement, any_material(), library, rng, progress=progress)
     case = ladder.steps[-1].case
     floor = case.search.base
     fits: list[Refit] = []
     skipped: list[Skipped] = []
     for effects in [floor.model.effects, ()] if floor.model.effects else [()]:
         for number, item in enumerate(installed, 1):
-            told(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
+            progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
             fits += _fitted(item, effects, floor, skipped)
     if not fits:
         raise DataError(

@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.api import discover
 from springpot.diagnosis import Case, Ladder
+from springpot.diagnosis.progress import silent
 from springpot.measurement import Measurement
 from springpot.report.reference import reference_note
 from springpot.rheology import Model, Points, Real
@@ -25,10 +26,10 @@ DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
 Told = Callable[[str], None]
 
 
-def ladder_of(state: State, measurement: Measurement) -> Ladder:
+def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> Ladder:
     """The ladder of a state; the same bits for the same state and data."""
     used = kept(measurement, state.excluded)
-    return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed)
+    return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told)
 
 
 def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]:
@@ -58,9 +59,7 @@ def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    steps = len(state.accepted) + 1
-    told(f"fitting {state.expression}" if steps == 1 else f"climbing {steps} rungs to {state.expression}")
-    ladder = ladder_of(state, measurement)
+    ladder = ladder_of(state, measurement, told)
     told("drawing what each effect would change")
     return drawn(state, ladder, measurement)
 

@@ -47,9 +47,9 @@ def _measured(text: str) -> Measurement:
     return measurement_of(text)
 
 
-def _ladder(state: State, text: str) -> Ladder:
+def _ladder(state: State, text: str, told: Told) -> Ladder:
     if state.key not in _ladders:
-        _ladders[state.key] = ladder_of(state, _measured(text))
+        _ladders[state.key] = ladder_of(state, _measured(text), told)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
     return _ladders[state.key]
@@ -227,7 +227,7 @@ def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> 
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """All installed models against what any material reaches; schema ``springpot.comparison/1``."""
     asked = State.of(state)
-    return compare(kept(_measured(text), asked.excluded), seed=asked.seed, told=told).to_dict()
+    return compare(kept(_measured(text), asked.excluded), seed=asked.seed, progress=told).to_dict()
 
 
 def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -251,8 +251,7 @@ def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: st
         return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
     if kind == "data":
         return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
-    told(f"computing {asked.expression}")
-    ladder = _ladder(asked, text)
+    ladder = _ladder(asked, text, told)
     if kind == "curves":
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
     if kind == "plan":
