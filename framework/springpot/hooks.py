@@ -61,11 +61,14 @@ class Chapter:
         What a user would type behind ``springpot``; ``{out}`` stands for the folder of the results.
     race : Race, optional
         Run where there is no command.
+    left_to_user : bool
+        The command is shown only: one that waits for its user, such as a page in a browser, would end the story.
     """
 
     title: str
     command: tuple[str, ...] = ()
     race: Race | None = None
+    left_to_user: bool = False
 
 
 @hookspec

@@ -50,4 +50,9 @@ def springpot_demo() -> Iterable[Chapter]:
                 "--figure", "{out}/ladder.png", "--report", "{out}/report.html",
             ),
         ),
+        Chapter(
+            "Now you: the same damper in your browser, where effects are pointed at",
+            ("workbench", HIDDEN, "--model", "fractional-maxwell"),
+            left_to_user=True,
+        ),
     )  # fmt: skip

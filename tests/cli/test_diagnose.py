@@ -242,6 +242,8 @@ def test_the_demonstration_tells_its_whole_story(springpot, tmp_path, monkeypatc
     assert answer.code == 0, answer.err
     assert {path.name for path in (tmp_path / "story").iterdir()} >= {"ladder.png", "report.html", "story.txt"}
     assert "fractional-maxwell + inertia + time-delay" in answer.out
+    last = "$ springpot workbench artificial-hidden --model fractional-maxwell"
+    assert last in answer.out.splitlines()[-3:]  # told, not run
     assert "race of 5" in (tmp_path / "story" / "story.txt").read_text(encoding="utf-8")
 
 

@@ -64,10 +64,13 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
     from .group import run
 
     arguments = [part.replace("{out}", str(out)) for part in chapter.command]
+    typed = f"$ springpot {shlex.join(arguments)}\n"
+    if chapter.left_to_user:
+        return typed, 0
     printed = io.StringIO()
     with redirect_stdout(printed):
         code = run(arguments)
-    return f"$ springpot {shlex.join(arguments)}\n\n{printed.getvalue()}", code
+    return f"{typed}\n{printed.getvalue()}", code
 
 
 def _run(race: Race, out: Path) -> str:
