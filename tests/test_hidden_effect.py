@@ -82,9 +82,9 @@ def test_the_gate_forgives_one_case_and_not_two():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cases", [20, pytest.param(len(GATE_SEEDS), marks=pytest.mark.soak)])
+@pytest.mark.parametrize("cases", [12, pytest.param(len(GATE_SEEDS), marks=pytest.mark.soak)])
 def test_the_fixed_part_is_as_good_as_it_was(cases):
-    """The accuracy gate of the diagnosis: sixty cases, figure by figure against the committed ones; here a third."""
+    """The accuracy gate of the diagnosis: sixty cases, figure by figure against the committed ones; here a fifth."""
     from hidden_effect import answer
 
     asked = GATE_SEEDS[:cases]

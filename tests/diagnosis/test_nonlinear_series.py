@@ -12,6 +12,8 @@ from scipy.integrate import solve_ivp
 import springpot
 
 SAMPLES = 256
+SOFT = pytest.param({"stiff": 100.0, "cubic": 20.0}, marks=pytest.mark.soak)
+QUARTIC = pytest.param({"force": 100.0, "power": 4}, marks=pytest.mark.soak)
 OMEGA, X = (
     grid.ravel()
     for grid in np.meshgrid(2.0 * np.pi * np.geomspace(0.1, 10.0, 6), [0.3, 1.0, 2.0, 4.0], indexing="ij")
@@ -53,7 +55,7 @@ def measured(law, **own):
     return springpot.Measurement(OMEGA, noisy, conditions={"amplitude": X}, units=springpot.Units("kN/m", "mm"))
 
 
-@pytest.mark.parametrize("own", [{}, {"stiff": 100.0, "cubic": 20.0}], ids=["stiff", "soft"])
+@pytest.mark.parametrize("own", [{}, SOFT], ids=["stiff", "soft"])
 def test_a_hardening_spring_in_series_is_no_nonlinearity_of_the_material(own):
     found = springpot.diagnose(measured(hardening_mount, **own), "kelvin")
     assert found.verdict == "effect-missing"
@@ -64,7 +66,7 @@ def test_a_hardening_spring_in_series_is_no_nonlinearity_of_the_material(own):
     assert found.best.parameters["Xh"].value == pytest.approx(np.sqrt(stiff / (0.75 * cubic)), rel=0.05)
 
 
-@pytest.mark.parametrize("own", [{}, {"force": 100.0, "power": 4}], ids=["cubic", "quartic"])
+@pytest.mark.parametrize("own", [{}, QUARTIC], ids=["cubic", "quartic"])
 def test_slip_that_grows_with_the_stress_is_no_heat(own):
     found = springpot.diagnose(measured(slipping_film, **own), "maxwell")
     assert found.verdict == "effect-missing"

@@ -111,20 +111,31 @@ def test_a_magnetorheological_damper_yields_like_friction(shared, current):
     assert force == pytest.approx({0.5: 900.0, 1.0: 1600.0}[current] * np.pi / 4.0, rel=0.35)
 
 
-def test_a_filled_elastomer_softens_with_amplitude(shared):
-    data = shared("elastomer-epdm-70-dma-payne")
-    sweeps = data.subset(np.char.startswith(data.labels["run"].astype(str), "sd_"))
-    diagnosis = springpot.diagnose(sweeps, "springpot")
+@pytest.fixture(scope="module")
+def of_elastomer():
+    """The diagnosis of all sweeps of strain, made once; `shared` is what reads them."""
+    known = []
+
+    def diagnosis(shared):
+        if not known:
+            data = shared("elastomer-epdm-70-dma-payne")
+            sweeps = data.subset(np.char.startswith(data.labels["run"].astype(str), "sd_"))
+            known.append(springpot.diagnose(sweeps, "springpot"))
+        return known[0]
+
+    return diagnosis
+
+
+def test_a_filled_elastomer_softens_with_amplitude(shared, of_elastomer):
+    diagnosis = of_elastomer(shared)
     assert diagnosis.verdict == "effect-missing"
     assert diagnosis.best.effect == "payne"
     assert diagnosis.best.error_after < 0.5 * diagnosis.error.relative_rms
 
 
 @pytest.mark.xfail(strict=False, reason="10 and 100 Hz scatter differently; one floor for both lets a damper in")
-def test_a_filled_elastomer_needs_nothing_but_its_softening(shared):
-    data = shared("elastomer-epdm-70-dma-payne")
-    sweeps = data.subset(np.char.startswith(data.labels["run"].astype(str), "sd_"))
-    assert missing(springpot.diagnose(sweeps, "springpot")) == {"payne"}
+def test_a_filled_elastomer_needs_nothing_but_its_softening(shared, of_elastomer):
+    assert missing(of_elastomer(shared)) == {"payne"}
 
 
 def test_a_filled_elastomer_at_one_frequency(shared):

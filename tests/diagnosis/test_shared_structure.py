@@ -18,8 +18,14 @@ def rippled(at, base, waves, size=0.02, **given):
     return measured(at, exact(base, at) * (1.0 + size * np.cos(2.0 * np.pi * waves * x)), level=NOISE, **given)
 
 
-@pytest.mark.parametrize("known", [False, True])
-@pytest.mark.parametrize("waves", [4.0, 6.5])
+@pytest.mark.parametrize(
+    ("waves", "known"),
+    [
+        (4.0, True),
+        (6.5, False),
+        *(pytest.param(*case, marks=pytest.mark.soak) for case in ((4.0, False), (6.5, True))),
+    ],
+)
 def test_a_ripple_in_all_sweeps_is_not_taken_for_noise(waves, known):
     diagnosis = springpot.diagnose(rippled(SWEEPS, WARM, waves, known=known), WARM.name)
     assert diagnosis.verdict == "unexplained"
