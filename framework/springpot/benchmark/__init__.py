@@ -1,7 +1,8 @@
 """Benchmark: studies, their engines and store, statistics and tables."""
 
 from .columns import frame
-from .export import Export, export
+from .export import export
+from .exported import Export
 from .findings import Findings, summarise, write_tables
 from .runner import Outcome, run_study
 from .script import load_study

@@ -19,7 +19,7 @@ from springpot.files import write_text
 from springpot.rheology import Real
 
 from .coco_suite import NAMES, SUITE
-from .export import Block, Export, blocks, created, left_out
+from .exported import Block, Export, blocks, created, left_out
 from .rows import TrialRow
 from .store import Store
 from .trace import at, geometric_grid

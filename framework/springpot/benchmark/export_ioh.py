@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.files import write_text
 
-from .export import Block, Export, blocks, created, left_out
+from .exported import Block, Export, blocks, created, left_out
 from .rows import TrialRow
 from .store import Store
 from .trace import at

@@ -10,8 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from . import laws
 from .formula import Formula
+from .laws import cubic_dashpot as cubic_dashpot_law
+from .laws import cubic_spring as cubic_spring_law
+from .laws import dead_zone as dead_zone_law
+from .laws import friction as friction_law
+from .laws import jenkins as jenkins_law
+from .laws import power_law as power_law_law
 from .linear import RADIAN
 from .parameters import AMPLITUDE, FORCE, PURE, Dimension, Parameter, stiffness
 from .points import Points
@@ -37,7 +42,7 @@ def _friction_third(at: Points, force: Any) -> Any:
 def coulomb_friction(force: str = "F") -> Formula:
     """Dry friction, F sgn(velocity): K = i 4 F / (pi X)."""
     return Formula(
-        (Parameter(force, "F", FORCE),), _friction, NEEDS_AMPLITUDE, "friction", _friction_third, laws.friction
+        (Parameter(force, "F", FORCE),), _friction, NEEDS_AMPLITUDE, "friction", _friction_third, friction_law
     )
 
 
@@ -72,7 +77,7 @@ def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
 def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
     """A spring in series with a friction slider (Jenkins): it sticks while k X < F."""
     free = (stiffness(k), Parameter(force, "F", FORCE))
-    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, laws.jenkins)
+    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, jenkins_law)
 
 
 def power_law(at: Points, force: Any, exponent: Any) -> Any:
@@ -99,7 +104,7 @@ def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
         Parameter(force, "F", FORCE),
         Parameter(exponent, "a", PURE, 0.0, 3.0, "linear", 0.5),
     )
-    return Formula(free, power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third, laws.power_law)
+    return Formula(free, power_law, NEEDS_AMPLITUDE, "power-law damper", _power_law_third, power_law_law)
 
 
 def _cubic_spring(at: Points, k3: Any) -> Any:
@@ -114,7 +119,7 @@ def _cubic_spring_third(at: Points, k3: Any) -> Any:
 def cubic_spring(k3: str = "k3") -> Formula:
     """Force k3 x^3, K = (3/4) k3 X^2; k3 < 0 softens."""
     free = (Parameter(k3, "k₃", CUBIC, -np.inf, scale="linear"),)
-    return Formula(free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, laws.cubic_spring)
+    return Formula(free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, cubic_spring_law)
 
 
 def _cubic_dashpot(at: Points, c3: Any) -> Any:
@@ -129,7 +134,7 @@ def _cubic_dashpot_third(at: Points, c3: Any) -> Any:
 def cubic_dashpot(c3: str = "c3") -> Formula:
     """Force c3 v^3, K = i (3/4) c3 omega^3 X^2."""
     free = (Parameter(c3, "c₃", CUBIC_RATE),)
-    return Formula(free, _cubic_dashpot, NEEDS_AMPLITUDE, "cubic dashpot", _cubic_dashpot_third, laws.cubic_dashpot)
+    return Formula(free, _cubic_dashpot, NEEDS_AMPLITUDE, "cubic dashpot", _cubic_dashpot_third, cubic_dashpot_law)
 
 
 def _gap(at: Points, b: Any) -> tuple[Any, Any]:
@@ -156,7 +161,7 @@ def _dead_zone_third(at: Points, k: Any, b: Any) -> Any:
 def gapped_spring(k: str = "k", b: str = "b") -> Formula:
     """A spring that touches only beyond a gap of b on either side; nothing happens while X < b."""
     free = (stiffness(k), Parameter(b, "b", AMPLITUDE))
-    return Formula(free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third, laws.dead_zone)
+    return Formula(free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third, dead_zone_law)
 
 
 def _play(at: Points, b: Any) -> Any:

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from . import laws
 from .formula import Formula
+from .laws import delay as delay_law
+from .laws import gain as gain_law
+from .laws import one_filter as one_filter_law
 from .linear import DAMPING_RATIO, RADIAN, delay_time, resonance
 from .parameters import PURE, Parameter
 from .points import Points
@@ -21,7 +23,7 @@ def _delay(at: Points, tau: Any) -> Any:
 
 def delay(tau: str = "tau") -> Formula:
     """exp(-s tau): the force signal comes tau late (early where tau < 0)."""
-    return Formula((delay_time(tau),), _delay, kind="delay", in_time=laws.delay)
+    return Formula((delay_time(tau),), _delay, kind="delay", in_time=delay_law)
 
 
 def _phase(at: Points, phi: Any) -> Any:
@@ -41,7 +43,7 @@ def _gain(at: Points, g: Any) -> Any:
 def gain(g: str = "g") -> Formula:
     """1 + g: calibration, area or gap wrong by the fraction g."""
     return Formula(
-        (Parameter(g, "g", PURE, -0.99, scale="linear", typical=0.5),), _gain, kind="gain", in_time=laws.gain
+        (Parameter(g, "g", PURE, -0.99, scale="linear", typical=0.5),), _gain, kind="gain", in_time=gain_law
     )
 
 
@@ -69,7 +71,7 @@ def _filter(at: Points, tau: Any) -> Any:
 
 def filter_mismatch(tau: str = "tau") -> Formula:
     """A first-order filter tau in one channel only: force where tau > 0, displacement where tau < 0."""
-    return Formula((delay_time(tau),), _filter, kind="filter", in_time=laws.one_filter)
+    return Formula((delay_time(tau),), _filter, kind="filter", in_time=one_filter_law)
 
 
 def _clock(at: Points, e: Any) -> Any:
