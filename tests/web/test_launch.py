@@ -7,6 +7,7 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from test_state import a_session
 
 import springpot
 from springpot.errors import OptionError
-from springpot.web import Workbench
+from springpot.web import Workbench, serve
 from springpot.web.datatext import measured_in, text_of
 from springpot.web.tasks import open_spec, understand
 
@@ -36,6 +37,24 @@ def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Pat
     assert running.returncode in (0, 130)
     assert out == ""
     assert "Traceback" not in err
+
+
+def test_ctrl_c_is_heard_even_where_python_would_swallow_it():
+    """In a callback of the interpreter a KeyboardInterrupt is printed and forgotten, and the server ran on."""
+
+    class Forgotten:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def tell(bench: Workbench) -> None:
+        rescue = threading.Timer(300.0, bench.close)
+        rescue.daemon = True
+        rescue.start()
+        Forgotten()
+
+    with pytest.raises(KeyboardInterrupt):
+        serve(None, None, 0, False, tell)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_it_starts_little_later_than_numpy_alone():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import secrets
+import signal
 import socket
 import threading
 from collections.abc import Callable
@@ -131,10 +132,24 @@ def _listening(port: int) -> socket.socket:
 def serve(data: str | None, model: str | None, port: int, browser: bool, tell: Callable[[Workbench], object]) -> None:
     """What ``springpot workbench`` does: tell the address, open the browser, serve until Ctrl-C."""
     bench = Workbench(data, model or "", port)
-    tell(bench)
-    if browser:
-        _open(bench.address)
-    bench.run()
+    asked: list[int] = []
+
+    def end(number: int, _: object) -> None:
+        asked.append(number)
+        bench.close()
+
+    # A KeyboardInterrupt that is raised within a callback of the interpreter is swallowed there, and the server would
+    # run on: Ctrl-C is noted instead, also by the server, which hands it on here when it has ended.
+    usual = signal.signal(signal.SIGINT, end)
+    try:
+        tell(bench)
+        if browser:
+            _open(bench.address)
+        bench.run()
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    if asked:
+        raise KeyboardInterrupt
 
 
 def workbench(
