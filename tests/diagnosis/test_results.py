@@ -61,6 +61,22 @@ def test_ladder_and_comparison_are_drawn_on_axes_of_the_user(ladder, compared):
             thing.plot("x.png", ax=axes)
 
 
+def test_a_diagnosis_is_drawn_with_what_each_effect_leaves(ladder, tmp_path):
+    figure = pytest.importorskip("matplotlib.figure").Figure
+    diagnosis = ladder.steps[0].case.diagnosis
+    axes = figure().subplots()
+    assert diagnosis.plot(ax=axes) is axes
+    [errors] = [line for line in axes.lines if line.get_label() == "error"]
+    assert errors.get_ydata()[0] == pytest.approx(100 * diagnosis.error.relative_rms)
+    assert errors.get_ydata()[1] == pytest.approx(100 * diagnosis.best.error_after)
+    names = [text.get_text().replace("\n", "") for text in axes.get_xticklabels()]
+    assert names[:3] == ["as it is", "+ inertia", "+ inertia + time-delay"]
+    assert diagnosis.plot(tmp_path / "diagnosis.svg").stat().st_size > 1000
+    path = tmp_path / "diagnosis.json"
+    path.write_text(to_json(diagnosis), encoding="utf-8")
+    assert springpot.load(path).plot(tmp_path / "loaded.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_a_grown_model_is_handed_out_fitted_or_as_scanned(ladder):
     case = ladder.steps[0].case
     for candidate in case.diagnosis.candidates:

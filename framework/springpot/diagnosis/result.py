@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
-from springpot.drawing import text_of
+from springpot.drawing import draw, text_of
 from springpot.rheology import Effect, Model
 
 from .display import html_of_diagnosis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 
@@ -187,6 +192,10 @@ class Diagnosis:
     def best(self) -> Candidate | None:
         """The effect that should be added, or None if none is missing."""
         return self.candidates[0] if self.candidates and self.verdict == "effect-missing" else None
+
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
+        """The error as it is and with each leading effect, beside the floors; see `springpot.drawing.draw`."""
+        return draw(self, path, ax)
 
     def __str__(self) -> str:
         return text_of(self)

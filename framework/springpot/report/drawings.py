@@ -6,7 +6,7 @@ from functools import singledispatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.diagnosis import Comparison, Ladder
+from springpot.diagnosis import Comparison, Diagnosis, Ladder
 from springpot.errors import OutputError
 from springpot.identification import Identification, Prediction, is_material
 from springpot.loading import KeptLadder
@@ -19,6 +19,7 @@ from .curves import Fit
 from .figures import figure_identification, marks_of, sweep_marks
 from .ladder import draw_ladder, figure_ladder
 from .mastercurve import figure_mastercurve
+from .remedies import draw_diagnosis, figure_diagnosis
 from .residuals import figure_compared, fits_of
 from .spectrum import figure_material
 from .views import Scene
@@ -97,6 +98,16 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
         logarithmic(axes, "x")
     axes.set(xlabel="frequency f [Hz]", ylabel=f"storage, loss [{result.units.stiffness}]")
     axes.legend(title=f"{result.model}, {100 * result.level:.0f} % bands")
+
+
+@whole.register
+def _diagnosed(result: Diagnosis, path: Any) -> Any:
+    return figure_diagnosis(result, path)
+
+
+@onto.register
+def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
+    draw_diagnosis(axes, result)
 
 
 @whole.register(KeptLadder)

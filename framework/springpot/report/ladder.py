@@ -94,7 +94,7 @@ def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int],
 
 
 def _names(axes: Axes, steps: tuple[Step, ...]) -> None:
-    names = [_broken(_name(step)) for step in steps]
+    names = [broken(_name(step)) for step in steps]
     axes.set_xticks(range(len(steps)), names, color=INK)
     if len(steps) > MOST_LEVEL:
         axes.tick_params(axis="x", labelrotation=30)
@@ -109,7 +109,7 @@ def _name(step: Step) -> str:
     return f"− {step.accepted[1:]}" if step.accepted.startswith("-") else f"+ {step.accepted}"
 
 
-def _broken(name: str) -> str:
+def broken(name: str) -> str:
     """A long name on several lines, broken behind hyphens."""
     lines = [""]
     for part in name.replace("-", "-\0").split("\0"):
