@@ -10,7 +10,7 @@ from springpot.report import canvas, residuals, views
 from springpot.report.bands import SHARED, alike
 from springpot.report.curves import Fit
 from springpot.report.residuals import PLANES, draw_plane
-from springpot.report.views import Scene
+from springpot.report.scene import Scene
 
 pytest.importorskip("matplotlib")
 

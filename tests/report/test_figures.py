@@ -6,9 +6,9 @@ import pytest
 from springpot.errors import OutputError
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import canvas, curves, figures, views
+from springpot.report import canvas, curves, figures, scene, views
 from springpot.report.curves import Fit, axis_of, sweeps_of
-from springpot.report.views import Scene
+from springpot.report.scene import Scene
 
 pytest.importorskip("matplotlib")
 
@@ -142,8 +142,8 @@ def test_many_points_stay_small(tmp_path):
     data = Measurement(omega, MAXWELL.model.stiffness(MAXWELL.theta, omega))
     path = figures.figure_identification(data, [MAXWELL], tmp_path / "a.svg")
     assert path.stat().st_size < 1_000_000
-    assert len(data) > views.MANY_POINTS
-    assert curves.SMOOTH < views.MANY_POINTS
+    assert len(data) > scene.MANY_POINTS
+    assert curves.SMOOTH < scene.MANY_POINTS
 
 
 def test_the_picture_of_a_material_shows_its_spectrum_with_a_band(tmp_path):

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Sequence
 from contextlib import redirect_stdout
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from runpy import run_module
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 from springpot.errors import SpringpotError, StudyError
 
-if TYPE_CHECKING:
-    from .study import Study
+from .study import Study
 
 
 def load_script(path: Path) -> ModuleType:
@@ -76,8 +72,6 @@ def load_study(path: str | Path) -> Study:
     StudyError
         If the script fails (with file and line) or declares none, or several of which none is called ``study``.
     """
-    from .study import Study
-
     module = load_script(Path(path))
     found = {name: value for name, value in vars(module).items() if isinstance(value, Study)}
     if "study" in found:
@@ -87,19 +81,3 @@ def load_study(path: str | Path) -> Study:
     if not found:
         raise StudyError(f"{path} declares no study: write study = Study(...) in it")
     raise StudyError(f"{path} declares {', '.join(found)}: call the one to run 'study'")
-
-
-def main(study: Study, arguments: Sequence[str] | None = None) -> None:
-    """Run a study as a program: what ``springpot run`` does with the path of the script that declares it.
-
-    Raises
-    ------
-    StudyError
-        If the running program is not that script, so that workers could not find what it defines.
-    """
-    script = getattr(sys.modules["__main__"], "__file__", None)
-    if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
-        raise StudyError("call study.main() in the script that declares it as study = Study(...)")
-    sys.argv = ["springpot", "run", script, *(sys.argv[1:] if arguments is None else arguments)]
-    # The command stands above this room and is started like any other program, not imported.
-    run_module("springpot", run_name="__main__")

@@ -150,7 +150,7 @@ class Study:
 
     def main(self, arguments: Sequence[str] | None = None) -> None:
         """Run the study as a script: the same as ``springpot run`` with the script's path."""
-        from .script import main
+        from .program import main
 
         main(self, arguments)
 

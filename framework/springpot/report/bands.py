@@ -11,7 +11,7 @@ from springpot.rheology import Real
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .views import Scene
+    from .scene import Scene
 
 SHARED = "#DDDDDD"
 ALIKE = 1.5

@@ -21,8 +21,8 @@ from .ladder import draw_ladder, figure_ladder
 from .mastercurve import figure_mastercurve
 from .remedies import draw_diagnosis, figure_diagnosis
 from .residuals import figure_compared, fits_of
+from .scene import Scene
 from .spectrum import figure_material
-from .views import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

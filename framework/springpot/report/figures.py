@@ -15,7 +15,7 @@ from .canvas import INK, blank, finished, save
 from .curves import Fit
 from .floors import DASHES
 from .numbers import percent
-from .views import Scene
+from .scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

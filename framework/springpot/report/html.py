@@ -36,7 +36,7 @@ from .page import page
 from .panels import data_and_model, keys, other_views, panel, residual_planes
 from .reference import effects_note, reference_note
 from .residuals import set_aside, with_noise_of
-from .views import Scene
+from .scene import Scene
 
 SUFFIXES = (".html", ".htm")
 VERSIONS = ("springpot", "numpy", "scipy")

@@ -12,7 +12,7 @@ from springpot.markup import Html, joined, tag
 from . import views
 from .canvas import COLOURS, blank
 from .residuals import PLANES, draw_plane
-from .views import Scene, sweep_colours
+from .scene import Scene, sweep_colours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

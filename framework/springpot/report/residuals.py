@@ -28,7 +28,7 @@ from .curves import Fit
 from .figures import headed
 from .floors import DASHES
 from .numbers import percent
-from .views import Scene
+from .scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,8 @@ from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
 from .numbers import number
-from .views import WIDE_RANGE, Scene
+from .scene import Scene
+from .views import WIDE_RANGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,25 @@
+"""A study that is run as a program of its own."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from runpy import run_module
+
+from springpot.errors import StudyError
+
+
+def main(study: object, arguments: Sequence[str] | None = None) -> None:
+    """Run a study as a program: what ``springpot run`` does with the path of the script that declares it.
+
+    Raises
+    ------
+    StudyError
+        If the running program is not that script, so that workers could not find what it defines.
+    """
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
+        raise StudyError("call study.main() in the script that declares it as study = Study(...)")
+    sys.argv = ["springpot", "run", script, *(sys.argv[1:] if arguments is None else arguments)]
+    # The command stands above this room and is started like any other program, not imported.
+    run_module("springpot", run_name="__main__")
