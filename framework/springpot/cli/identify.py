@@ -131,9 +131,14 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
     """The fit, with the floors that its text tells, while those who wait are told what is being done."""
     from springpot.api import identify
 
-    with Waiting() as waiting:
-        waiting.told(f"fitting {model.name} to {measured.name}")
+    if arguments.get("optimiser") is None:
+        with Waiting() as waiting:
+            waiting.told(f"fitting {model.name} to {measured.name}")
+            found = identify(measured, model, **arguments)
+    else:
+        # Its run takes place in a copy of this process, which is safe only where no thread runs beside.
         found = identify(measured, model, **arguments)
+    with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
         _ = found.standing
     return found

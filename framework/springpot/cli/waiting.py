@@ -33,6 +33,7 @@ class Waiting:
             if self._begun and sys.stderr.isatty():
                 print(f"\r{' ' * WIDTH}\r", end="", file=sys.stderr, flush=True)
             self._begun, self._stage = False, ""
+        self._thread.join()  # where it still ran, an optimiser would not be protected in a process of its own
 
     def told(self, stage: str) -> None:
         """What is being done now."""
