@@ -16,7 +16,7 @@ READ = {"blank_lines", "comments", "xml_bomb"}
 def short(monkeypatch):
     """A fifth of the time, so that the tests are done sooner; all else as it is."""
     monkeypatch.setattr(budget, "SECONDS", 1.0)
-    # A step within a library, which nothing interrupts, is no shorter for that; on a busy machine it took four seconds.
+    # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it took four seconds.
     # Without a budget these files take 20 to 1000 times it.
     monkeypatch.setattr("opening_cost.ALLOWED_TIMES", 10)
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 50e6)
