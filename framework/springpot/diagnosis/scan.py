@@ -194,18 +194,23 @@ def scan(
         Score that noise alone exceeds with a chance of 1 %, where that is known already.
     """
     tried = [Directions.of(frame, influence) for influence in influences]
-    simulated = np.zeros(0) if rng is None else _simulated_maxima(frame, tried, rng)
     rest = frame.standard(frame.rest[None, :])[0]
-    along = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0)
-    if rng is not None and BATTERY.edge[0] < float(np.mean(simulated >= along**2)) < BATTERY.edge[1]:
-        simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(BATTERY.more))])
-    threshold = float(np.quantile(simulated, 0.99)) if len(simulated) else threshold
+    furthest = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0) ** 2
+    p_value = 1.0
+    if rng is not None:
+        simulated = _simulated_maxima(frame, tried, rng)
+        if len(simulated) and BATTERY.edge[0] < float(np.mean(simulated >= furthest)) < BATTERY.edge[1]:
+            # Near the alarm the chance is resolved by more draws, so that the seed does not decide.
+            more = [_simulated_maxima(frame, tried, rng) for _ in range(BATTERY.more)]
+            simulated = np.concatenate([simulated, *more])
+        if len(simulated):
+            threshold = float(np.quantile(simulated, 0.99))
+        p_value = (1.0 + float(np.sum(simulated >= furthest))) / (1.0 + len(simulated))
     scores = [
         _score(frame, influence, directions, threshold)
         for influence, directions in zip(influences, tried, strict=True)
     ]
     scores.sort(key=lambda score: score.predicted)
-    p_value = (1.0 + float(np.sum(simulated >= along**2))) / (1.0 + len(simulated)) if len(simulated) else 1.0
     return Scan(scores, p_value, threshold)
 
 
