@@ -109,5 +109,5 @@ def make_progress(name: str, total: int) -> Progress:
         try:
             return Bar(name, total)
         except ImportError:
-            pass
+            pass  # without rich, lines tell the same
     return Lines(name, total)

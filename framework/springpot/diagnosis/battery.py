@@ -23,12 +23,10 @@ from springpot.rheology import Complex, Real
 from .frame import Frame, orthonormal, spectrum
 from .noise import Averaged
 from .outliers import outlying
-from .policy import BATTERY, OUTLIERS, VERDICT
+from .policy import BATTERY, OUTLIERS, SWEEPS, VERDICT
 from .words import times
 
 Rows: TypeAlias = NDArray[np.int64]
-DRIFT_DEGREE = 3
-"""Degree of the polynomials by which repeats may drift."""
 MAINS = (50.0, 60.0)
 MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
 """Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
@@ -182,7 +180,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
-    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), DRIFT_DEGREE)
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), SWEEPS.drift_degree)
     drift = orthonormal(np.asarray(slow, dtype=np.float64))
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
@@ -200,7 +198,7 @@ def drift_share(data: Averaged) -> float:
     size = float(np.sum(np.abs(measured) ** 2))
     if size == 0.0:
         return 0.0
-    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(measured)), DRIFT_DEGREE)
+    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(measured)), SWEEPS.drift_degree)
     count = np.bincount(data.group)
     # The deviations have lost the means of the repeats; so must the curves.
     lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]

@@ -141,7 +141,7 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
         with np.errstate(all="ignore"):
             call()
     except BudgetSpent:
-        pass
+        pass  # this is how the recorder ends an optimiser, and no fault of it
     except (Exception, SystemExit) as error:
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise KeyboardInterrupt from error
