@@ -140,3 +140,10 @@ def test_the_pattern_finds_machines(text: str):
 @pytest.mark.parametrize("text", ["kN/m", "framework/springpot", "https://example.org/home/page", "tests/tmp/x"])
 def test_the_pattern_lets_ordinary_text_pass(text: str):
     assert not MACHINE.search(text)
+
+
+def test_no_two_test_files_share_a_name():
+    """pytest collects folders without `__init__.py` by bare module name: a second file of one name stops the run."""
+    bare = [path for path in (ROOT / "tests").rglob("*.py") if not (path.parent / "__init__.py").exists()]
+    names = [path.stem for path in bare if path.stem != "conftest"]
+    assert sorted(names) == sorted(set(names))
