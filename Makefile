@@ -8,7 +8,7 @@ READY := $(VENV)/.ready
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help test lint demo bench soak site clean
+.PHONY: help test lint demo bench soak solvers site clean
 
 help:  ## show this
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 8
@@ -30,6 +30,9 @@ bench: $(READY)  ## speed, side by side with the libraries
 soak: $(READY)  ## the long tests: more seeds and sizes, and all that can be broken; table in results/soak/
 	$(BIN)/python -m pytest -m soak
 	$(BIN)/python tests/reliability/soak.py
+
+solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[solvers]' --constraint constraints.txt
 
 site: $(READY)  ## the documentation as a site, in build/site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import subprocess
 import sys
 import zipfile
@@ -29,7 +30,6 @@ ops.wipe()
 ops.model("basic", "-ndm", 1, "-ndf", 1)
 exec(sys.stdin.read())
 frequency, steps, cycles = float(sys.argv[1]), 400, 6
-ops.testUniaxialMaterial(100)
 dt = 1.0 / (frequency * steps)
 ops.setTime(0.0)
 t = dt * np.arange(1, cycles * steps + 1)
@@ -57,8 +57,7 @@ print(k.real, k.imag)
 def test_opensees_gives_k_over_the_band(frequency):
     """A node on the exported material alone, pushed by a sinusoid until it repeats itself."""
     pytest.importorskip("openseespy", reason="openseespy is not installed (extra solvers)")
-    script = OPENSEES.replace("ops.testUniaxialMaterial(100)\n", "")
-    run = [sys.executable, "-c", script, str(frequency)]
+    run = [sys.executable, "-c", OPENSEES, str(frequency)]
     done = subprocess.run(
         run, input=handed("openseespy").text, capture_output=True, text=True, timeout=600, check=False
     )
@@ -176,3 +175,56 @@ def test_nastran_cards_are_read_and_joined(tmp_path):
     table = model.tables_d[101]
     exact = MODEL.stiffness(THETA, 2 * np.pi * np.asarray(table.x))
     assert np.asarray(table.y) == pytest.approx(exact.real, rel=0.005)
+
+
+STEPS = 60
+"""Of a period: the force of straight pieces then repeats the sinusoid's within 0.2 %."""
+SOLID = parse_model("fractional-zener")
+SOLID_THETA = SOLID.theta(k1=2.0, k2=30.0, c=0.5, alpha=0.6)
+
+
+@pytest.fixture(scope="module")
+def terms():
+    """What stands in the exported table: the spring, and weight and time of each term."""
+    given = ["k1=2", "k2=30", "c=0.5", "alpha=0.6"]
+    table = exported("fractional-zener", "csv", band="1Hz:48Hz", values=given, unit="MPa", tolerance="0.2%").text
+    rows = csv.reader(line for line in table.splitlines() if not line.startswith("#"))
+    _, (_, spring, _), *rest = rows
+    return float(spring), [float(weight) for _, weight, _ in rest], [float(time) for _, _, time in rest]
+
+
+@pytest.mark.parametrize(("frequency", "cycles"), [(1.0, 3), (8.0, 6), (48.0, 8)])
+def test_finite_elements_run_the_series(terms, frequency, cycles):
+    """A block of eight elements in simple shear, whose force over displacement is the shear modulus."""
+    pytest.importorskip("felupe", reason="felupe is not installed (extra solvers)")
+    import felupe
+
+    spring, weights, times = terms
+    t = np.arange(cycles * STEPS + 1) / (STEPS * frequency)
+    moved = 0.01 * np.sin(2 * np.pi * frequency * t)
+    field = felupe.FieldContainer([felupe.Field(felupe.RegionHexahedron(felupe.Cube(n=3)), dim=3)])
+    law = felupe.MaterialStrain(
+        felupe.linear_elastic_viscoelastic,
+        μ=spring,
+        λ=10.0 * spring,
+        G=weights,
+        τ=times,
+        Δt=t[1],
+        statevars=((len(times), 3, 3),),
+    )
+    solid, everywhere = felupe.SolidBody(law, field), np.ones(27, dtype=bool)
+    bounds = {
+        "no way aside": felupe.Boundary(field[0], mask=everywhere, skip=(1, 0, 0)),
+        "bottom": felupe.Boundary(field[0], fy=0, skip=(0, 1, 1)),
+        "top": felupe.Boundary(field[0], fy=1, skip=(0, 1, 1)),
+    }
+    step = felupe.Step([solid], ramp={bounds["top"]: moved[1:]}, boundaries=bounds)
+    pulled = np.array(
+        [felupe.tools.force(field, each.fun, bounds["top"])[0] for each in step.generate(x0=field, verbose=0)]
+    )
+    alike = SOLID.respond(SOLID_THETA, t, moved)[1:]
+    assert np.abs(pulled - alike).max() < 0.02 * np.abs(alike).max()
+    turn = np.exp(-2j * np.pi * frequency * t[-STEPS:])
+    found = np.sum(pulled[-STEPS:] * turn) / np.sum(moved[-STEPS:] * turn)
+    exact = SOLID.stiffness(SOLID_THETA, 2 * np.pi * frequency)[0]
+    assert abs(found - exact) < 0.005 * abs(exact)
