@@ -29,10 +29,11 @@ FLOORS = {
     "superposition": 7,
     "timetests": 7,
     "structure": 7,
-    "exporting": 7,
-    "simulating": 8,
+    "identified": 8,
     "report": 8,
     "testing": 8,
+    "exporting": 9,
+    "simulating": 9,
     "web": 9,
     "cli": 10,
 }

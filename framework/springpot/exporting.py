@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.measurement import Units
-from springpot.measurement.units import FREQUENCY_UNITS, MODULUS_UNITS, known_unit
-from springpot.registry import parse_model, plugins
-from springpot.rheology import Handoff, Layer, Model, Prony, Real, Writer, prony_of
+from springpot.identified import Known, fitted, lesser, stated
+from springpot.measurement import KELVIN
+from springpot.measurement.units import FREQUENCY_UNITS, known_unit
+from springpot.registry import plugins
+from springpot.rheology import Handoff, Layer, Model, Points, Prony, Real, Writer, prony_of
 
-ZERO_CELSIUS = 273.15
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""
-LARGEST = 10_000_000
-"""Bytes of a fit's JSON: it has some thousand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,46 +106,35 @@ def exported(
     writer: Writer = plugins().find("writer", format_name)
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
-    model, printed, units = _read_fit(Path(source)) if source.endswith(".json") else _given(source, values, unit)
-    theta = _own_units(model, {name: value for name, (value, _) in printed.items()}, units)
-    model, theta = _of_specimen(model, theta, without)
+    known = lesser(_known(source, values, unit), without)
+    model, theta = known.model, known.theta
+    _refuse_rig(model)
     omega = _band(band)
-    kelvin = None if temperature is None else temperature + ZERO_CELSIUS
-    spectrum = model.spectrum(theta, omega, temperature=kelvin)
+    kelvin = None if temperature is None else temperature + KELVIN
+    spectrum = model.spectrum(theta, omega, temperature=kelvin, reference_temperature=known.reference)
     prony: Prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot and writer.dashpot)
-    shown = {name: f"{printed[name][0]:.9g} {printed[name][1]}".strip() for name in model.names}
-    stated = "" if units is None else units.stiffness
-    handoff = Handoff(prony, model.name, shown, stated, units is not None and units.is_modulus, poisson)
+    is_named = source.endswith(".json") or unit is not None
+    shown_unit = known.units.stiffness if is_named else ""
+    shown = _printed(known, shown_unit)
+    if "temperature" in model.needs:
+        shown["temperature"] = f"{(known.reference if kelvin is None else kelvin) - KELVIN:.6g} degC"
+    handoff = Handoff(
+        prony,
+        model.name,
+        shown,
+        shown_unit,
+        is_named and known.units.is_modulus,
+        poisson,
+        exact=lambda at: model.stiffness(theta, _points(at, kelvin, known.reference)),
+    )
     text = writer.written(handoff)
     return Exported(text, writer, handoff, None if writer.data is None else writer.data(handoff))
 
 
-Printed = dict[str, tuple[float, str]]
-
-
-def _read_fit(path: Path) -> tuple[Model, Printed, Units | None]:
-    try:
-        if path.stat().st_size > LARGEST:
-            raise DataError(f"{path} is too large for the JSON of a fit")
-        fit = json.loads(path.read_text(encoding="utf-8"))
-        model = parse_model(str(fit["model"]))
-        printed = {name: (float(e["value"]), str(e["unit"])) for name, e in fit["parameters"].items()}
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'") from None
-    for parameter in model.parameters:
-        if parameter.unit.stiffness == 1 and not parameter.unit.amplitude and parameter.unit.time != 2:
-            label = printed.get(parameter.name, (0.0, ""))[1]
-            stiffness = re.sub(r" s(\^[^/\s]+)?(?=/|$)", "", label)
-            if stiffness in MODULUS_UNITS:
-                return model, printed, Units(stiffness)
-    return model, printed, None
-
-
-def _given(expression: str, values: Sequence[str], unit: str | None) -> tuple[Model, Printed, Units | None]:
-    model = parse_model(expression)
-    units = None if unit is None else Units(known_unit(unit, MODULUS_UNITS, "the stiffness"))
+def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
+    """The fit in a JSON file, or a model with its parameters."""
+    if source.endswith(".json"):
+        return fitted(source)
     numbers: dict[str, float] = {}
     for text in values:
         name, _, value = text.partition("=")
@@ -157,33 +142,31 @@ def _given(expression: str, values: Sequence[str], unit: str | None) -> tuple[Mo
             numbers[name.strip()] = float(value)
         except ValueError:
             raise ModelError(f"'{text}' is no NAME=VALUE, such as k=400") from None
-    theta = model.vector(numbers)
-    labels = [units.of(p.unit)[1] if units else "" for p in model.parameters]
-    return model, {n: (v, label) for n, v, label in zip(model.names, theta.tolist(), labels, strict=True)}, units
+    return stated(source, numbers, unit, "the stiffness")
 
 
-def _own_units(model: Model, values: dict[str, float], units: Units | None) -> Real:
-    """Parameters in the units of the data, from those in which they are printed (a mass in kg)."""
-    theta = model.vector(values)
-    if not np.all(np.isfinite(theta)):
-        raise ModelError(f"a parameter of {model.name} is no finite number")
-    if units is None:
-        return theta
-    factors = [units.of(p.unit, 1.0 if isinstance(p.unit.time, str) else None)[0] for p in model.parameters]
-    own: Real = theta / np.array(factors)
-    return own
-
-
-def _of_specimen(model: Model, theta: Real, without: Sequence[str]) -> tuple[Model, Real]:
-    known = dict(zip(model.names, theta.tolist(), strict=True))
-    for name in without:
-        model = model - plugins().effect(name)
+def _refuse_rig(model: Model) -> None:
     for effect in model.effects:
         if effect.layer > Layer.SPECIMEN:
             raise ModelError(
                 f"'{effect.name}' belongs to the rig, not to the specimen: leave it out with --without {effect.name}"
             )
-    return model, model.vector({name: known[name] for name in model.names})
+
+
+def _printed(known: Known, unit: str) -> dict[str, str]:
+    """Parameters with their units, those included that were held; the lines of a spectrum are left to the series."""
+    values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
+    shown = {}
+    for parameter in known.model.released().parameters:
+        if not parameter.detail:
+            factor, label = known.units.of(parameter.unit) if unit else (1.0, "")
+            shown[parameter.name] = f"{factor * values[parameter.name]:.9g} {label}".strip()
+    return shown
+
+
+def _points(omega: Real, kelvin: float | None, reference: float) -> Points:
+    at = np.log(omega)
+    return Points(at, None, np.full(len(at), reference if kelvin is None else kelvin), reference)
 
 
 def _band(text: str) -> tuple[float, float]:

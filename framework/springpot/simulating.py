@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
-from springpot.identification import Identification
-from springpot.loading import load
-from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS, STIFFNESS_UNITS, Units, known_unit
-from springpot.registry import parse_model, plugins
+from springpot.identified import fitted, lesser, stated
+from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
 from springpot.rheology import Model, Real
 from springpot.structure import Damper, Frame, Record, artificial
 from springpot.timetests import Known
@@ -91,8 +89,14 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     _only(entry, DAMPER_KEYS, path, where)
     if ("fit" in entry) == ("model" in entry):
         raise DataError(f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit")
-    known = _known(path.parent / str(entry["fit"])) if "fit" in entry else _given(entry, path, where)
-    model, theta, covariance = _without(known, entry.get("without", []))
+    if "fit" in entry:
+        known = fitted(path.parent / str(entry["fit"]))
+    else:
+        values = {str(name): float(value) for name, value in dict(entry.get("parameters", {})).items()}
+        known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
+    without = entry.get("without", [])
+    known = lesser(known, [without] if isinstance(without, str) else map(str, without))
+    model, theta, covariance = _in_newton(known)
     slope = np.cos(np.radians(float(entry.get("slope", 0.0))))
     temperature = None if "temperature" not in entry else float(entry["temperature"])
     if "temperature" in model.needs and temperature is None:
@@ -108,42 +112,19 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     )
 
 
-def _known(path: Path) -> Known:
-    found = load(path)
-    if isinstance(found, Identification):
-        return Known.of(found)
-    if isinstance(found, Known):
-        return found
-    raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
-
-
-def _given(entry: Mapping[str, Any], path: Path, where: str) -> Known:
-    model = parse_model(str(entry["model"]))
-    unit = known_unit(str(entry.get("unit", "")), MODULUS_UNITS, f"{where} of {path}")
-    units = Units(unit, unit.partition("/")[2] or "-")
-    printed = model.vector({str(name): float(value) for name, value in dict(entry.get("parameters", {})).items()})
-    factors = [units.of(p.unit, 1.0 if isinstance(p.unit.time, str) else None)[0] for p in model.parameters]
-    p = len(model.parameters)
-    return Known(model, printed / np.array(factors), np.zeros((p, p)), units, 293.15, 0.0, 1.0, (0.0, np.inf))
-
-
-def _without(known: Known, names: Any) -> tuple[Model, Real, Real | None]:
-    """The model without effects of the rig, its parameters in N, m and s, and their covariance."""
+def _in_newton(known: Known) -> tuple[Model, Real, Real | None]:
+    """A model, its parameters in N, m and s, and their covariance where they are not exact."""
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
-    model = known.model
-    for name in [names] if isinstance(names, str) else names:
-        model = model - plugins().effect(str(name))
-    kept = [known.model.names.index(name) for name in model.names]
     stiffer = STIFFNESS_UNITS[known.units.stiffness]
     longer = AMPLITUDE_UNITS[known.units.amplitude]
-    powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in model.parameters]
+    powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters]
     factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
-    covariance = known.covariance[np.ix_(kept, kept)] * np.outer(factors, factors)
-    return model, known.theta[kept] * factors, covariance if np.any(covariance != 0.0) else None
+    covariance = known.covariance * np.outer(factors, factors)
+    return known.model, known.theta * factors, covariance if np.any(covariance != 0.0) else None
 
 
 def read_record(spec: str, rng: np.random.Generator) -> Record:

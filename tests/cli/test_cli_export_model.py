@@ -48,6 +48,23 @@ def test_bad_input_is_one_line(springpot, arguments: list[str], word: str):
 
 def test_what_is_no_fit_is_refused(springpot, write):
     for content in ("{}", "[1]", "{", '{"model": "spring", "parameters": {"k": 1}}'):
-        assert springpot("export-model", write(content, "fit.json"), "--to", "csv", "--band", "1Hz:2Hz").is_one_line(
-            "no fit"
-        )
+        answer = springpot("export-model", write(content, "fit.json"), "--to", "csv", "--band", "1Hz:2Hz")
+        assert answer.is_one_line("with --json")
+
+
+def test_a_fit_is_handed_over_at_its_own_reference_temperature(springpot, tmp_path):
+    """Where shifts are one is where the data were, not 20 degC; without a temperature that is meant."""
+    fit = springpot("identify", "nist-srm2491", "--model", "maxwell + arrhenius-shift", "--json").json
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(fit), encoding="utf-8")
+
+    def handed(*temperature):
+        arguments = ["--to", "json", "--band", "1rad/s:100rad/s", "--dashpot", *temperature]
+        return springpot("export-model", path, *arguments).out
+
+    reference = json.loads(handed())["parameters"]["temperature"].removesuffix(" degC")
+    assert handed("--temperature", reference) == handed()
+    [term] = json.loads(handed())["terms"]
+    tau = fit["parameters"]["c"]["value"] / fit["parameters"]["k"]["value"]
+    assert term["time_s"] == pytest.approx(tau, rel=1e-6)
+    assert handed("--temperature", "50") != handed()

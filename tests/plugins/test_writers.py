@@ -12,7 +12,7 @@ import pytest
 
 from springpot.errors import ModelError
 from springpot.exporting import exported
-from springpot.registry import plugins
+from springpot.registry import parse_model, plugins
 from springpot.rheology import Handoff, Prony, Real
 
 WRITERS = {writer.name: writer for writer in plugins().items("writer")}
@@ -59,16 +59,44 @@ def read_python(text: str):
     return room["stiffness"](OMEGA)
 
 
+def abaqus_materials(text: str) -> dict[str, dict[str, list[list[float]]]]:
+    """Data lines by keyword line, of each material."""
+    materials: dict[str, dict[str, list[list[float]]]] = {}
+    for line in text.splitlines():
+        if line.startswith("*MATERIAL, NAME="):
+            material = materials.setdefault(line.partition("=")[2], {})
+        elif line.startswith("*") and not line.startswith("**"):
+            rows = material.setdefault(line, [])
+        elif not line.startswith("**"):
+            rows.append(numbers(line))
+    return materials
+
+
 def read_abaqus(text: str):
     """*ELASTIC is instantaneous; lines are g, k, tau relative to it."""
-    lines = [line for line in text.splitlines() if not line.startswith("**")]
-    assert "*ELASTIC, MODULI=INSTANTANEOUS" in lines
-    modulus, poisson = numbers(lines[lines.index("*ELASTIC, MODULI=INSTANTANEOUS") + 1])
+    material = abaqus_materials(text)["SPRINGPOT"]
+    [[modulus, poisson]] = material["*ELASTIC, MODULI=INSTANTANEOUS"]
     assert poisson == 0.49
-    terms = [numbers(line) for line in lines[lines.index("*VISCOELASTIC, TIME=PRONY") + 1 :]]
+    terms = material["*VISCOELASTIC, TIME=PRONY"]
     assert all(g == k for g, k, _ in terms)
     assert sum(g for g, _, _ in terms) < 1
     return k_of(modulus * (1 - sum(g for g, _, _ in terms)), 0.0, [(modulus * g, tau) for g, _, tau in terms])
+
+
+def read_abaqus_frequency(text: str, omega: Real):
+    """G'' = G_inf w Re g*, G' = G_inf (1 - w Im g*): a table of w g* against f, or g* = g1* f^-a."""
+    material = abaqus_materials(text)["SPRINGPOT_FREQUENCY"]
+    [[modulus, _]] = material["*ELASTIC, MODULI=LONG TERM"]
+    f = omega / (2 * np.pi)
+    if "*VISCOELASTIC, FREQUENCY=FORMULA" in material:
+        [[real, imaginary, a, *bulk]] = material["*VISCOELASTIC, FREQUENCY=FORMULA"]
+        assert bulk == [real, imaginary, a]
+        g = omega * (real + 1j * imaginary) * f**-a
+    else:
+        rows = np.array(material["*VISCOELASTIC, FREQUENCY=TABULAR"])
+        assert np.array_equal(rows[:, :2], rows[:, 2:4])
+        g = np.interp(f, rows[:, 4], rows[:, 0]) + 1j * np.interp(f, rows[:, 4], rows[:, 1])
+    return modulus * (1 - g.imag) + 1j * modulus * g.real
 
 
 def read_ansys(text: str):
@@ -174,7 +202,7 @@ DIGITS = {"ls-dyna": 5e-5, "nastran": 1e-3}
 READ = {
     name.removeprefix("read_").replace("ls_dyna", "ls-dyna"): function
     for name, function in globals().items()
-    if name.startswith("read_")
+    if name.startswith("read_") and name != "read_abaqus_frequency"
 }
 
 
@@ -267,3 +295,24 @@ def test_a_model_with_its_parameters():
     omega = 2 * np.pi * np.geomspace(1, 48, 50)
     s = (1j * omega) ** 0.55
     np.testing.assert_allclose(found.handoff.prony.stiffness(omega), 1 / (1 / 400 + 1 / (60 * s)), rtol=0.008)
+
+
+@pytest.mark.parametrize(
+    ("expression", "values", "law", "within"),
+    [
+        ("fractional-zener", ["k1=2", "k2=30", "c=0.5", "alpha=0.6"], "TABULAR", 2e-3),
+        ("fractional-kelvin", ["k=2", "c=0.5", "alpha=0.6"], "FORMULA", 1e-7),
+        ("springpot", ["c=0.5", "alpha=0.3"], "FORMULA", 2e-5),
+        ("zener", None, "TABULAR", 2e-3),
+    ],
+)
+def test_abaqus_has_the_model_itself_at_frequencies(expression, values, law, within):
+    """No Prony series stands between them: its error, of half a per cent, is not in the table."""
+    model = parse_model(expression)
+    theta = 2.0 + np.arange(len(model.names)) if values is None else [float(v.partition("=")[2]) for v in values]
+    given = [f"{name}={value}" for name, value in zip(model.names, theta, strict=True)]
+    text = exported(expression, "abaqus", band="0.1Hz:100Hz", values=given, unit="MPa", poisson=0.49).text
+    assert f"*VISCOELASTIC, FREQUENCY={law}" in text
+    omega = 2 * np.pi * np.geomspace(0.1, 100, 77)
+    exact = model.stiffness(np.asarray(theta), omega)
+    assert np.abs(read_abaqus_frequency(text, omega) / exact - 1).max() < within

@@ -9,6 +9,7 @@ import numpy as np
 
 from springpot.errors import ModelError
 
+from .points import Complex, Real
 from .prony import Prony
 
 
@@ -32,6 +33,8 @@ class Handoff:
         Poisson's ratio, for formats that describe a solid.
     name : str
         What the material or damper shall be called.
+    exact : callable, optional
+        From angular frequencies in rad/s to the model's own complex K, for formats that hold K itself.
     """
 
     prony: Prony
@@ -41,6 +44,11 @@ class Handoff:
     is_modulus: bool
     poisson: float | None = None
     name: str = "springpot"
+    exact: Callable[[Real], Complex] | None = None
+
+    def stiffness(self, omega: Real) -> Complex:
+        """K (n,) at omega (n,) in rad/s: that of the model itself where it is known, else that of the series."""
+        return self.prony.stiffness(omega) if self.exact is None else self.exact(omega)
 
     def heading(self) -> list[str]:
         """What it is, in lines of plain text: model, parameters, band, error, unit, long-term and instantaneous."""

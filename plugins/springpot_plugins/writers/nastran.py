@@ -45,7 +45,7 @@ def to_nastran(handoff: Handoff) -> str:
     """Property and tables, for a bush along the first axis of its element."""
     low, high = np.log10(handoff.prony.band)
     omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
-    stiffness = handoff.prony.stiffness(omega)
+    stiffness = handoff.stiffness(omega)
     frequency = (omega / (2.0 * np.pi)).tolist()
     lines = [f"$ {line}" for line in handoff.heading()]
     lines += [

@@ -1,0 +1,79 @@
+"""A model whose parameters are known, from a fit or as a user states them: what solvers and structures take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError, ModelError
+from springpot.identification import Identification
+from springpot.loading import load
+from springpot.measurement import MODULUS_UNITS, Units, known_unit
+from springpot.registry import parse_model, plugins
+from springpot.timetests import Known
+
+
+def fitted(path: str | Path) -> Known:
+    """What a fit found, from the JSON that ``springpot identify --json`` printed.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read or is no fit.
+    """
+    found = load(path)
+    if isinstance(found, Identification):
+        return Known.of(found)
+    if isinstance(found, Known):
+        return found
+    raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
+
+
+def stated(expression: str, values: Mapping[str, float], unit: str | None, what: str) -> Known:
+    """A model with the parameters that a user gives, in the units in which they are printed (a mass in kg).
+
+    Parameters
+    ----------
+    expression : str
+        Such as ``fractional-maxwell``.
+    values : mapping of str to float
+        By name, all of them.
+    unit : str or None
+        Of the stiffness; without one the numbers are taken as they are.
+    what : str
+        Whose unit that is, for the message where it is unknown.
+
+    Raises
+    ------
+    SpringpotError
+        If model or unit are unknown, or a parameter is, lacks or is no finite number.
+    """
+    model = parse_model(expression)
+    printed = model.vector(dict(values))
+    if not np.all(np.isfinite(printed)):
+        raise ModelError(f"a parameter of {model.name} is no finite number")
+    units = Units()
+    if unit is not None:
+        stiffness = known_unit(unit, MODULUS_UNITS, what)
+        units = Units(stiffness, stiffness.partition("/")[2] or "-")
+        printed = printed / np.array([units.of(parameter.unit)[0] for parameter in model.parameters])
+    exact = np.zeros((len(printed), len(printed)))
+    return Known(model, printed, exact, units, 293.15, 0.0, 1.0, (0.0, np.inf))
+
+
+def lesser(known: Known, without: Iterable[str]) -> Known:
+    """The same without some of its effects, such as those of the rig that it was tested in.
+
+    Raises
+    ------
+    SpringpotError
+        If it has none of that name.
+    """
+    model = known.model
+    for name in without:
+        model = model - plugins().effect(name)
+    kept = [known.model.names.index(name) for name in model.names]
+    return replace(known, model=model, theta=known.theta[kept], covariance=known.covariance[np.ix_(kept, kept)])
