@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError
-from springpot.identified import Known, fitted, lesser, stated
+from springpot.identified import fitted, lesser, stated
 from springpot.measurement import KELVIN
 from springpot.measurement.units import FREQUENCY_UNITS, known_unit
 from springpot.registry import plugins
 from springpot.rheology import Handoff, Layer, Model, Points, Prony, Real, Writer, prony_of
+from springpot.timetests import Known
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""
