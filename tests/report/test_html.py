@@ -1,6 +1,9 @@
 """The report of a discovery: whole, quiet and safe whatever the data are called."""
 
+import json
 import re
+from base64 import b64decode, b64encode
+from hashlib import sha256
 from html.parser import HTMLParser
 from itertools import pairwise
 
@@ -12,7 +15,7 @@ from springpot.benchmark.plan import digest_of_data
 from springpot.errors import OutputError
 from springpot.markup import Html, html, joined, table, tag
 from springpot.measurement import Measurement, Units
-from springpot.report.html import report_html, write_report
+from springpot.report.html import excluded_rows, report_html, write_report
 from springpot.report.ladder import figure_ladder
 from springpot.report.numbers import percent
 
@@ -25,7 +28,7 @@ LONG = ("specimen-inertia-fixed", "-inertia", "self-heating")
 KNOWN = {
     "html", "head", "meta", "title", "style", "body", "main", "h1", "h2", "h3", "p", "b", "i", "ul", "li", "div",
     "span", "figure", "img", "figcaption", "table", "thead", "tbody", "tr", "th", "td", "details", "summary", "pre",
-    "svg", "g", "text", "polyline", "polygon",
+    "svg", "g", "text", "polyline", "polygon", "script",
 }  # fmt: skip
 
 
@@ -87,6 +90,7 @@ def page(ladder):
 def test_names_from_data_stay_text(page):
     found = Page(page)
     assert set(found.tags) <= KNOWN
+    assert found.tags.count("script") == 2  # what is pointed at, and the program that shows it
     assert not found.open
     assert EVIL in "".join(found.words)
     assert not [key for _, key, _ in found.attributes if key.startswith("on")]
@@ -97,15 +101,36 @@ def test_nothing_is_fetched_from_elsewhere(page):
     sources = [value for _, key, value in found.attributes if key in {"src", "href", "data", "action"}]
     assert sources
     assert all(value.startswith("data:image/svg+xml;base64,") for value in sources)
-    assert "url(" not in page
+    assert not re.search(r"url\((?!#)", page)
     assert "@import" not in page
     [policy] = [value for _, key, value in found.attributes if key == "content" and "default-src" in value]
     assert policy.startswith("default-src 'none'")
+    program = re.findall(r"<script>(.*?)</script>", page, re.S)[-1]
+    assert policy.endswith(f"script-src 'sha256-{b64encode(sha256(program.encode()).digest()).decode()}'")
+
+
+def test_every_rung_is_in_it_with_what_each_effect_would_do(page, ladder):
+    [text] = re.findall(r'<script type="application/json" id="given">(.*?)</script>', page, re.S)
+    given = json.loads(text)
+    assert given["scene"]["name"] == EVIL
+    assert len(given["rungs"]) == len(ladder.steps) == 2
+    for step, rung in zip(ladder.steps, given["rungs"], strict=True):
+        assert rung["discovery"]["steps"][-1]["relative_rms"] == pytest.approx(step.relative_rms)
+        assert set(rung["previews"]) == {row.effect for row in step.case.diagnosis.candidates}
+    previews = given["rungs"][0]["previews"]
+    assert previews["inertia"]["error"] == pytest.approx(ladder.steps[1].relative_rms, rel=0.05)
+    assert given["excluded"] == []
+
+
+def test_points_that_no_model_was_fitted_to_are_named(ladder):
+    whole = measured()
+    more = Measurement(
+        np.append(2.0, whole.omega), np.append(9.0 + 1.0j, whole.stiffness), units=whole.units, name="one more"
+    )
+    assert excluded_rows(ladder, more) == [0]
 
 
 def test_pictures_hold_no_script_either(page):
-    from base64 import b64decode
-
     pictures = [b64decode(text).decode() for text in re.findall(r"base64,([A-Za-z0-9+/=]+)", page)]
     assert len(pictures) == 1 + 2 * (2 + 4 + 4)
     assert not [picture for picture in pictures if "<script" in picture]
@@ -115,9 +140,9 @@ def test_pictures_hold_no_script_either(page):
 @pytest.mark.parametrize(
     "heading",
     [
-        "The error, step by step", "Data and model", "Where the model fails", "Residual planes", "Other views",
-        "Which effects could it be?", "What these data cannot tell apart", "What to measure next", "The model",
-        "To repeat this",
+        "Point at it", "The error, step by step", "Data and model", "Where the model fails", "Residual planes",
+        "Other views", "Which effects could it be?", "What these data cannot tell apart", "What to measure next",
+        "The model", "To repeat this",
     ],
 )  # fmt: skip
 def test_every_section_is_there(page, heading):

@@ -14,11 +14,10 @@ from typing import Any
 
 import pytest
 
+from springpot.report.html import report_html
 from springpot.web import Workbench
-from springpot.web.alone import page_alone
-from springpot.web.answers import ladder_of, rungs
+from springpot.web.answers import ladder_of
 from springpot.web.datatext import measured_in
-from springpot.web.scene import Scene
 from springpot.web.state import State, digest_of
 
 playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'browser' is not installed")
@@ -222,8 +221,6 @@ def leave_with_everything(here: Page, error: float) -> None:
     rows = list(csv.reader(io.StringIO(content.decode())))
     assert "with inertia storage [kN/m]" not in rows[0]
     assert {"frequency [Hz]", "omega [rad/s]", "model storage [kN/m]"} <= set(rows[0])
-    _, content = here.download("page")
-    assert content.startswith(b"<!doctype html>")
     _, content = here.download("data")
     assert content.startswith(b"# name: damper")
     _, content = here.download("command")
@@ -404,23 +401,28 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, damper: bytes):
     context.close()
 
 
-def test_the_page_leaves_as_one_file_that_needs_no_server(browser: Any, damper: bytes, tmp_path: Path):
-    text, measurement = damper.decode(), measured_in("damper.csv", damper)[0]
-    state = State(digest_of(text), MODEL, ("inertia",))
-    told = rungs(state, ladder_of(state, measurement), measurement)
-    evil = Scene(replace(measurement, name="</script><script>alert(1)</script>")).to_dict()
-    (tmp_path / "page.html").write_text(page_alone(evil, told, "springpot <b>"), encoding="utf-8")
+def test_the_report_is_the_page_with_its_hovers_and_needs_no_server(browser: Any, damper: bytes, tmp_path: Path):
+    pytest.importorskip("matplotlib")
+    measurement = replace(measured_in("damper.csv", damper)[0], name="</script><script>alert(1)</script>")
+    ladder = ladder_of(State(digest_of(damper.decode()), MODEL, ("inertia",)), measurement)
+    (tmp_path / "report.html").write_text(report_html(ladder, measurement, ["springpot", "<b>"]), encoding="utf-8")
     context = browser.new_context(offline=True)
     page, faults = context.new_page(), []
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
-    page.goto((tmp_path / "page.html").as_uri())
-    assert page.inner_text("h1") == "</script><script>alert(1)</script>"
+    page.goto((tmp_path / "report.html").as_uri())
+    assert measurement.name in page.inner_text("main")
     assert page.locator("#plot-ladder .rung-mark.accepted").count() == 2
-    page.click("#parameters button >> nth=0")
+    assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
+    page.click("#rungs button >> nth=0")
     assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing")
     page.hover("#effect-inertia")
     assert page.locator("#plot-view .line.preview").count() == 2
-    assert "open its data" in page.get_attribute("#accept", "title")
+    assert "0.57" in page.text_content("#plot-ladder .ghost")
+    page.select_option("#plane", "log-complex")
+    assert "Δ ln K" in page.text_content("#plot-residual")
+    page.click("#effect-inertia")
+    assert page.locator("#accept").is_hidden()
+    assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing"), "a report accepts nothing"
     assert faults == []
     context.close()

@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 import springpot
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
+from springpot.report.interactive import PageScene, proposed_points, rounded
+from springpot.report.interactive.scene import MOST_POINTS
 from springpot.report.jsontext import to_json
 from springpot.web import leaving
-from springpot.web.answers import answer, ladder_of, proposed_points
+from springpot.web.answers import answer, ladder_of
 from springpot.web.datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
-from springpot.web.scene import MOST_POINTS, Scene, rounded
 from springpot.web.sessions import is_session, session_of
 from springpot.web.state import State, digest_of
 from springpot.web.tasks import curve, held
@@ -157,7 +158,7 @@ def test_the_rivals_part_where_the_next_experiment_measures(first: dict, data: M
 def test_ten_thousand_rows_are_drawn_as_few(rng: np.random.Generator):
     omega = np.sort(rng.uniform(1.0, 100.0, 10_000))
     big = Measurement(omega, omega + 1j * np.sqrt(omega))
-    scene = Scene(big)
+    scene = PageScene(big)
     assert len(scene.rows) == MOST_POINTS
     assert {int(scene.rows[0]), int(scene.rows[-1])} == {0, 9999}
 

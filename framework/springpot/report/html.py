@@ -29,6 +29,8 @@ from .answers import (
 )
 from .canvas import require_matplotlib
 from .curves import Fit
+from .interactive import PageScene, bench_of, rungs
+from .interactive.bench import Bench
 from .ladder import draw_ladder
 from .network import network_svg
 from .numbers import number, percent, with_interval
@@ -83,8 +85,12 @@ def write_report(ladder: Ladder, measurement: Measurement, path: str | Path, com
 def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Html:
     """The report as text; parameters as in `write_report`."""
     scenes = _scenes(ladder, measurement)
+    bench = _bench(ladder, measurement)
     body = [
         *_head(ladder),
+        tag("h2", "Point at it"),
+        tag("p", POINTING, class_="quiet"),
+        bench.body,
         *_ladder(ladder),
         tag("h2", "Data and model"),
         *(tag("p", tag("b", f"{name}: "), scene.fits[0].name) for name, scene in scenes.items()),
@@ -103,15 +109,40 @@ def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]
         *_repeat(ladder, measurement, command),
     ]
     title = f"{ladder.steps[0].model.name} of {ladder.data}"
-    return page(title, *body)
+    return page(title, *body, style=bench.style, script=bench.policy)
 
 
+POINTING = (
+    "An effect shows what it would do: its curve, dashed, and the error with it. A step of the ladder shows the "
+    "model of that step. All of it is in this file. On paper, and where no scripts run, there are the pictures below."
+)
 READING = (
     "An effect that is missing is simplest in the plane in which it adds up. A moving mass grows as the square of "
     "the frequency in the stiffness, a soft mounting is constant in the compliance, a delay grows with the frequency "
     "in the phase, and a change of temperature is constant in the shift. Where most points lie in the band, "
     "or of several in that of their own colour, nothing is missing."
 )
+
+
+def _bench(ladder: Ladder, measurement: Measurement) -> Bench:
+    """The panels of the workbench, with every step of the ladder."""
+    scene = PageScene(measurement)
+    given = {
+        "scene": scene.to_dict(),
+        "rungs": rungs(ladder, measurement),
+        "excluded": excluded_rows(ladder, measurement),
+    }
+    return bench_of(given)
+
+
+def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:
+    """Rows that no model was fitted to."""
+    aside = set_aside(measurement, ladder.steps[-1].case.search.base.data.raw)
+    if aside is None:
+        return []
+    points = set(zip(aside.omega.tolist(), aside.stiffness.tolist(), strict=True))
+    measured = zip(measurement.omega.tolist(), measurement.stiffness.tolist(), strict=True)
+    return [row for row, point in enumerate(measured) if point in points]
 
 
 def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:

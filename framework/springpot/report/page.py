@@ -1,4 +1,4 @@
-"""A page that needs nothing else: no script, no network, one style sheet inside."""
+"""A page that needs nothing else: no network, its style sheet inside, no script but one known by its digest."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 """What a browser may load for the page: nothing that is not in it."""
 
 
-def page(title: str, *body: str, style: str = "") -> Html:
+def page(title: str, *body: str, style: str = "", script: str = "") -> Html:
     """A whole document.
 
     Parameters
@@ -21,11 +21,14 @@ def page(title: str, *body: str, style: str = "") -> Html:
         Its parts, one below the other.
     style : str
         Rules beside those of every page.
+    script : str
+        What the policy of the page allows as ``script-src``; without it no script runs, whatever stands in the page.
     """
+    policy = f"{POLICY}; script-src {script}" if script else POLICY
     head = tag(
         "head",
         tag("meta", charset="utf-8"),
-        tag("meta", http_equiv="Content-Security-Policy", content=POLICY),
+        tag("meta", http_equiv="Content-Security-Policy", content=policy),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
         tag("title", title),
         tag("style", Html(STYLE + style)),

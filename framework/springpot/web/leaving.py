@@ -15,11 +15,9 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError
 from springpot.measurement import Measurement, guarded
 from springpot.plain import plain
+from springpot.report.interactive import PageScene, grown_by_each, proposed_points
 
-from .answers import proposed_points
 from .datatext import safe_name
-from .previews import grown_by_each
-from .scene import Scene
 from .state import State
 
 MOST_RANGES = 20
@@ -109,7 +107,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
 
     Frequencies are in Hz and, beside it, in rad/s, as the header says.
     """
-    scene, case = Scene(measurement), ladder.steps[-1].case
+    scene, case = PageScene(measurement), ladder.steps[-1].case
     base, unit = case.search.base, measurement.units.stiffness
     fits = [("model", base.model, base.theta)]
     fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]

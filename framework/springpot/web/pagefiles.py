@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib.resources import files
+
+from springpot.report.interactive.assets import assets_in, modules
 
 KINDS = {
     ".html": "text/html; charset=utf-8",
@@ -15,10 +16,7 @@ KINDS = {
 
 @cache
 def page_files() -> dict[str, tuple[bytes, str]]:
-    """Content and media type of each file of the page, by name."""
-    found = {}
-    for item in (files("springpot.web") / "page").iterdir():
-        kind = KINDS.get(item.name[item.name.rfind(".") :])
-        if kind is not None:
-            found[item.name] = (item.read_bytes(), kind)
-    return found
+    """Content and media type of each file of the page, by name, with the modules that reports have too."""
+    files = modules() | assets_in("springpot.web", "page")
+    kinds = {name: KINDS.get(name[name.rfind(".") :]) for name in files}
+    return {name: (files[name], kind) for name, kind in kinds.items() if kind is not None}

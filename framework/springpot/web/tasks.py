@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-import tempfile
+import shlex
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -20,16 +20,15 @@ from springpot.measurement.runs import runs_of
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
 from springpot.report.cards import effect as effect_card
 from springpot.report.cards import model as model_card
+from springpot.report.interactive import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.rheology import Model
 from springpot.rheology.family import Family
 
 from . import leaving
-from .alone import page_alone
-from .answers import Told, answer, ladder_of, rungs
+from .answers import Told, answer, ladder_of
 from .datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
 from .held import hand_of, theta_of
-from .scene import Scene, relative_error
 from .sessions import is_session, session_of
 from .state import State, digest_of
 from .studies import studies, study
@@ -158,7 +157,7 @@ def _understood(
         "text": text,
         "source": source,
         "joined": joined,
-        "scene": Scene(measurement).to_dict(),
+        "scene": PageScene(measurement).to_dict(),
         "columns": [
             {"name": name, "unit": unit, "from": float(np.nanmin(column)), "to": float(np.nanmax(column))}
             for name, unit, column in columns
@@ -221,7 +220,7 @@ def _bound(state: State, measurement: Measurement) -> Model:
 
 def _drawn(state: State, measurement: Measurement, model: Model, theta: Any) -> dict[str, Any]:
     error = relative_error(kept(measurement, state.excluded), model, theta)
-    return {"error": error, **Scene(measurement).curve(model, theta)}
+    return {"error": error, **PageScene(measurement).curve(model, theta)}
 
 
 def ranking(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -256,22 +255,17 @@ def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: st
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
     if kind == "plan":
         return {"name": f"{stem}-plan.csv", "text": leaving.plan_csv(ladder, measurement)}
-    if kind == "page":
-        words = leaving.command(asked, shown)
-        alone = page_alone(Scene(measurement).to_dict(), rungs(asked, ladder, measurement), words)
-        return {"name": f"{stem}-page.html", "text": alone}
     if kind == "report":
         return {"name": f"{stem}-report.html", "text": _report(ladder, measurement, asked, shown)}
     raise DataError(f"there is nothing called '{kind[:40]}' to leave with")
 
 
 def _report(ladder: Ladder, measurement: Measurement, state: State, source: str) -> str:
-    from springpot.report.html import write_report
+    from springpot.report.canvas import require_matplotlib
+    from springpot.report.html import report_html
 
-    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
-        words = leaving.command(state, source).split()
-        path = write_report(ladder, kept(measurement, state.excluded), Path(folder) / "report.html", words)
-        return path.read_text(encoding="utf-8")
+    require_matplotlib()
+    return report_html(ladder, measurement, shlex.split(leaving.command(state, source)))
 
 
 def raced(told: Told, name: str = "") -> dict[str, Any]:

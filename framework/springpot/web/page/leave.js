@@ -4,8 +4,7 @@ import { byId, download, h, put } from "./dom.js";
 import { asPng, standalone } from "./plot.js";
 
 const FILES = [
-  ["report", "Report", "one HTML page for a colleague", "text/html"],
-  ["page", "This page (HTML)", "every rung with its previews, without a server", "text/html"],
+  ["report", "Report (HTML)", "this page for a colleague: every rung with its previews, without a server", "text/html"],
   ["json", "Answer (JSON)", "schema springpot.discovery/1", "application/json"],
   ["curves", "Curves (CSV)", "data, model and every candidate, units in the header", "text/csv"],
   ["data", "Data as used (CSV)", "without what was left out", "text/csv"],

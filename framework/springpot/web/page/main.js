@@ -1,7 +1,7 @@
 // The page: what is open, what was accepted, what is being computed; each panel draws its part of it.
 
 import * as api from "./api.js";
-import { Compare } from "./compare.js";
+import { Compare, verdict } from "./compare.js";
 import { Data, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
 import { History } from "./history.js";
@@ -53,6 +53,10 @@ class App {
     if (found) this.last = found;
     return this.last?.state.data === this.state.data ? this.last : null;
   }
+
+  get steps() { return this.answer?.discovery.steps || []; }
+
+  get rung() { return this.steps.length - 1; }
 
   get beside() {
     const branch = this.history.beside;
@@ -401,12 +405,6 @@ class App {
       this.render();
     } else if (given?.data) await this.opened(given.data.result);
   }
-}
-
-function verdict(answer) {
-  const { diagnosis, verdict: word } = answer.discovery;
-  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
-  return `${diagnosis.model}: ${word}, at ${percent(diagnosis.error.relative_rms)} of |K|. ${says}.`;
 }
 
 function listen(app) {

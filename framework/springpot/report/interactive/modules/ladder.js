@@ -30,22 +30,21 @@ export class Ladder {
       put(this.other, h("p", { class: "quiet" }, answer ? "" : "The error of each model against the noise floor is drawn here."));
       return;
     }
-    const { steps } = answer.discovery;
-    put(this.list, steps.map((step, i) => this.rung(step, i, steps.length)));
+    put(this.list, this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
     put(this.other, this.app.beside ? this.besideList(this.app.beside) : null);
-    this.draw(answer, this.app.beside);
+    this.draw(this.app.steps, this.app.beside);
     this.preview(this.app.hovered);
   }
 
-  rung(step, i, count) {
+  rung(step, i, present) {
     const name = step.accepted || step.model;
     const alike = (step.class || []).filter((other) => other !== step.accepted);
     const label = i ? `+ ${name}` : name;
     const told = percent(step.relative_rms);
     const whole = `${step.model}: ${told}, ${times(step.relative_rms, step.noise_floor)}`;
-    return h("li", { class: i === count - 1 ? "last" : "" },
-      h("button", { type: "button", class: "rung", "aria-current": i === count - 1 ? "step" : null,
-        title: i === count - 1 ? `${whole} (the present rung)` : `${whole}; go back to this rung`, onclick: () => this.app.goTo(i) },
+    return h("li", { class: present ? "last" : "" },
+      h("button", { type: "button", class: "rung", "aria-current": present ? "step" : null,
+        title: present ? `${whole} (the present rung)` : `${whole}; go to this rung`, onclick: () => this.app.goTo(i) },
       h("span", { class: "name" }, label), h("span", { class: "told" }, told)),
       this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
         onclick: () => this.app.fork(i) }, "branch"),
@@ -72,8 +71,7 @@ export class Ladder {
         h("span", { class: "told" }, `${percent(step.relative_rms)} (${times(step.relative_rms, step.noise_floor)})`)))));
   }
 
-  draw(answer, beside) {
-    const { steps } = answer.discovery;
+  draw(steps, beside) {
     const others = beside ? beside.discovery.steps : [];
     const count = Math.max(steps.length, others.length) + (this.app.hovered ? 1 : 0);
     const all = [...steps, ...others].flatMap((step) => [step.relative_rms, step.noise_floor, step.material_floor]).filter((value) => value > 0);
@@ -98,9 +96,10 @@ export class Ladder {
         s("title", {}, `material floor ${percent(step.material_floor)}: the least error of any linear passive material`)));
       parts.push(s("text", { class: "tick", x: this.x(i), y: HEIGHT - 8, "text-anchor": "middle" }, String(i)));
     });
-    parts.push(s("text", { class: "tick", x: width - RIGHT - 2, y: bottom - 3, "text-anchor": "end" }, "noise floor"));
-    const dashes = this.y(steps.at(-1).material_floor);
-    parts.push(s("text", { class: "tick", x: width - RIGHT - 2, y: dashes - 4, "text-anchor": "end" }, "material floor"));
+    parts.push(s("text", { class: "tick", x: LEFT + 3, y: bottom - 3 }, "noise floor"));
+    // No error lies below the material floor: under its line there is room, unless the other words stand there.
+    const dashes = this.y(steps[0].material_floor);
+    parts.push(s("text", { class: "tick", x: LEFT + 3, y: dashes + (dashes + 28 < bottom ? 12 : -4) }, "material floor"));
     parts.push(...this.stairs(others, "beside"), ...this.stairs(steps, "accepted"));
     this.ghost = s("g", { class: "ghost" });
     this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
@@ -133,17 +132,16 @@ export class Ladder {
   }
 
   preview(effect) {
-    const { answer } = this.app;
+    const { answer, steps, rung } = this.app;
     if (!answer || !this.ghost) return;
     const preview = effect ? answer.previews[effect] : null;
-    const { steps } = answer.discovery;
     if (!preview || !Number.isFinite(preview.error)) {
       this.ghost.replaceChildren();
       return;
     }
-    const at = Math.min(this.x(steps.length), this.width - RIGHT - 6);
+    const at = Math.min(this.x(rung + 1), this.width - RIGHT - 6);
     const y = Math.max(6, Math.min(HEIGHT - 24, this.y(preview.error)));
-    const from = [this.x(steps.length - 1), this.y(steps.at(-1).relative_rms)];
+    const from = [this.x(rung), this.y(steps[rung].relative_rms)];
     this.ghost.replaceChildren(
       s("path", { class: "stairs preview", d: `M${from[0]} ${from[1]}L${at} ${y}` }),
       s("circle", { class: "rung-mark preview", cx: at, cy: y, r: 5 }),

@@ -14,6 +14,13 @@ const STEPS = [
 ];
 const NARROW = 500; // px below which a plot is that of a phone
 
+// One sentence of what the answer is, above the picture.
+export function verdict({ discovery }) {
+  const { diagnosis } = discovery;
+  const says = diagnosis.says[0].toUpperCase() + diagnosis.says.slice(1);
+  return `${diagnosis.model}: ${discovery.verdict}, at ${percent(diagnosis.error.relative_rms)} of |K|. ${says}.`;
+}
+
 export class Compare {
   constructor(parent, app) {
     this.parent = parent;
@@ -28,7 +35,7 @@ export class Compare {
     this.plane = h("select", { id: "plane", "aria-label": "Residual plane", onchange: () => app.look({ plane: this.plane.value }) },
       ...Object.entries(PLANES).map(([name, plane]) => h("option", { value: name }, plane.name)),
       h("option", { value: "none" }, "No residuals"));
-    this.key = h("p", { id: "key", class: "key" });
+    this.key = h("p", { id: "key", class: "legend" });
     this.readout = h("p", { id: "readout", class: "quiet", role: "status" });
     this.places = h("ul", { id: "places", class: "places" });
     this.exclude = h("button", { type: "button", id: "exclude", hidden: true, onclick: () => this.toggle([...this.chosen]) });

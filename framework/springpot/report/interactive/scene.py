@@ -24,7 +24,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PageScene:
     """Data as the page draws them.
 
     Parameters

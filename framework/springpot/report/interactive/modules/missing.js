@@ -31,7 +31,7 @@ export class Missing {
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
     put(this.list, this.candidates.map((candidate, i) => this.option(candidate, i, diagnosis.error.noise_floor)));
     this.list.hidden = this.candidates.length === 0;
-    this.accept.hidden = this.candidates.length === 0;
+    this.accept.hidden = Boolean(this.app.fixed) || this.candidates.length === 0;
     this.describe(null);
   }
 
@@ -76,7 +76,7 @@ export class Missing {
   }
 
   take(effect) {
-    if (effect && usable(this.accept)) this.app.accept(effect);
+    if (effect && !this.app.fixed && usable(this.accept)) this.app.accept(effect);
   }
 
   // Called for every preview, wherever it comes from.
@@ -95,8 +95,7 @@ export class Missing {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
     let why = "point at an effect first";
-    if (this.app.fixed) why = this.app.fixed;
-    else if (this.app.busy) why = "wait for the computation, or cancel it";
+    if (this.app.busy) why = "wait for the computation, or cancel it";
     else if (candidate) why = "";
     enable(this.accept, why);
     if (!candidate) {

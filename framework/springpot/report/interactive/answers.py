@@ -1,0 +1,150 @@
+"""What is drawn of an answer: K of the model and of every candidate, parameters, noise, the rivals' next points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from springpot.diagnosis import Case, Ladder
+from springpot.measurement import Measurement
+from springpot.report.reference import reference_note
+from springpot.rheology import Model, Points, Real
+
+from .previews import Grown, grown_by_each
+from .scene import PageScene, relative_error, rounded
+
+DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
+"""What an experiment may change for its rivals to be drawn."""
+
+
+def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+    """The last rung of a ladder as a page shows it.
+
+    Parameters
+    ----------
+    ladder : Ladder
+        The answer.
+    measurement : Measurement
+        Its data, all rows, those that are left out among them.
+
+    Returns
+    -------
+    dict
+        ``discovery`` (schema ``springpot.discovery/1``); ``parameters`` of the last rung;
+        ``noise``: standard deviations of storage and loss at the drawn points; ``reference``: to which temperature
+        or amplitude the parameters belong;
+        ``model``: K of the last rung, ``{"points", "curves", "slope"}``, each with ``storage`` and ``loss``, at the
+        drawn points and on one smooth curve for each sweep, in the order and unit of the data;
+        ``previews``: for each candidate the same for the model grown by it alone, with its ``error``, ``model`` and
+        whether it was ``refitted`` or comes from the scan; ``next``: the rivals at the proposed points.
+    """
+    scene, case = PageScene(measurement), ladder.steps[-1].case
+    base = case.search.base
+    used = base.data.raw
+    grown = list(grown_by_each(case))
+    return {
+        "discovery": ladder.to_dict(),
+        "parameters": parameters_of(ladder),
+        "noise": _noise(scene, case),
+        "reference": reference_note(used, [base.model.network], "°C"),
+        "model": scene.curve(base.model, base.theta, slope=True),
+        "previews": {one.effect: _preview(scene, used, one) for one in grown},
+        "next": _next(case, {one.effect: one for one in grown}, measurement),
+    }
+
+
+def rungs(ladder: Ladder, measurement: Measurement) -> list[dict[str, Any]]:
+    """Each rung of a ladder as `drawn`: every ladder is the beginning of the next, to the bit."""
+    answers = []
+    for count, step in enumerate(ladder.steps):
+        diagnosis = step.case.diagnosis
+        part = Ladder(ladder.data, ladder.steps[: count + 1], diagnosis.verdict, diagnosis)
+        answers.append(drawn(part, measurement))
+    return answers
+
+
+def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
+    """Parameters of the last rung in printed units, with the ends that a search respects."""
+    step = ladder.steps[-1]
+    units = step.case.search.base.fit.measurement.units
+    rows = []
+    for parameter in step.case.search.base.model.parameters:
+        value = step.parameters.get(parameter.name)
+        if value is None:  # a line of a free spectrum: hundreds of them, none of which anybody would move
+            continue
+        factor, _ = units.of(parameter.unit)
+        rows.append(
+            {
+                "name": parameter.name,
+                "symbol": parameter.symbol,
+                "unit": value.unit,
+                "value": value.value,
+                "low": value.low,
+                "high": value.high,
+                "lower": parameter.lower * factor,
+                "upper": parameter.upper * factor,
+                "scale": parameter.scale,
+            }
+        )
+    return rows
+
+
+def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
+    """Standard deviations at the drawn points: those of the fitted point of nearest |K|, as a share of it."""
+    base = case.search.base
+    fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
+    order = np.argsort(fitted)
+    nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]
+    share = base.noise.sd[nearest] / fitted[nearest]
+    return {"storage": rounded(share.real * drawn), "loss": rounded(share.imag * drawn)}
+
+
+def _preview(scene: PageScene, used: Measurement, one: Grown) -> dict[str, Any]:
+    with np.errstate(all="ignore"):  # where a scan begins may be no model at all at some points; they are not drawn
+        error = relative_error(used, one.model, one.theta)
+        curve = scene.curve(one.model, one.theta)
+    return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
+
+
+def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict[str, Any] | None:
+    """The proposed points, and what the two rivals predict there; None where nothing is proposed."""
+    proposed = case.diagnosis.next_experiment
+    if proposed is None or not proposed.action.get("omega"):
+        return None
+    points = proposed_points(proposed.action, measurement)
+    floor = case.diagnosis.error.noise_floor
+    rivals = []
+    for name in proposed.separates:
+        # Of another specimen or a known mass the rivals would have to be computed anew.
+        if name in grown and set(proposed.action) <= DRAWABLE:
+            rivals.append({"effect": name, **_band(grown[name].model, grown[name].theta, points, floor)})
+    told = {key: list(values) for key, values in proposed.action.items()}
+    return {"action": told, "frequency": rounded(points.omega / (2 * np.pi)), "rivals": rivals}
+
+
+def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:
+    """Where a proposed experiment measures; conditions that it leaves open are as they were on the median."""
+    omega = np.asarray(action["omega"], dtype=float)
+    points = measurement.points
+
+    def level(name: str, column: Real) -> Real:
+        given = action.get(name)
+        if given:
+            return np.resize(np.asarray(given, dtype=float), omega.shape) + (273.15 if name == "temperature" else 0.0)
+        return np.full(omega.shape, float(np.median(column)))
+
+    return replace(
+        points,
+        log_omega=np.log(omega),
+        amplitude=None if points.amplitude is None else level("amplitude", points.amplitude),
+        temperature=None if points.temperature is None else level("temperature", points.temperature),
+        columns={name: level(name, column) for name, column in points.columns.items()},
+    )
+
+
+def _band(model: Model, theta: Real, points: Points, floor: float) -> dict[str, Any]:
+    stiffness = model.stiffness(theta, points)
+    width = 2.0 * floor * np.abs(stiffness)  # 95 % of what would be measured
+    return {"storage": rounded(stiffness.real), "loss": rounded(stiffness.imag), "width": rounded(width)}

@@ -1,0 +1,69 @@
+"""The panels of the workbench inside a page that has no server: every rung of a ladder with all its previews."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from springpot.markup import Html, tag
+from springpot.report.jsontext import to_json
+
+from .assets import modules
+
+ORDER = ("dom.js", "numbers.js", "plot.js", "views.js", "compare.js", "ladder.js", "missing.js", "report.js")
+"""Each imports only from those before it."""
+STYLES = ("panels.css", "report.css")
+IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./([\w.]+)";$', re.M)
+EXPORT = re.compile(r"^export ((?:async )?(?:function|class|const) (\w+))", re.M)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Parts of a page that belong together.
+
+    Parameters
+    ----------
+    body : Html
+        Stands where the panels are to be; their data and their program.
+    style : str
+        Rules for the style sheet of the page.
+    policy : str
+        What a Content-Security-Policy must allow as ``script-src``: this program and no other.
+    """
+
+    body: Html
+    style: str
+    policy: str
+
+
+def bench_of(given: dict[str, Any]) -> Bench:
+    """The panels of a report.
+
+    Parameters
+    ----------
+    given : dict
+        ``scene``, see `PageScene.to_dict`; ``rungs``, see `rungs`; ``excluded``: rows that no model was fitted to.
+    """
+    program = "\n".join(['"use strict";', "const modules = {};", *map(_as_function, ORDER)])
+    style = "\n".join(modules()[name].decode() for name in STYLES)
+    # In a script only its own end tag means anything; within JSON every < may be written by its number.
+    escaped = to_json(given, None).replace("<", "\\u003c")
+    data = tag("script", Html(escaped), type="application/json", id="given")
+    body = Html(f"{tag('div', id='bench')}{data}{tag('script', Html(program))}")
+    return Bench(body, style, f"'{_digest(program)}'")
+
+
+def _as_function(name: str) -> str:
+    """A module as a function whose result is what it exports: one inline script cannot hold several modules."""
+    source = modules()[name].decode()
+    names = [found[1] for found in EXPORT.findall(source)]
+    source = EXPORT.sub(r"\1", IMPORT.sub(r'const \1 = modules["\2"];', source))
+    return f'modules["{name}"] = (() => {{\n{source}\nreturn {{ {", ".join(names)} }};\n}})();'
+
+
+def _digest(text: str) -> str:
+    """As a Content-Security-Policy names what it allows inline."""
+    return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
