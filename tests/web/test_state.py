@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 import springpot
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
-from springpot.report.interactive import PageScene, proposed_points, rounded
-from springpot.report.interactive.scene import MOST_POINTS
+from springpot.report.interactive.answers import proposed_points
+from springpot.report.interactive.scene import MOST_POINTS, PageScene, rounded
 from springpot.report.jsontext import to_json
 from springpot.web import leaving
 from springpot.web.answers import answer, ladder_of
-from springpot.web.datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
+from springpot.web.datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
 from springpot.web.sessions import is_session, session_of
 from springpot.web.state import State, digest_of
 from springpot.web.tasks import curve, held
@@ -91,18 +91,6 @@ def test_data_cross_as_text_bit_for_bit():
     assert again.units == data.units
     assert again.reference_temperature == data.reference_temperature
     assert text_of(again) == text_of(data)
-
-
-def test_an_open_question_offers_what_the_reader_would_take():
-    table = b"frequency [Hz],storage,loss\n1,2,3\n2,3,4\n3,4,5\n4,5,6\n"
-    with pytest.raises(DataError) as asked:
-        measured_in("x.csv", table)
-    questions = question_in(str(asked.value))
-    assert [question["column"] for question in questions] == ["storage", "loss"]
-    choice = ",".join(f"{question['column']}=kPa" for question in questions)
-    assert "kPa" in questions[0]["choices"]
-    assert measured_in("x.csv", table, f"?{choice}")[0].units.stiffness == "kPa"
-    assert question_in("damper.csv: the file is empty") == []
 
 
 def test_what_is_left_out_is_left_out_and_nothing_else(data: Measurement):

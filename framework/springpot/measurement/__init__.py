@@ -14,6 +14,7 @@ from .joining import joined
 from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
+from .question import OpenQuestion, Question
 from .reader import Choice, Part, Reader
 from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
@@ -62,8 +63,10 @@ __all__ = [
     "Loading",
     "MODULUS_UNITS",
     "Measurement",
+    "OpenQuestion",
     "PRESSURE_UNITS",
     "Part",
+    "Question",
     "Reader",
     "STIFFNESS_UNITS",
     "STRAIN_UNITS",

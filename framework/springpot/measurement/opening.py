@@ -19,6 +19,7 @@ from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
 from .naming import file_and_choice, is_file, short, temperature_offer
+from .question import OpenQuestion
 from .reader import Choice, Part, Reader
 from .selection import conditions, select
 from .signals import Signals, measurement_from_signals
@@ -197,6 +198,8 @@ def _guarded(reader: Reader, path: Path, action: Callable[[], T]) -> T:
     """What a reader gives; its errors name the file, which readers need not do."""
     try:
         return action()
+    except OpenQuestion as error:
+        raise error.worded(_about(path, str(error))) from None
     except DataError as error:
         raise DataError(_about(path, str(error))) from None
     except (SpringpotError, MemoryError):

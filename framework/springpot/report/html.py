@@ -29,8 +29,9 @@ from .answers import (
 )
 from .canvas import require_matplotlib
 from .curves import Fit
-from .interactive import PageScene, bench_of, rungs
-from .interactive.bench import Bench
+from .interactive.answers import rungs
+from .interactive.bench import Bench, bench_of
+from .interactive.scene import PageScene
 from .ladder import draw_ladder
 from .network import network_svg
 from .numbers import number, percent, with_interval

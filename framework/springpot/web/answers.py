@@ -9,7 +9,7 @@ from springpot.api import discover
 from springpot.diagnosis import Ladder
 from springpot.diagnosis.progress import silent
 from springpot.measurement import Measurement
-from springpot.report.interactive import drawn
+from springpot.report.interactive.answers import drawn
 
 from .datatext import kept
 from .state import State

@@ -8,7 +8,6 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,14 +19,6 @@ LONGEST = 80
 """Signs of a file's name that are kept."""
 UNSAFE = re.compile(r"[^\w.+() -]", re.ASCII)
 """What has a meaning in paths, in FILE#PART?COLUMN=UNIT@CONDITION or on a terminal is none of these."""
-OFFERED = re.compile(r"'[^'?]*\?([^'?]*)'")
-"""Where a reader that cannot tell a unit writes what would settle it: ``'damper.csv?storage=Pa,loss=Pa'``."""
-
-MEANINGS = (
-    "frequency[Hz]", "omega[rad/s]", "storage[Pa]", "loss[Pa]", "storage[kN/m]", "loss[kN/m]",
-    "temperature[degC]", "amplitude[mm]", "time[s]", "displacement[mm]", "force[kN]", "ignore",
-)  # fmt: skip
-"""What a column without a name may be."""
 
 
 def safe_name(name: str) -> str:
@@ -79,33 +70,6 @@ def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Measuremen
     """
     with as_file(name, content) as path:
         return open_measurement(f"{path}{choice}"), parts_of(path)
-
-
-def question_in(message: str) -> list[dict[str, Any]]:
-    """The columns that a reader's error leaves open, each with what it offers and what could stand there.
-
-    Examples
-    --------
-    >>> asked = question_in("x.csv: 'loss' has no unit; if it is Pa, open 'x.csv?loss=Pa'")
-    >>> asked[0]["column"], asked[0]["offered"]
-    ('loss', 'Pa')
-    """
-    found = OFFERED.search(message)
-    if found is None:
-        return []
-    pairs = [part.partition("=") for part in found[1].split(",")]
-    return [{"column": column, "offered": value, "choices": _choices(value)} for column, _, value in pairs if value]
-
-
-def _choices(offered: str) -> list[str]:
-    from springpot.measurement import AMPLITUDE_UNITS, FORCE_UNITS, FREQUENCY_UNITS, MODULUS_UNITS, TIME_UNITS
-
-    for units in (FREQUENCY_UNITS, MODULUS_UNITS, TIME_UNITS, FORCE_UNITS, AMPLITUDE_UNITS):
-        if offered in units:
-            return list(units)
-    if "[" in offered:
-        return [offered, *MEANINGS]
-    return [offered]
 
 
 def text_of(measurement: Measurement) -> str:

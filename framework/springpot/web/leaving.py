@@ -15,7 +15,9 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError
 from springpot.measurement import Measurement, guarded
 from springpot.plain import plain
-from springpot.report.interactive import PageScene, grown_by_each, proposed_points
+from springpot.report.interactive.answers import proposed_points
+from springpot.report.interactive.previews import grown_by_each
+from springpot.report.interactive.scene import PageScene
 
 from .datatext import safe_name
 from .state import State

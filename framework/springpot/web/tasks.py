@@ -15,19 +15,19 @@ import numpy as np
 from springpot.api import compare, identify, mastercurve
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, SpringpotError
-from springpot.measurement import Measurement, Part
+from springpot.measurement import Measurement, OpenQuestion, Part
 from springpot.measurement.runs import runs_of
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
 from springpot.report.cards import effect as effect_card
 from springpot.report.cards import model as model_card
-from springpot.report.interactive import PageScene, relative_error
+from springpot.report.interactive.scene import PageScene, relative_error
 from springpot.report.network import network_svg
 from springpot.rheology import Model
 from springpot.rheology.family import Family
 
 from . import leaving
 from .answers import Told, answer, ladder_of
-from .datatext import joined, kept, measured_in, measurement_of, question_in, safe_name, text_of
+from .datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
 from .held import hand_of, theta_of
 from .sessions import is_session, session_of
 from .state import State, digest_of
@@ -95,11 +95,8 @@ def understand(
     told(f"reading {len(raw)} bytes")
     try:
         measurement, parts = measured_in(name, raw, choice)
-    except DataError as error:
-        question = question_in(str(error))
-        if not question:
-            raise
-        return {"question": {"says": str(error), "asked": question}}
+    except OpenQuestion as error:
+        return {"question": {"says": str(error), "asked": [asked.to_dict() for asked in error.questions]}}
     if onto:
         measurement = joined(_measured(onto), measurement)
     return _understood(measurement, onto_name or f"{name}{choice}", parts, joined=bool(onto))

@@ -20,6 +20,8 @@ from springpot.measurement import (
     TIME_UNITS,
     TORQUE_UNITS,
     Choice,
+    OpenQuestion,
+    Question,
     Signals,
     known_unit,
     normal_unit,
@@ -75,6 +77,8 @@ UNITS = {
     "force": FORCE_UNITS | PRESSURE_UNITS | TORQUE_UNITS,
 }
 ADVICE = {"time": "time [s]", "displacement": "displacement [mm]", "force": "force [N]"}
+_FEW = {"time": ("s", "ms"), "displacement": ("mm", "m", "in", "%", "rad"), "force": ("N", "kN", "lbf", "MPa", "N m")}
+"""Units that a page offers for a column that it asks for: those that test machines write."""
 _LARGEST = 1e100
 _EXAMPLE = {"time": "s", "displacement": "mm", "force": "N"}
 _ANY = {unit for table in UNITS.values() for unit in table}
@@ -215,15 +219,28 @@ def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:
     if missing:
         shown = ", ".join(titles[:12]) or "none"
         spec = ",".join(f"NAME={ADVICE[channel].replace(' ', '')}" for channel in missing)
-        raise DataError(
+        message = (
             f"no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
             f"or say which by 'FILE?{spec}' (columns: {shown:.100})"
         )
+        free = set(range(len(titles))) - {place.column for place in layout.values()}
+        raise OpenQuestion(message, [_which(channel, titles, sorted(free)) for channel in missing])
     bare = [channel for channel in UNITS if layout[channel].unit is None]
     if bare:
         spec = ",".join(f"{channel}={_EXAMPLE[channel]}" for channel in bare)
         names = ", ".join(f"'{titles[layout[channel].column]}'" for channel in bare)
-        raise DataError(f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'")
+        message = f"column {names}: there is no unit; write {ADVICE[bare[0]]}, or say it by 'FILE?{spec}'"
+        raise OpenQuestion(message, [Question.of_unit(each, _EXAMPLE[each], UNITS[each]) for each in bare])
+
+
+def _which(channel: str, titles: Sequence[str], free: Sequence[int]) -> Question:
+    """The question for the column that a channel is, by number: a title may hold anything."""
+    answers = {}
+    for i in free:
+        name = titles[i] or f"column {i + 1}"
+        for unit in _FEW[channel]:
+            answers[f"{name} [{unit}]"] = f"{i + 1}={channel}[{unit}]"
+    return Question(channel, "column", answers)
 
 
 def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning: str) -> list[str]:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, normal_unit
+from springpot.measurement import Choice, OpenQuestion, Question, normal_unit
 
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, ROLES, fold, role_of
-from .titles import USUAL, Heading, heading, is_unit
+from .titles import UNITS, USUAL, Heading, heading, is_unit
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
@@ -129,7 +129,7 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
     return Heading(heading_.title, name, role, heading_.unit if unit is None else unit, log=base or heading_.log)
 
 
-def ask_units(headings: Iterable[Heading]) -> DataError:
+def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the units that are missing."""
     missing = [heading for heading in headings if heading.role]
     names = ", ".join(f"'{heading.title}'" for heading in missing)
@@ -139,40 +139,70 @@ def ask_units(headings: Iterable[Heading]) -> DataError:
     write = "frequency [Hz] or omega [rad/s]" if clock else f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
     usual = " and ".join(dict.fromkeys(USUAL.get(str(heading.role), "UNIT") for heading in missing))
     it = "they are" if len(missing) > 1 else "it is"
-    return DataError(f"{names} {plural} no unit; if {it} {usual}, open 'FILE?{given}', or write {write} in it")
+    message = f"{names} {plural} no unit; if {it} {usual}, open 'FILE?{given}', or write {write} in it"
+    return OpenQuestion(message, [_unit_of(heading) for heading in missing])
 
 
-def ask_base(headings: Iterable[Heading]) -> DataError:
+def _unit_of(heading_: Heading) -> Question:
+    role = str(heading_.role)
+    return Question.of_unit(role, USUAL.get(role, "UNIT"), UNITS.get(role, ()))
+
+
+def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the base of logarithms, and for the units that are missing as well."""
     found = list(headings)
     unsure = ", ".join(f"'{heading.title}'" for heading in found if heading.log == "?")
     bare = [heading for heading in found if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
     given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])
     units = f" and units {', '.join(dict.fromkeys(USUAL[str(h.role)] for h in bare))}" if bare else ""
-    return DataError(
+    message = (
         f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write log10 or ln in it"
     )
+    base = Question(LOG, "base", {"10": f"{LOG}=10", "e": f"{LOG}=e"})
+    return OpenQuestion(message, [base, *(_unit_of(heading) for heading in bare)])
 
 
-def ask_meaning(block_lacks: str, unknown: Sequence[str]) -> str:
-    """How to say what a table lacks, as the end of an error; nothing where nothing that is said would mend it.
+MEANINGS = (
+    "omega[rad/s]", "frequency[Hz]", "storage[Pa]", "loss[Pa]", "storage[kPa]", "loss[kPa]", "storage[MPa]",
+    "loss[MPa]", "storage[kN/m]", "loss[kN/m]", "storage[N/mm]", "loss[N/mm]", "temperature[degC]", "amplitude[mm]",
+    "amplitude[%]", "repeat", "ignore",
+)  # fmt: skip
+"""What a column may be whose name says nothing, in the units that instruments write most."""
+FIRST_COLUMNS = ("omega[rad/s]", "storage[Pa]", "loss[Pa]")
+"""The order in which most programs write them; weights may follow."""
+
+
+def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> DataError:
+    """The error of a table that lacks something, with how to say it where that would mend it.
 
     A hint must not lead to wrong numbers when it is typed as it stands: columns are named only by who knows them.
     """
-    if not block_lacks.startswith("missing"):
-        return ""
     if block_lacks == "missing frequency [Hz] or omega [rad/s]":
-        return "; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'"
-    if not unknown:
-        return ""
-    return f"; if {', '.join(unknown[:6])} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
+        hint = "; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'"
+        return OpenQuestion(f"{says}{hint}", [Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})])
+    unknown = {i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None}
+    if not block_lacks.startswith("missing") or not unknown:
+        return DataError(says)
+    named = ", ".join([*unknown.values()][:6])
+    hint = f"; if {named} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
+    return OpenQuestion(f"{says}{hint}", ask_each(unknown))
 
 
-def ask_columns(count: int) -> DataError:
+def ask_columns(count: int) -> OpenQuestion:
     """The question for columns that have no names."""
     spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
     weights = "; further columns, such as weights, are left out" if count > 3 else ""
-    return DataError(f"{count} columns of numbers without names; say what they are, such as {spec}{weights}")
+    message = f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
+    return OpenQuestion(message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS))
+
+
+def ask_each(columns: Mapping[int, str], usual: Sequence[str] = ()) -> list[Question]:
+    """What each of these columns is, by its number; without a usual meaning it is left out unless somebody says."""
+    questions = []
+    for place, (number, name) in enumerate(columns.items()):
+        first = usual[place] if place < len(usual) else "ignore"
+        questions.append(Question(name, "meaning", {each: f"{number}={each}" for each in [first, *MEANINGS]}))
+    return questions
 
 
 def numbered(count: int) -> tuple[Heading, ...]:

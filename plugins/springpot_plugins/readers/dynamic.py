@@ -19,7 +19,7 @@ from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
 from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
-from .joining import joined
+from .joining import joined, require_one_kind
 from .names import FREQUENCIES, rank
 from .table import Column
 from .titles import UNITS, Heading, heading
@@ -85,6 +85,8 @@ def measurement_from(
     if all(is_number(block.name) for block in chosen):
         shown = ", ".join(block.name for block in chosen[:3])
         note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
+    opened = {block.name for block in chosen}
+    require_one_kind(parts, {block.name: i for i, block in enumerate(blocks, 1) if block.name in opened})
     together = joined(parts, [block.name for block in chosen], name, note)
     return replace(together, provenance={**together.provenance, **left_out})
 
@@ -159,14 +161,11 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
         return usable
     if len(picked) == 1:
         where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
-        unknown = [each.title for each in picked[0].headings if each.title and each.role is None]
-        raise DataError(f"{where}{picked[0].holds()}{ask_meaning(picked[0].lacks(), unknown)}")
+        raise ask_meaning(f"{where}{picked[0].holds()}", picked[0].lacks(), picked[0].headings)
     reasons = list(dict.fromkeys(block.lacks() for block in picked))
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
-    hint = ask_meaning(reasons[0], ()) if len(reasons) == 1 else ""
-    raise DataError(
-        f"none of its {len(picked)} parts is a dynamic test ({names:.120}): {'; '.join(reasons):.200}{hint}"
-    )
+    says = f"none of its {len(picked)} parts is a dynamic test ({names:.120}): {'; '.join(reasons):.200}"
+    raise ask_meaning(says, reasons[0] if len(reasons) == 1 else "", ())
 
 
 def _roles_chosen(block: Block, choice: Choice) -> set[str]:

@@ -10,10 +10,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader
+from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
 from .blocks import Block, blocks_of, is_data, is_dynamic, is_header
-from .choices import ask_columns, numbered
+from .choices import ask_columns, ask_each, numbered
 from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
 from .grid import COMMENT, Grid, grid_of, head_grid, is_number
@@ -93,7 +93,9 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
         if names and len(names) == width:
             shown = ", ".join(cell.strip() for cell in names)
             spec = "by name or number, such as 'FILE?NAME=omega[rad/s],NAME=storage[UNIT],NAME=loss[UNIT]'"
-            raise DataError(f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}")
+            says = f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
+            unknown = [each.role is None for each in headings_of(names, [], width)]
+            raise OpenQuestion(says, ask_each({i: name.strip() for i, name in enumerate(names, 1) if unknown[i - 1]}))
         raise ask_columns(width)
     headings = headings_of(names, [], width) if names and len(names) == width else numbered(width)
     return Block("", headings, rows, lines)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from springpot.errors import DataError
 from springpot.measurement import (
     ANGLE_UNITS,
     LENGTH_UNITS,
@@ -15,6 +14,8 @@ from springpot.measurement import (
     STIFFNESS_UNITS,
     STRAIN_UNITS,
     Measurement,
+    OpenQuestion,
+    Question,
 )
 from springpot.rheology import Complex
 
@@ -27,10 +28,7 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
 
     Columns that are not in every part, or not in the same unit, are left out, and a note says so.
 
-    Raises
-    ------
-    DataError
-        If some are moduli and others stiffnesses.
+    All must be moduli, or all stiffnesses: see `require_one_kind`.
     """
     unit = parts[0].units.stiffness
     parts = [_in_unit(part, unit) for part in parts]
@@ -78,14 +76,29 @@ def _factor(unit: str, wanted: str) -> float | None:
     return None if table is None else table[unit] / table[wanted]
 
 
+def require_one_kind(parts: Sequence[Measurement], numbers: Mapping[str, int]) -> None:
+    """Check that parts can be joined; `numbers` are those of the parts in their file, by name.
+
+    Raises
+    ------
+    OpenQuestion
+        If some are moduli and others stiffnesses: which part is meant?
+    """
+    wanted = parts[0].units.stiffness
+    for part in parts:
+        if _factor(part.units.stiffness, wanted) is None:
+            message = f"its parts come in {wanted} and {part.units.stiffness}; choose one, such as 'FILE#1'"
+            answers = {name: f"#{number}" for name, number in numbers.items()}
+            raise OpenQuestion(message, [Question("part", "part", answers)])
+
+
 def _in_unit(part: Measurement, wanted: str) -> Measurement:
     """The part with storage and loss in another unit; the same bits where it is the same."""
     unit = part.units.stiffness
     if unit == wanted:
         return part
     factor = _factor(unit, wanted)
-    if factor is None:
-        raise DataError(f"its parts come in {wanted} and {unit}; choose one, such as 'FILE#1'")
+    assert factor is not None, "all parts are of one kind"
     sd = None if part.sd is None else part.sd * factor
     return replace(part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted))
 

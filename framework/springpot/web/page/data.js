@@ -3,6 +3,16 @@
 import { byId, h, put } from "./dom.js";
 import { number } from "./numbers.js";
 
+// How each kind of question is put; the kinds are those of springpot.measurement.Question.
+const ASKED = {
+  unit: (about) => `the unit of ${about} is `,
+  meaning: (about) => `${about} is `,
+  column: (about) => `${about} is the column `,
+  base: () => "logarithms are to base ",
+  constant: (about) => `${about} in all rows is `,
+  part: () => "open the part ",
+};
+
 // Where data come from; in the page while it is empty, and in a dialog later.
 function dropZone(app, done, place) {
   const id = (name) => `${name}-${place}`;
@@ -26,7 +36,7 @@ function dropZone(app, done, place) {
       h("button", { type: "button", onclick: () => {
         if (!paste.value.trim()) return;
         done();
-        app.openFile("pasted.csv", new TextEncoder().encode(paste.value), "", joining());
+        app.openFile("pasted.csv", new TextEncoder().encode(paste.value), [], joining());
       } }, "Open table")),
     join);
 }
@@ -97,16 +107,15 @@ export class Data {
     put(this.parent, parts);
   }
 
-  // An open question of the reader, with what it would take for granted as the first choice.
+  // An open question of the reader: each thing that it cannot know, with the answers that it takes, the usual first.
   form(question) {
     const fields = question.asked.map((asked, i) => h("p", {},
-      h("label", { for: `asked-${i}` }, `${asked.column} is `),
-      h("select", { id: `asked-${i}`, "data-column": asked.column },
-        ...asked.choices.map((choice) => h("option", { value: choice, selected: choice === asked.offered }, choice)))));
+      h("label", { for: `asked-${i}` }, ASKED[asked.kind](asked.about)),
+      h("select", { id: `asked-${i}` }, ...asked.answers.map(({ answer, said }) => h("option", { value: said }, answer)))));
     return h("form", { class: "question", id: "question", onsubmit: (event) => {
       event.preventDefault();
-      const said = [...event.target.querySelectorAll("select")].map((select) => `${select.dataset.column}=${select.value}`);
-      this.app.openFile(question.name, question.bytes, `?${said.join(",")}`, question.onto);
+      const said = [...event.target.querySelectorAll("select")].map((select) => select.value);
+      this.app.openFile(question.name, question.bytes, [...question.said, ...said], question.onto);
     } }, h("p", {}, question.says), ...fields, h("button", { class: "primary" }, "Open with these"));
   }
 

@@ -94,12 +94,13 @@ class App {
 
   // ---- data -------------------------------------------------------------------------------------------------
 
-  async openFile(name, bytes, choice = "", onto = false) {
-    if (this.question?.name !== name) this.question = null;
-    const query = { name, choice, ...(onto && this.state ? { onto: this.state.data } : {}) };
+  // `said`: what was answered to the reader's questions, such as "storage=kPa" or "#2".
+  async openFile(name, bytes, said = [], onto = false) {
+    this.question = null;
+    const query = { name, choice: choiceOf(said), ...(onto && this.state ? { onto: this.state.data } : {}) };
     const found = await this.compute((how) => api.upload(bytes, query, how));
     if (found?.question) {
-      this.question = { ...found.question, name, bytes, onto };
+      this.question = { ...found.question, name, bytes, said, onto };
       this.render();
       byId("question")?.querySelector("select")?.focus();
     } else if (found) this.opened(found, onto);
@@ -108,7 +109,7 @@ class App {
   // Several files are one test: time signals of one frequency each, or one sweep each.
   async openFiles(files, join) {
     if (files.length === 1) {
-      await this.openFile(files[0].name, await files[0].arrayBuffer(), "", join);
+      await this.openFile(files[0].name, await files[0].arrayBuffer(), [], join);
       return;
     }
     let onto = join ? this.state.data : "";
@@ -405,6 +406,13 @@ class App {
       this.render();
     } else if (given?.data) await this.opened(given.data.result);
   }
+}
+
+// As a user types it behind the name of a file: #PART?COLUMN=UNIT,COLUMN=UNIT.
+function choiceOf(said) {
+  const parts = said.filter((piece) => piece.startsWith("#"));
+  const columns = said.filter((piece) => !piece.startsWith("#"));
+  return parts.join("") + (columns.length ? `?${columns.join(",")}` : "");
 }
 
 function listen(app) {
