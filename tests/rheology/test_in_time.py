@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.special import erfc, erfcx, gamma
+from scipy.special import erfc, erfcx, gamma, wofz
 
 import mittag_leffler
 from springpot.errors import ModelError
@@ -80,7 +80,18 @@ def test_two_springpots_of_orders_one_half_apart():
     exact = cb / np.sqrt(T) * (1 / np.sqrt(np.pi) - x * erfcx(x))
     early = x < 1e3  # beyond, the difference is rounding
     found = of(series(dashpot(), springpot()), ca, cb, 0.5).relaxation(T).value
-    np.testing.assert_allclose(found[early], exact[early], rtol=1e-8)
+    np.testing.assert_allclose(found[early], exact[early], rtol=1e-9)
+
+
+def test_a_startup_of_spring_and_half_springpot():
+    """At the rate v the force is v k t E_(1/2,2)(-x), x = (k/c) t^(1/2), and E_(1/2,2) the rest of an erfcx."""
+    k, c, v = 3.0, 2.0, 0.7
+    t = np.geomspace(0.01, 300.0, 40)
+    x = k / c * np.sqrt(t)
+    exact = v * k * t * (erfcx(x) - 1 + 2 * x / np.sqrt(np.pi)) / x**2
+    clock = np.concatenate([[0.0], t])
+    found = of(series(spring(), springpot()), k, c, 0.5).respond(clock, v * clock).value[1:]
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
 
 
 def test_a_half_springpot_with_a_spring_is_an_error_function():
@@ -172,6 +183,8 @@ def test_a_sinusoid_from_rest_tends_to_the_complex_stiffness(name: str):
     exact = model.stiffness(theta, omega)[0]
     # piecewise straight displacement holds sinc^2(pi/per) of the sine: 5e-5
     assert abs(found - exact) < 3e-4 * abs(exact)
+    lost = np.sum(force[last] * omega * np.cos(omega * t[last])) * t[1]
+    assert lost == pytest.approx(np.pi * exact.imag, rel=3e-4)
 
 
 def test_a_record_in_blocks_is_the_record_at_once():
@@ -238,6 +251,23 @@ def test_bagley_torvik():
     back = model.respond([k, c, m], t, 1 + t)
     late = t > 0.5
     np.testing.assert_allclose(back[late], (1 + t + c / np.sqrt(np.pi * np.maximum(t, 1e-9)))[late], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("m", "c", "k"), [(1.0, 1.0, 1.0), (1.0, 0.5, 0.5), (0.3, 2.0, 5.0)])
+def test_bagley_torvik_under_a_force_that_sets_in(m: float, c: float, k: float):
+    """With w = s^(1/2), 1 / (m w^4 + c w^3 + k) is a sum of A / (w - a), and A / (s (w - a)) is a Faddeeva function.
+
+    Its inverse is A t^(1/2) E_(1/2,3/2)(a t^(1/2)), with z E_(1/2,3/2)(z) = exp(z^2) erfc(-z) - 1 (Podlubny 1999,
+    Fractional Differential Equations, 8.3.2, has it as a series).
+    """
+    t = np.geomspace(1e-3, 30.0, 60)
+    a = np.roots([m, c, 0.0, 0.0, k])
+    share = 1 / (4 * m * a**3 + 3 * c * a**2)
+    z = np.outer(np.sqrt(t), a)
+    exact = ((share / a) * (wofz(-1j * z) - 1)).sum(axis=1)
+    assert np.abs(exact.imag).max() < 1e-12
+    found = of(parallel(spring(), basset(), mass()), k, c, m).creep(t).value
+    np.testing.assert_allclose(found, exact.real, atol=1e-9 * np.abs(exact).max())
 
 
 def test_a_mass_swings_as_a_pendulum_does():
