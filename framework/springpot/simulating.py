@@ -12,9 +12,8 @@ import numpy as np
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identified import fitted, lesser, stated
 from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
-from springpot.rheology import Model, Real
+from springpot.rheology import Real
 from springpot.structure import Damper, Frame, Record, artificial
-from springpot.timetests import Known
 
 LARGEST = 1_000_000
 """Bytes of a description: it has some hundred."""
@@ -96,35 +95,27 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
     without = entry.get("without", [])
     known = lesser(known, [without] if isinstance(without, str) else map(str, without))
-    model, theta, covariance = _in_newton(known)
-    slope = np.cos(np.radians(float(entry.get("slope", 0.0))))
-    temperature = None if "temperature" not in entry else float(entry["temperature"])
-    if "temperature" in model.needs and temperature is None:
-        raise DataError(f"{path}: {where}: {model.name} needs its temperature in degC")
-    return Damper(
-        model,
-        theta,
-        int(entry.get("storey", 1)),
-        float(entry.get("count", 1)) * float(slope) ** 2,
-        covariance,
-        temperature,
-        known.reference,
-    )
-
-
-def _in_newton(known: Known) -> tuple[Model, Real, Real | None]:
-    """A model, its parameters in N, m and s, and their covariance where they are not exact."""
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
-    stiffer = STIFFNESS_UNITS[known.units.stiffness]
-    longer = AMPLITUDE_UNITS[known.units.amplitude]
-    powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters]
-    factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
-    covariance = known.covariance * np.outer(factors, factors)
-    return known.model, known.theta * factors, covariance if np.any(covariance != 0.0) else None
+    cosine = float(np.cos(np.radians(float(entry.get("slope", 0.0)))))
+    temperature = None if "temperature" not in entry else float(entry["temperature"])
+    if "temperature" in known.model.needs and temperature is None:
+        raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
+    return Damper(
+        known.model,
+        known.theta,
+        int(entry.get("storey", 1)),
+        float(entry.get("count", 1)) * cosine**2,
+        known.covariance if np.any(known.covariance != 0.0) else None,
+        temperature,
+        known.reference,
+        STIFFNESS_UNITS[known.units.stiffness],
+        AMPLITUDE_UNITS[known.units.amplitude],
+        cosine,
+    )
 
 
 def read_record(spec: str, rng: np.random.Generator) -> Record:

@@ -43,6 +43,24 @@ def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path)
     assert answer == springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
 
 
+SLIDING = """model = "fractional-maxwell + friction"
+unit = "kN/mm"
+parameters = {k = 4, c = 0.6, alpha = 0.5, "friction.F" = %g}"""
+
+
+def test_friction_in_a_damper_is_followed(springpot, write):
+    """F is in N, as fits print it; 40 dampers of 20 kN hold the lowest storey still under a weak record."""
+    record = write(RECORD, "record.csv")
+
+    def simulated(force: float):
+        path = write(FRAME.replace('fit = "fit.json"', SLIDING % force), f"{force}.toml")
+        return springpot("simulate", path, "--record", record, "--json").json
+
+    held, free = simulated(2e4), simulated(1e-3)
+    assert held["storeys"][0]["drift"] < 0.1 * free["storeys"][0]["drift"]
+    assert held["modes"] == free["modes"]
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [

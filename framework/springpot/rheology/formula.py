@@ -39,6 +39,9 @@ class Formula(Node):
         Beside the material, ``in_time(t, x, velocity, *parameters)`` gives the force and its derivative by each
         parameter, all (n,). In the measurement chain, ``in_time(t, columns, *parameters)`` turns signals (n, c)
         into what is recorded of them, and gives the derivatives of the first one.
+    step : callable or None
+        For an element that remembers: ``step(force, way, *parameters)`` gives the force after a straight way, from
+        that before it. Others need none, for `in_time` tells their force at each sample alone.
     third_at_most : callable or None
         ``third_at_most(at, *parameters)`` gives the most that the third harmonic may be where `third` is not known.
     """
@@ -50,6 +53,7 @@ class Formula(Node):
     third: Callable[..., Any] | None = None
     in_time: Callable[..., tuple[Any, Sequence[Any]]] | None = None
     third_at_most: Callable[..., Any] | None = None
+    step: Callable[..., float] | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

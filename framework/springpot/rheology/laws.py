@@ -39,6 +39,11 @@ def jenkins(t: Real, x: Real, v: Real, k: float, force: float) -> Law:
     return slider, (by_k, by_force)
 
 
+def jenkins_step(before: float, way: float, k: float, force: float) -> float:
+    """Force of the same after one more straight way."""
+    return min(max(before + k * way, -force), force)
+
+
 def power_law(t: Real, x: Real, v: Real, force: float, exponent: float) -> Law:
     """F |v|^a sgn(v)."""
     speed = np.abs(v)

@@ -16,6 +16,7 @@ from .laws import cubic_spring as cubic_spring_law
 from .laws import dead_zone as dead_zone_law
 from .laws import friction as friction_law
 from .laws import jenkins as jenkins_law
+from .laws import jenkins_step
 from .laws import power_law as power_law_law
 from .linear import RADIAN
 from .parameters import AMPLITUDE, FORCE, PURE, Dimension, Parameter, stiffness
@@ -77,7 +78,8 @@ def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
 def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
     """A spring in series with a friction slider (Jenkins): it sticks while k X < F."""
     free = (stiffness(k), Parameter(force, "F", FORCE))
-    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, jenkins_law)
+    laws = {"third": _jenkins_third, "in_time": jenkins_law, "step": jenkins_step}
+    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", **laws)
 
 
 def power_law(at: Points, force: Any, exponent: Any) -> Any:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.rheology import Complex, Layer, Model, Points, Real
+from springpot.rheology import Complex, Effect, Layer, Model, Points, Real
+from springpot.rheology.history import Placed, sorted_out
 from springpot.rheology.nodes import FULL
 
 QUARTER = 0.5j * np.pi
@@ -25,7 +26,7 @@ class Damper:
     model : Model
         Of a stiffness.
     theta : ndarray, shape (p,)
-        Its parameters in SI units: N, m, s.
+        Its parameters, in SI units (N, m, s) unless `unit` and `length` say otherwise.
     storey : int
         Which one it braces, 1 for the lowest.
     factor : float
@@ -36,11 +37,16 @@ class Damper:
         In degC.
     reference : float
         Temperature in kelvin at which shifts are one.
+    unit, length : float
+        Stiffness in N/m and displacement in m of which theta counts one.
+    cosine : float
+        Of the slope: what is not linear feels the way along the damper.
 
     Raises
     ------
     ModelError
-        If the model has an effect of the rig or of the signals, which belong to no damper.
+        If the model has an effect of the rig or of the signals, which belong to no damper. What is not linear and
+        stands beside the material - friction, a slider, a stop - is taken as part of the damper.
     """
 
     model: Model
@@ -50,14 +56,44 @@ class Damper:
     covariance: Real | None = None
     temperature: float | None = None
     reference: float = 293.15
+    unit: float = 1.0
+    length: float = 1.0
+    cosine: float = 1.0
 
     def __post_init__(self) -> None:
-        for effect in self.model.effects:
+        for effect in self.linear.effects:
             if effect.layer > Layer.SPECIMEN:
                 raise ModelError(
                     f"'{effect.name}' belongs to the rig, not to the damper: leave it out, "
                     f"without = ['{effect.name}']"
                 )
+
+    @cached_property
+    def _placed(self) -> list[Placed]:
+        """The effects that are not linear, each with the place of its parameters."""
+        return sorted_out(self.model)[1]
+
+    @property
+    def beside(self) -> list[tuple[Effect, Real]]:
+        """The effects that are not linear, with their parameters."""
+        return [(effect, self.theta[own]) for effect, _, own in self._placed]
+
+    @cached_property
+    def linear(self) -> Model:
+        """The model without them."""
+        names = {effect.name for effect, _, _ in self._placed}
+        kept = [effect for effect in self.model.effects if effect.name not in names]
+        return replace(self.model, effects=tuple(kept))
+
+    @property
+    def linear_theta(self) -> Real:
+        """Parameters of `linear`."""
+        return self.theta[[self.model.names.index(name) for name in self.linear.names]]
+
+    @property
+    def size(self) -> float:
+        """Stiffness in N/m along the floor of all dampers of this kind together, for a K of one."""
+        return self.factor * self.unit
 
     @property
     def kelvin(self) -> float | None:
@@ -65,12 +101,15 @@ class Damper:
         return None if self.temperature is None else self.temperature + 273.15
 
     def stiffness(self, s: Complex) -> tuple[Complex, Complex]:
-        """K and dK/ds at s (n,) in 1/s, which may be complex, for all dampers of this kind together."""
+        """K and dK/ds in N/m at s (n,) in 1/s, which may be complex, for all dampers of this kind together.
+
+        What is not linear is left out.
+        """
         kelvin = None if self.kelvin is None else np.full(len(s), self.kelvin)
         turned: Any = np.log(s) - QUARTER
         at = Points(turned, None, kelvin, self.reference)
-        found = self.model.network.respond(self.theta, at, FULL)
-        return self.factor * found.value, self.factor * found.by_log_omega / s
+        found = self.linear.network.respond(self.linear_theta, at, FULL)
+        return self.size * found.value, self.size * found.by_log_omega / s
 
     def drawn(self, rng: np.random.Generator) -> Damper:
         """The same with parameters as they may as well be: positive ones by their logarithm."""

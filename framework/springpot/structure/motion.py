@@ -2,6 +2,7 @@
 
 Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system of first order.
 For an acceleration that is straight between its samples its motion is exact: one matrix exponential serves all steps.
+What is not linear in a damper stands beside that system and is followed in short steps, see `beside`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology import Real
 
+from .beside import Beside, forces
 from .frame import Damper, Frame
 from .modes import Mode, modes_of
 
@@ -21,6 +23,9 @@ TOLERANCE = 1e-5
 """Relative error of K for which a damper's spectrum is read: far below what is known of any damper."""
 BEYOND = 30.0
 """How far the band of a spectrum reaches beyond the frequencies of frame and record."""
+FINE = 120.0
+"""Steps in the shortest period of the frame where something is not linear: the motion is then within 0.5 % of that of
+an adaptive integrator, with stops as stiff as the storey; the error falls with the square of their number."""
 EVEN = 1e-3
 """Relative scatter of the steps of a record that is taken for even: of times with four digits."""
 
@@ -47,6 +52,12 @@ class Record:
     def time(self) -> Real:
         """Of each sample, in s."""
         return np.arange(len(self.acceleration), dtype=float) * self.step
+
+    def finer(self, parts: int) -> Record:
+        """The same with so many steps for each of its own, straight between its samples."""
+        time = self.time
+        fine = np.linspace(time[0], time[-1], (len(time) - 1) * parts + 1)
+        return Record(self.step / parts, np.interp(fine, time, self.acceleration), self.name)
 
     @classmethod
     def of(cls, time: Real, acceleration: Real, name: str = "record") -> Record:
@@ -160,17 +171,19 @@ def _integral(rate: Real, step: float) -> Real:
 def motion_of(frame: Frame, record: Record) -> Motion:
     """The motion of a frame that was at rest, exact for an acceleration that is straight between samples.
 
+    What is not linear in a damper (friction, a slider, a stop, a power of the speed) is followed for what it is.
+
     Parameters
     ----------
     frame : Frame
-        With linear dampers.
+        With its dampers.
     record : Record
         The acceleration of the ground.
 
     Raises
     ------
     ModelError
-        If a damper is no relaxing material: friction, or a delay.
+        If a damper is no relaxing material, or something in it has no law in time.
 
     Examples
     --------
@@ -182,19 +195,60 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     0.015
     """
     matrix, load, parts = _system(frame, record)
+    besides = {i: Beside(damper) for i, damper in enumerate(frame.dampers) if damper.beside}
+    if besides:
+        state, extra = _stepped(frame, record, matrix, load, besides)
+    else:
+        state, extra = _straight(record, matrix, load), 0.0
+    n = len(frame)
+    displacement, velocity = state[:, :n], state[:, n : 2 * n]
+    force = [part.force(displacement, velocity, state) for part in parts]
+    count = len(record.acceleration)
+    return Motion(frame, record, displacement, velocity, np.array(force).reshape(len(parts), count).T + extra)
+
+
+def _straight(record: Record, matrix: Real, load: Real) -> Real:
+    """States (t, m) of a linear system under an acceleration that is straight between its samples."""
     first, second = _held_straight(matrix, record.step)
-    n, size = len(frame), len(matrix)
-    state, y = np.zeros((len(record.acceleration), size)), np.zeros(size)
-    # What the acceleration adds to each step, for all steps at once; the rest follows step by step.
     a = record.acceleration
+    state, y = np.zeros((len(a), len(matrix))), np.zeros(len(matrix))
+    # What the acceleration adds to each step, for all steps at once; the rest follows step by step.
     pushed = np.outer(a[:-1], (first - second) @ load) + np.outer(a[1:], second @ load)
     forward = _exponential(matrix, record.step)
     for i, push in enumerate(pushed, 1):
         y = forward @ y + push
         state[i] = y
-    displacement, velocity = state[:, :n], state[:, n : 2 * n]
-    force = [part.force(displacement, velocity, state) for part in parts]
-    return Motion(frame, record, displacement, velocity, np.array(force).reshape(len(parts), len(a)).T)
+    return state
+
+
+def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: dict[int, Beside]) -> tuple[Real, Real]:
+    """States (t, m), and forces (t, d) of what is not linear, which are constant within each of many short steps."""
+    parts = int(np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi)))
+    fine = record.finer(parts)
+    n, a = len(frame), fine.acceleration
+    rows = frame.drifts[[frame.dampers[i].storey - 1 for i in besides]]
+    pull = np.zeros((len(matrix), len(besides)))
+    pull[n : 2 * n] = -(rows / frame.mass).T
+    first, second = _held_straight(matrix, fine.step)
+    forward, pulled = _exponential(matrix, fine.step), first @ pull
+    pushed = np.outer(a[:-1], (first - second) @ load) + np.outer(a[1:], second @ load)
+    by_force = rows @ pulled[:n], rows @ pulled[n : 2 * n]
+    state, extra = np.zeros((len(record.acceleration), len(matrix))), np.zeros((len(record.acceleration), len(rows)))
+    y, force, members = np.zeros(len(matrix)), np.zeros(len(rows)), list(besides.values())
+    start = rows @ y[:n], rows @ y[n : 2 * n]
+    for i, push in enumerate(pushed, 1):
+        y = forward @ y + push
+        free = rows @ y[:n], rows @ y[n : 2 * n]
+        force = forces(members, start, free, by_force, force)
+        y = y + pulled @ force
+        before, start = start, (rows @ y[:n], rows @ y[n : 2 * n])
+        for member, way in zip(members, (start[0] - before[0]).tolist(), strict=True):
+            member.move(way)
+        if i % parts == 0:
+            state[i // parts], extra[i // parts] = y, force
+    whole = np.zeros((len(state), len(frame.dampers)))
+    whole[:, list(besides)] = extra
+    return state, whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,10 +271,14 @@ class _Part:
 
 
 def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -> _Part:
-    found = damper.model.spectrum(
-        damper.theta, band, tolerance=TOLERANCE, temperature=damper.kelvin, reference_temperature=damper.reference
+    found = damper.linear.spectrum(
+        damper.linear_theta,
+        band,
+        tolerance=TOLERANCE,
+        temperature=damper.kelvin,
+        reference_temperature=damper.reference,
     )
-    row, factor = frame.drifts[damper.storey - 1], damper.factor
+    row, factor = frame.drifts[damper.storey - 1], damper.size
     states = slice(start, start + len(found.rates))
     return _Part(
         row, factor * found.equilibrium, factor * found.viscosity, factor * found.weights, found.rates, states

@@ -1,0 +1,145 @@
+"""What in a damper is not linear - friction, a slider, a stop, a power of the speed - step by step, for what it is.
+
+Within a step each such force is constant. It is taken in the middle of the step, that of a slider as it moves along.
+Where a force jumps as the motion turns (dry friction), the damper sticks if a force between the ends of the jump
+brings it to rest at the end of the step: a jump is no steep slope, and what sticks does not creep (Moreau 1988,
+Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from springpot.rheology import Real
+
+from .frame import Damper
+
+TURNING = 1e-12
+"""Speed that is next to none, in the damper's own unit of length a second: which side of a jump is meant."""
+JUMP = 1e-6
+"""Share of the force at a speed of one below which a change from side to side is the foot of a slope, no jump."""
+CLOSE = 1e-7
+"""Relative change of the forces at which they are found: far below what the length of a step changes."""
+ROUNDS = 40
+"""Of putting the motion back into the laws. Three do for a force that moves the structure little within a step."""
+CALM = 8
+"""Rounds after which only half of a change is taken, and so on: near rest a power of the speed may be steep."""
+SWEEPS = 200
+"""Over the dampers that stick: those of neighbouring storeys feel each other by half, so that each sweep halves."""
+
+
+class Beside:
+    """The forces of one entry of dampers that are not linear.
+
+    Parameters
+    ----------
+    damper : Damper
+        With such effects.
+    """
+
+    def __init__(self, damper: Damper) -> None:
+        self.along = damper.cosine / damper.length
+        self.size = damper.factor / damper.cosine * damper.unit * damper.length
+        self.laws: list[tuple[Any, list[float]]] = []
+        self.sliders: list[tuple[Callable[..., float], list[float]]] = []
+        for effect, theta in damper.beside:
+            slides = getattr(effect.element, "step", None)
+            if slides is None:
+                self.laws.append((effect.element, theta.tolist()))
+            else:
+                self.sliders.append((slides, theta.tolist()))
+        self.carried = [0.0] * len(self.sliders)
+        back, on = self._pointwise(0.0, -TURNING), self._pointwise(0.0, TURNING)
+        self.jumps = on - back > JUMP * (self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0))
+
+    def _pointwise(self, way: float, speed: float) -> float:
+        """Force in the damper's own units, of all laws that remember nothing."""
+        now, here, fast = np.zeros(1), np.array([way]), np.array([speed])
+        return sum(float(element.in_time(now, here, fast, *theta)[0][0]) for element, theta in self.laws)
+
+    def _slid(self, way: float) -> list[float]:
+        """Forces of the sliders after a way within the step."""
+        pairs = zip(self.sliders, self.carried, strict=True)
+        return [slides(before, way, *theta) for (slides, theta), before in pairs]
+
+    def ends(self, start: float, end: float, start_speed: float, end_speed: float) -> tuple[float, float]:
+        """Least and largest force in N along the floor in a step; where nothing jumps they are one.
+
+        Parameters
+        ----------
+        start, end : float
+            Drift in m at both ends of the step.
+        start_speed, end_speed : float
+            In m/s.
+        """
+        way, speed = 0.5 * self.along * (start + end), 0.5 * self.along * (start_speed + end_speed)
+        slid = 0.5 * sum(self.carried) + 0.5 * sum(self._slid(self.along * (end - start)))
+        if not self.jumps:
+            force = self.size * (self._pointwise(way, speed) + slid)
+            return force, force
+        back, on = self._pointwise(way, min(speed, -TURNING)), self._pointwise(way, max(speed, TURNING))
+        return self.size * (back + slid), self.size * (on + slid)
+
+    def move(self, way: float) -> None:
+        """Let a step be over, in which the drift changed by so much."""
+        self.carried = self._slid(self.along * way)
+
+
+def forces(
+    besides: Sequence[Beside],
+    start: tuple[Real, Real],
+    free: tuple[Real, Real],
+    by_force: tuple[Real, Real],
+    guess: Real,
+) -> Real:
+    """The forces (q,) in N of a step, at which motion and laws agree.
+
+    Parameters
+    ----------
+    besides : sequence of Beside
+        The q dampers.
+    start, free : tuple of ndarray, shape (q,)
+        Drifts and their speeds at the beginning of the step, and at its end without these forces.
+    by_force : tuple of ndarray, shape (q, q)
+        What each force, constant in the step, changes of both at its end.
+    guess : ndarray, shape (q,)
+        Such as the forces of the step before.
+    """
+    (first, first_speed), (last, last_speed) = start, free
+    way_by, speed_by = by_force
+    force, share = guess, 1.0
+    low, high = np.full(len(guess), np.nan), np.full(len(guess), np.nan)
+    for turn in range(ROUNDS):
+        end, end_speed = last + way_by @ force, last_speed + speed_by @ force
+        motion = zip(besides, first.tolist(), end.tolist(), first_speed.tolist(), end_speed.tolist(), strict=True)
+        found = np.array([beside.ends(*each) for beside, *each in motion])
+        size = np.abs(found).max()
+        if turn and np.abs(found - np.column_stack([low, high])).max() <= CLOSE * size:
+            break
+        if turn >= CALM:
+            share *= 0.9
+            found = share * found + (1.0 - share) * np.column_stack([low, high])
+        low, high = found.T
+        force = _at_rest_if_it_can(last_speed, speed_by, low, high, force)
+    return force
+
+
+def _at_rest_if_it_can(free_speed: Real, by_force: Real, low: Real, high: Real, force: Real) -> Real:
+    """Forces (q,) from `low` to `high` that bring each damper to rest, or as near to it as they can."""
+    if np.array_equal(low, high):
+        return low.copy()
+    ends = list(zip(low.tolist(), high.tolist(), strict=True))
+    now, matrix, speeds = force.tolist(), by_force.tolist(), free_speed.tolist()
+    for _ in range(SWEEPS):
+        change = 0.0
+        for i, (row, (least, most)) in enumerate(zip(matrix, ends, strict=True)):
+            others = speeds[i] + sum(a * b for a, b in zip(row, now, strict=True)) - row[i] * now[i]
+            held = min(max(-others / row[i], least), most)
+            change = max(change, abs(held - now[i]))
+            now[i] = held
+        if len(now) == 1 or change <= CLOSE * max(map(abs, now)):
+            break
+    return np.array(now)
