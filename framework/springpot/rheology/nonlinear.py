@@ -78,8 +78,7 @@ def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
 def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
     """A spring in series with a friction slider (Jenkins): it sticks while k X < F."""
     free = (stiffness(k), Parameter(force, "F", FORCE))
-    laws = {"third": _jenkins_third, "in_time": jenkins_law, "step": jenkins_step}
-    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", **laws)
+    return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, in_time=jenkins_law, step=jenkins_step)
 
 
 def power_law(at: Points, force: Any, exponent: Any) -> Any:

@@ -196,14 +196,13 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     """
     matrix, load, parts = _system(frame, record)
     besides = {i: Beside(damper) for i, damper in enumerate(frame.dampers) if damper.beside}
+    n, count = len(frame), len(record.acceleration)
     if besides:
         state, extra = _stepped(frame, record, matrix, load, besides)
     else:
-        state, extra = _straight(record, matrix, load), 0.0
-    n = len(frame)
+        state, extra = _straight(record, matrix, load), np.zeros((count, len(parts)))
     displacement, velocity = state[:, :n], state[:, n : 2 * n]
     force = [part.force(displacement, velocity, state) for part in parts]
-    count = len(record.acceleration)
     return Motion(frame, record, displacement, velocity, np.array(force).reshape(len(parts), count).T + extra)
 
 
