@@ -49,7 +49,7 @@ def test_a_misspelt_name_is_an_error_that_helps(call, word):
 def test_results_show_themselves_in_one_line_and_as_a_table():
     data = springpot.read("nist-srm2491@temperature=20")
     found = springpot.identify(data, "maxwell-2")
-    assert repr(data).startswith("<Measurement nist-srm2491@temperature=20: 16 points, 0.0159 to 15.9 Hz, temp")
+    assert repr(data).startswith("<Measurement nist-srm2491@temperature=20: 16 points, 0.1 to 100 rad/s, temp")
     assert repr(found.model) == "<Model maxwell-2: k1, tau1, k2, tau2>"
     assert repr(found).startswith("<Identification maxwell-2 of nist-srm2491@temperature=20: k1 ")
     assert "\n" not in repr(found)

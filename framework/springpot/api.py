@@ -147,7 +147,7 @@ def standing_of(found: Identification) -> Standing | None:
         [judged] = compare_objects(found.measurement, [found.model], np.random.default_rng(found.seed)).judgements
     except DataError:
         return None
-    error, good, says = judged.error, not judged.fails, judged.says
+    error, good, says = judged.error, not (judged.fails or judged.unclear), judged.says
     if good and error.noise_source == "estimated" and error.relative_rms > BELIEVED:
         good, says = False, f"{says}, but noise of {100 * error.noise_floor:.2g} % is no good measurement: repeat it"
     return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)

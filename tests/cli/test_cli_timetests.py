@@ -61,7 +61,7 @@ def test_identify_from_all_tests_of_a_specimen(springpot, relaxed, crept, swept,
     figure = tmp_path / "tests.png"
     answer = springpot("identify", swept, relaxed, crept, "-m", "fractional-maxwell", "--figure", figure)
     assert answer.code == 0, answer.err
-    for word in ("3 tests", "sweep", "relaxation", "creep", "x floor alone"):
+    for word in ("3 tests", "sweep", "relaxation", "creep", "alone: x floor where"):
         assert word in answer.out
     assert figure.stat().st_size > 10_000
 

@@ -52,7 +52,7 @@ def test_friction_at_one_frequency_is_told_along_the_amplitude():
     amplitudes = tuple(np.geomspace(0.1, 10.0, 20))
     found = says(frame(frequencies=1, amplitudes=amplitudes, off=lambda f, t, x: 0.03j / x - 0.04j))
     low, high = sorted(found, key=lambda sentence: "too high" in sentence)
-    assert "loss modulus" in low
+    assert "loss stiffness" in low
     assert "too low at 2 Hz at amplitudes of 0.428 mm and below" in low
     assert "too high at 2 Hz at amplitudes of " in high
     pure = says(frame(frequencies=1, amplitudes=amplitudes, off=lambda f, t, x: 0.2j / x))
@@ -65,14 +65,14 @@ def test_the_corner_of_a_plan_in_which_a_model_fails_is_told():
 
     [place] = where(frame(temperatures=(0.0, 20.0, 40.0), amplitudes=(0.1, 0.3, 1.0), off=off))
     assert place.says.startswith(
-        "storage modulus 4.7 % of |K| too low above 16.2 Hz at an amplitude of 1 mm at 40 degC"
+        "storage stiffness 4.7 % of |K| too low above 16.2 Hz at an amplitude of 1 mm at 40 degC"
     )
     assert place.condition == "at an amplitude of 1 mm, at 40 degC"
 
 
 def test_the_sentence_of_the_issue():
     [found] = says(frame(temperatures=(0.0, 20.0, 40.0), off=lambda f, t, x: 0.12j * (f > 20.0)))
-    assert found.startswith("loss modulus 11 % of |K| too low above 23.4 Hz, ")
+    assert found.startswith("loss stiffness 11 % of |K| too low above 23.4 Hz, ")
     assert found.endswith("the same at all temperatures")
 
 
@@ -93,7 +93,7 @@ def test_a_notch_is_no_ripple():
 
     found = says(frame(frequencies=45, off=notch))
     assert all("swings" not in sentence for sentence in found)
-    assert found[0].startswith("storage modulus")
+    assert found[0].startswith("storage stiffness")
 
 
 def test_few_sentences_however_ragged_the_misfit():

@@ -75,8 +75,16 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
     if not quiet:
         for key, value in measured.provenance.items():
             if key.startswith("note "):
-                print(f"note: {measured.name}: {value}", file=sys.stderr)
+                note_to_stderr(measured.name, value)
     return measured if interface is None else through(measured, interface)
+
+
+def note_to_stderr(name: str, note: str) -> None:
+    """What is doubted of data, broken at words where people read it; in a file or pipe one line each."""
+    from springpot.report.text import wrapped
+
+    line = f"note: {name}: {note}"
+    print(wrapped(line, window()) if sys.stderr.isatty() else line, file=sys.stderr)
 
 
 def known_options(command: F) -> F:

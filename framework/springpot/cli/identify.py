@@ -96,7 +96,7 @@ def command(
         for name in ("fix", "bounds", "exclude", "start"):
             if options.pop(name):
                 raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
-        timetests.identify(tests, model, figure, as_json, options)
+        timetests.identify(tests, data, model, figure, as_json, options)
         return 0
     arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     if len(data) > 1 and not joint:

@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import timetests
-from .common import data_argument, emit, geometry_option, json_option, opened
+from .common import data_argument, emit, geometry_option, json_option, opened, window
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement, Part
     from springpot.measurement.runs import Run
     from springpot.rheology import Real
-
-WIDE = 100
-"""Signs of a list of words that are printed; JSON has all."""
-LONG = 24
-"""Runs that are printed."""
 
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
@@ -33,19 +28,20 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
     """
     from springpot.errors import DataError
     from springpot.registry import open_in_time, parts_of
+    from springpot.report.inspection import inspected_text, parts_text
 
     if in_time := open_in_time(data):
-        timetests.inspect(in_time, as_json)
+        timetests.inspect(in_time, data, as_json)
         return
     parts = parts_of(data)
     try:
-        result = described(opened(data, geometry, quiet=True), parts)
+        measured = opened(data, geometry, quiet=True)
     except DataError as error:
-        if not parts or as_json:
-            raise
-        _show_parts(_listed(parts))
+        if parts and not as_json:
+            print(parts_text(_listed(parts), window()), end="\n\n")
         raise DataError(str(error)) from None
-    emit(result, as_json, lambda: _show(result))
+    result = described(measured, parts)
+    emit(result, as_json, lambda: print(inspected_text(result, measured.units, data, window())))
 
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
@@ -95,67 +91,3 @@ def _range(column: Real, unit: str) -> dict[str, Any]:
     there = column[np.isfinite(column)]
     lowest, highest = (float(there.min()), float(there.max())) if len(there) else (float("nan"), float("nan"))
     return {"from": lowest, "to": highest, "unit": unit}
-
-
-def _show(result: dict[str, Any]) -> None:
-    from springpot.report.numbers import number
-    from springpot.report.text import Table
-
-    count, points = len(result["sweeps"]), result["points"]
-    what = f"{points} {'point' if points == 1 else 'points'}, {count} {'sweep' if count == 1 else 'sweeps'}"
-    print(f"{result['data']}: {what}\n")
-    ranges = {key: result[key] for key in ("frequency", "storage", "loss")} | result["conditions"]
-    rows = [[name, number(r["from"]), number(r["to"]), r["unit"]] for name, r in ranges.items()]
-    Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).show()
-    for name, words in result["labels"].items():
-        if name != "step":
-            print(f"\n{name}: {_few(words)}")
-    print(f"\nstandard deviations: {'given' if result['standard_deviations'] else 'not given'}")
-    if count > 1:
-        _show_sweeps(result["sweeps"], result["parts"])
-    together = {sweep.get("step") for sweep in result["sweeps"]}
-    if others := [part for part in result["parts"] if part["name"] not in together]:
-        print()
-        _show_parts(others)
-    for key, value in result["provenance"].items():
-        print(f"{key}: {value}")
-
-
-def _few(words: Sequence[str]) -> str:
-    """As many words as fit a line, and how many there are."""
-    line = ", ".join(words)
-    return line if len(line) <= WIDE else f"{line[:WIDE].rpartition(', ')[0] or line[:WIDE]}, ... ({len(words)})"
-
-
-def _show_sweeps(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]]) -> None:
-    """A line for each run; the first column is what to write behind ``#`` for one of them."""
-    from springpot.report.text import Table
-
-    units = {"temperature": "degC", "frequency": "Hz", "amplitude": (sweeps[0]["amplitude"] or {}).get("unit")}
-    known = ("step", "temperature", "repeat", "points", "frequency", "amplitude")
-    keys = [key for key in known if sweeps[0].get(key) is not None]
-    numbers = {part["name"]: f"#{part['number']}" for part in parts}
-    rows = [[numbers.get(sweep.get("step"), ""), *(_cell(sweep[key]) for key in keys)] for sweep in sweeps[:LONG]]
-    headers = ["part", *(f"{key} [{units[key]}]" if key in units else key for key in keys)]
-    if not numbers:
-        headers, rows = headers[1:], [row[1:] for row in rows]
-    print()
-    Table(headers, rows, frozenset(headers) - {"part", "step"}).show()
-    if len(sweeps) > LONG:
-        print(f"... and {len(sweeps) - LONG} more; --json has all")
-
-
-def _cell(value: Any) -> str:
-    from springpot.report.numbers import number
-
-    if isinstance(value, dict):
-        return " to ".join(dict.fromkeys([number(value["from"]), number(value["to"])]))
-    return value if isinstance(value, str) else f"{value:.4g}"
-
-
-def _show_parts(parts: list[dict[str, Any]]) -> None:
-    from springpot.report.text import Table
-
-    rows = [[f"#{p['number']}", p["name"], str(p["points"]), "" if p["usable"] else p["says"]] for p in parts]
-    Table(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"})).show()
-    print()

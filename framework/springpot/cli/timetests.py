@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, opened
+from .common import emit, note_to_stderr, opened, quoted, window
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
@@ -15,6 +14,8 @@ if TYPE_CHECKING:
     from springpot.rheology import Model
     from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
 
+FAR_OFF = 2.0
+"""Error over noise floor from which something is missing; below, the estimate of the noise may be to blame."""
 SWEEPS_ONLY = ("optimiser", "objective", "budget", "restarts", "seed")
 """Options of searches among sweeps."""
 
@@ -41,12 +42,14 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
         for test in in_time:
             for key, value in test.provenance.items():
                 if key.startswith("note "):
-                    print(f"note: {test.name}: {value}", file=sys.stderr)
+                    note_to_stderr(test.name, value)
     return tests
 
 
-def identify(tests: Sequence[Test], expression: str, figure: Path | None, as_json: bool, options: Any) -> None:
-    """``springpot identify`` of tests in time, alone or beside sweeps."""
+def identify(
+    tests: Sequence[Test], data: Sequence[str], expression: str, figure: Path | None, as_json: bool, options: Any
+) -> None:
+    """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
     from springpot.errors import OptionError
     from springpot.registry import parse_model
     from springpot.timetests import identify as identify_in_time
@@ -60,37 +63,19 @@ def identify(tests: Sequence[Test], expression: str, figure: Path | None, as_jso
         from springpot.report.timetests import figure_tests
 
         figure_tests(found, tests, figure)
-    emit(found, as_json, lambda: _show(found, figure))
+    emit(found, as_json, lambda: _show(found, figure, data, expression))
 
 
-def _show(found: TimeIdentification, figure: Path | None) -> None:
-    from springpot.report.numbers import number, percent, seconds, with_interval
-    from springpot.report.text import Table, indented
-    from springpot.rheology.drawing import drawing_of
+def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str) -> None:
+    from springpot.report.fits import fitted_in_time_text
 
-    points = sum(test.points for test in found.tests)
-    count = f"{len(found.tests)} tests, " if len(found.tests) > 1 else ""
-    names = " + ".join(test.name for test in found.tests)
-    print(f"{found.model.name} fitted to {names} ({count}{points} points)\n")
-    print(indented(drawing_of(found.model)) + "\n")
-    rows = [
-        [name, *with_interval(entry["value"], entry["low"], entry["high"]), entry["unit"]]
-        for name, entry in found.parameters.items()
-    ]
-    Table(("parameter", "value", "95 % interval", "unit"), rows, frozenset({"value"})).show()
-    print()
-    headers = ("test", "kind", "points", "error", "noise floor", "x floor", "x floor alone")
-    judged = [
-        [t.name, t.kind, str(t.points), percent(t.error), percent(t.floor, 2), number(t.ratio, 2), number(t.alone, 2)]
-        for t in found.tests
-    ]
-    Table(headers, judged, frozenset(headers[2:])).show()
-    status = "converged" if found.converged else "not converged"
-    print(f"\nsearch      {status}, {found.evaluations} evaluations in {seconds(found.seconds)}")
-    for note in found.notes:
-        print(f"note        {note}")
+    print(fitted_in_time_text(found, window()))
     if figure is not None:
         print(f"figure      {figure}")
+    judged = max(test.ratio for test in found.tests)
+    if judged > FAR_OFF:
+        named = " ".join(map(quoted, data))
+        print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
 
 
 def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:
@@ -172,39 +157,12 @@ def _described(test: TimeTest) -> dict[str, Any]:
     }
 
 
-def inspect(tests: Sequence[TimeTest], as_json: bool) -> None:
+def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool) -> None:
     """``springpot inspect`` of tests in time."""
+    from springpot.report.inspection import in_time_text
+
     result = described(tests)
-    emit(result, as_json, lambda: _show_inspected(result))
-
-
-def _show_inspected(result: dict[str, Any]) -> None:
-    from springpot.report.numbers import number, percent
-    from springpot.report.text import Table
-
-    plural = "" if len(result["tests"]) == 1 else "s"
-    print(f"{result['data']}: {len(result['tests'])} test{plural} in time, {result['points']} points")
-    for test in result["tests"]:
-        clock, answer, noise = test["time"], test["response"], test["noise"]
-        print()
-        answered = {"displacement": "force", "force": "displacement"}[test["imposed"]]
-        rows = [
-            ["test", f"{test['name']}: {test['kind']}, {test['points']} points"],
-            ["time", f"{number(clock['from'])} to {number(clock['to'])} s"],
-            ["imposed", f"{test['imposed']}, up to {_sized(test['largest'])}, risen in {number(test['rise'])} s"],
-            ["answer", f"{answered}, {number(answer['from'])} to {number(answer['to'])} {answer['unit']}"],
-            ["noise", f"{percent(noise['relative'], 2)} and {number(noise['absolute'], 2)} {answer['unit']}"],
-        ]
-        if test["temperature"] is not None:
-            rows.append(["temperature", f"{test['temperature']:.4g} degC"])
-        rows += [[key, value] for key, value in test["provenance"].items()]
-        Table(("", ""), rows).show()
-
-
-def _sized(entry: dict[str, Any]) -> str:
-    from springpot.report.numbers import number
-
-    return f"{number(entry['value'])} {entry['unit']}"
+    emit(result, as_json, lambda: print(in_time_text(result, tests, spec, window())))
 
 
 def predict(

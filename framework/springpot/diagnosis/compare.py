@@ -22,7 +22,7 @@ from .display import html_of_comparison
 from .floor import fitted_to_floor
 from .material import MaterialFloor, error_of, material_floor
 from .noise import thinned
-from .policy import RANKING
+from .policy import RANKING, VERDICT
 from .progress import Progress, silent
 from .refit import Refit, refit
 from .result import Error, Value, Where
@@ -96,9 +96,16 @@ class Judgement:
         return self.battery.alarm
 
     @property
+    def unclear(self) -> bool:
+        """Whether it is far from the noise, and no test says how."""
+        return not self.fails and self.error.relative_rms > VERDICT.small_rest * self.error.noise_floor
+
+    @property
     def says(self) -> str:
         """The judgement in one sentence."""
         ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
+        if self.unclear:
+            return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
         if not self.fails:
             return f"{ratio}; nothing is left but noise"
         if not self.where:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from springpot.identification import weighted
-from springpot.measurement import KELVIN, Measurement, distinct_log_omega
+from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega
 from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 
 from .frame import orthonormal
@@ -80,21 +80,23 @@ def _usual(measurement: Measurement) -> Real:
 
 def _frequencies(measurement: Measurement) -> Iterator[Action]:
     typical, omega = _typical(measurement), _usual(measurement)
-    hertz, distinct = omega / (2.0 * np.pi), len(distinct_log_omega(measurement))
+    clock, distinct = measurement.units, len(distinct_log_omega(measurement))
+    hertz = omega / (2.0 * np.pi)
     if distinct == 1:
         new = np.geomspace(0.1, 10.0, EXPERIMENT.points) * omega[0]
-        says = f"measure a sweep of frequencies: {EXPERIMENT.points} points {_range(0.1 * hertz[0], 10.0 * hertz[0])}"
+        band = _range(0.1 * hertz[0], 10.0 * hertz[0], clock)
+        says = f"measure a sweep of frequencies: {EXPERIMENT.points} points {band}"
         yield Action(says, _at(new, typical), 1.5, action=_omega(new))
         return
     for factor, word in ((10.0, "up"), (0.1, "down")):
-        band = _range(hertz[0] * factor, hertz[-1] * factor)
+        band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
         says = f"extend the frequencies {word}wards: {EXPERIMENT.points} points {band}"
         yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
     count = min(EXPERIMENT.denser * distinct, EXPERIMENT.most_points)
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
-    says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1])}"
+    says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1], clock)}"
     yield Action(
         says, _at(dense, typical), 1.0 + count / (EXPERIMENT.denser * EXPERIMENT.points), action=_omega(dense)
     )
@@ -141,8 +143,9 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
 
 
-def _range(low: float, high: float) -> str:
-    return f"from {plain(low)} to {plain(high)} Hz"
+def _range(low: float, high: float, units: Units) -> str:
+    """Frequencies in Hz, as the data tell them."""
+    return f"from {plain(units.on_clock(low))} to {plain(units.on_clock(high))} {units.clock}"
 
 
 def _omega(omega: Real) -> dict[str, list[float]]:

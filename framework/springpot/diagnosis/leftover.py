@@ -26,7 +26,7 @@ from .noise import Averaged, Noise, Scatter
 from .policy import LEFTOVER, VALIDATION
 from .refit import Refit, refit
 from .where import where
-from .words import times
+from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
 
@@ -182,7 +182,8 @@ def _size_in_words(frame: Frame, place: str) -> str:
     noise = (1.0 / frame.weights.real**2 + 1.0 / frame.weights.imag**2) / frame.measurement.magnitude**2
     kept = 1.0 - frame.absorbed.shape[1] / frame.size
     size = float(np.sqrt(max(np.mean(off**2) - kept * np.mean(noise), 0.0)))
-    much = f"about {100 * size:.2g} % of |K| beyond the noise" if size > 0 else "no more than the noise in size"
+    share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
+    much = f"about {share} beyond the noise" if size > 0 else "no more than the noise in size"
     return f"what is left is {much}{': ' if place else ''}{place}"
 
 

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from springpot.measurement import HELD, Measurement, frequency_numbers, sweeps_of, temperatures_differ
+from springpot.measurement import HELD, Measurement, Units, frequency_numbers, sweeps_of, temperatures_differ
 from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
 from .frame import Frame, spectrum
 from .policy import WHERE
 from .regions import Axis, Blocks, Region, Rows, rare, scales
 from .result import Where
+from .words import plain
 
 AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
           2.0: "growing as amplitude^2"}  # fmt: skip
@@ -119,7 +120,7 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
     if not law and abs(rank) < 0.5:
         return f"varying with {name}"
-    ends = ", ".join(f"{100 * size[i]:.2g} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
+    ends = ", ".join(f"{plain(100 * size[i], 2)} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
     trend = f"{'larger' if rank > 0 else 'smaller'} at higher {name}s"
     return f"{law or trend} ({ends})"
 
@@ -220,7 +221,8 @@ def periodic(frame: Frame) -> Where:
     relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
     size = float(np.sqrt(2.0 * np.mean(relative**2)))
     length = f" ({period * step:.2g} decades)" if decades else ""
-    says = f"the misfit swings by about {100 * size:.2g} % of |K| with a period of {period:.2g} points{length}"
+    share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
+    says = f"the misfit swings by about {share} with a period of {period:.2g} points{length}"
     low, high = float(frequency.min()), float(frequency.max())
     return Where("stiffness", _conditions(frame.measurement), low, high, size, says)
 
@@ -249,8 +251,9 @@ def _parts(frame: Frame) -> Iterator[Part]:
     n = len(frame.measurement)
     residual = frame.measurement.stiffness - frame.model_stiffness
     size = frame.measurement.magnitude
-    yield Part("storage modulus", residual.real, residual.real / size, frame.residual[:n])
-    yield Part("loss modulus", residual.imag, residual.imag / size, frame.residual[n:])
+    units = frame.measurement.units
+    yield Part(units.storage, residual.real, residual.real / size, frame.residual[:n])
+    yield Part(units.loss, residual.imag, residual.imag / size, frame.residual[n:])
 
 
 def _frequencies(measurement: Measurement, most: int) -> Axis:
@@ -267,7 +270,9 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     size = float(np.mean(part.relative[rows]))
     side = "low" if size > 0 else "high"
     levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
-    place = f"{part.word} {100 * abs(size):.2g} % of |K| too {side} {_range(low, high, frequency)}"
+    units = measurement.units
+    share = f"{plain(100 * abs(size), 2)} % of {units.magnitude}"
+    place = f"{part.word} {share} too {side} {_range(low, high, frequency, units)}"
     growth = _growth(measurement, part, rows)
     told = [
         " ".join([place, *levels]),
@@ -278,19 +283,19 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     return Where(plane, condition, low, high, size, ", ".join(word for word in told if word))
 
 
-def _range(low: float, high: float, frequency: Real) -> str:
+def _range(low: float, high: float, frequency: Real, units: Units) -> str:
     least, most = float(frequency.min()), float(frequency.max())
     if most <= least * 1.001:
-        return f"at {low:.3g} Hz"
+        return f"at {units.at(low)}"
     if low <= least * 1.001 and high >= most / 1.001:
         return EVERYWHERE
     if low <= least * 1.001:
-        return f"below {high:.3g} Hz"
+        return f"below {units.at(high)}"
     if high >= most / 1.001:
-        return f"above {low:.3g} Hz"
-    if f"{low:.3g}" == f"{high:.3g}":
-        return f"at {low:.3g} Hz"
-    return f"between {low:.3g} and {high:.3g} Hz"
+        return f"above {units.at(low)}"
+    if units.at(low) == units.at(high):
+        return f"at {units.at(low)}"
+    return f"between {units.on_clock(low):.3g} and {units.at(high)}"
 
 
 def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:

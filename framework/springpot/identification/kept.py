@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,7 +55,7 @@ def measurement_to_dict(data: Measurement) -> dict[str, Any]:
     sd = data.sd
     return {
         "name": data.name,
-        "units": {"stiffness": data.units.stiffness, "amplitude": data.units.amplitude},
+        "units": asdict(data.units),
         "omega": data.omega.tolist(),
         "storage": data.storage.tolist(),
         "loss": data.loss.tolist(),
@@ -79,7 +79,7 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
         sd=sd,
         conditions=conditions,
         repeat=None if kept["repeat"] is None else np.array(kept["repeat"]),
-        units=Units(str(kept["units"]["stiffness"]), str(kept["units"]["amplitude"])),
+        units=Units(**kept["units"]),
         name=str(kept["name"]),
         reference=kept["reference"],
     )

@@ -288,7 +288,8 @@ def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Ite
     low, high = float(data.frequency.min()), float(data.frequency.max())
     asked = rate / (2.0 * np.pi)
     if np.any(asked < low / BEYOND) or np.any(asked > high * BEYOND):
-        yield f"beyond the measured {low:.3g} to {high:.3g} Hz the band holds only if the model does"
+        span = f"{data.units.on_clock(low):.3g} to {data.units.at(high)}"
+        yield f"beyond the measured {span} the band holds only if the model does"
     for name, column in conditions.items():
         measured = data.conditions.get(name)
         if measured is None:

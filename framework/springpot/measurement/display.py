@@ -20,9 +20,10 @@ def html_of(data: Measurement) -> Html:
     """The first rows in their units, and the curve where pictures can be drawn."""
     unit = data.units.stiffness
     units = {"temperature": "degC", "amplitude": data.units.amplitude}
-    headers = ["frequency [Hz]", f"storage [{unit}]", f"loss [{unit}]"]
+    clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[data.units.clock]
+    headers = [clock, f"{data.units.storage} [{unit}]", f"{data.units.loss} [{unit}]"]
     headers += [f"{name} [{units.get(name, '-')}]" for name in data.conditions]
-    columns = [data.frequency, data.storage, data.loss, *data.conditions.values()]
+    columns = [data.units.on_clock(data.frequency), data.storage, data.loss, *data.conditions.values()]
     rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(SHOWN, len(data)))]
     more = len(data) - len(rows)
     beside = tag("p", f"and {more} more rows") if more > 0 else joined(())

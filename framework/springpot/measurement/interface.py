@@ -53,7 +53,7 @@ def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -
             there = f"{geometry.name} needs an amplitude in {_some(reach)}, not in {_shown(units.amplitude)}"
             raise DataError(f"{measurement.name}: {there}")
         scale = geometry.strain_factor * reach[units.amplitude]
-    return _scaled(measurement, geometry, (factor, scale), Units(unit, "-"), np.divide)
+    return _scaled(measurement, geometry, (factor, scale), Units(unit, "-", units.clock), np.divide)
 
 
 def as_stiffness(
@@ -89,7 +89,7 @@ def as_stiffness(
         if units.amplitude not in STRAIN_UNITS:
             raise DataError(f"{measurement.name}: a modulus needs a strain as amplitude, not [{units.amplitude}]")
         scale = geometry.strain_factor * reach[amplitude] / STRAIN_UNITS[units.amplitude]
-    return _scaled(measurement, geometry, (factor, scale), Units(unit, amplitude), np.multiply)
+    return _scaled(measurement, geometry, (factor, scale), Units(unit, amplitude, units.clock), np.multiply)
 
 
 def through(measurement: Measurement, geometry: Geometry) -> Measurement:

@@ -102,9 +102,10 @@ class Measurement:
     reference: float | None = None
 
     def __repr__(self) -> str:
-        low, high = self.frequency.min(), self.frequency.max()
+        units = self.units
+        low, high = units.on_clock(float(self.frequency.min())), units.at(float(self.frequency.max()))
         beside = "".join(f", {name}" for name in self.conditions)
-        return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high:.3g} Hz{beside}>"
+        return f"<Measurement {plain(self.name)}: {len(self)} points, {low:.3g} to {high}{beside}>"
 
     def _repr_html_(self) -> str:
         return html_of(self)
@@ -162,7 +163,7 @@ class Measurement:
             raise DataError(f"{self.name}: storage and loss must be finite")
         nothing = np.flatnonzero(self.stiffness == 0)
         if len(nothing):
-            place = f"first at {self.frequency[nothing[0]]:.4g} Hz"
+            place = f"first at {self.units.at(float(self.frequency[nothing[0]]), 4)}"
             few = f"in {len(nothing)} of {n} points"
             raise DataError(f"{self.name}: storage and loss are both zero {few}, {place}; leave them out")
         if self.sd is not None and not np.all(np.isfinite(self.sd) & (self.sd.real > 0) & (self.sd.imag > 0)):
@@ -170,7 +171,7 @@ class Measurement:
         for condition in CONDITIONS:
             lost = np.flatnonzero(~np.isfinite(self.conditions.get(condition, np.zeros(0))))
             if len(lost):
-                place = f"first at {self.frequency[lost[0]]:.4g} Hz"
+                place = f"first at {self.units.at(float(self.frequency[lost[0]]), 4)}"
                 few = f"in {len(lost)} of {n} points"
                 raise DataError(f"{self.name}: {condition} is no finite number {few}, {place}; leave them out")
         celsius = self.conditions.get("temperature")

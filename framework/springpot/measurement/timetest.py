@@ -340,6 +340,12 @@ class TimeTest:
         return "force" if self.control == "displacement" else "displacement"
 
     @property
+    def words(self) -> tuple[str, str]:
+        """What was imposed and what answered, in words: strain and stress, or displacement and force."""
+        field = {"displacement": "strain", "force": "stress"} if self.units.is_modulus else {}
+        return field.get(self.control, self.control), field.get(self.answered, self.answered)
+
+    @property
     def response_unit(self) -> str:
         """Its unit."""
         return self.force_unit if self.control == "displacement" else self.displacement_unit
@@ -486,8 +492,7 @@ def _from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
 
 
 def _is_released(value: Real, largest: float) -> bool:
-    """Whether a load went up, was held, and came back to nothing, and no more."""
-    high = np.abs(value) >= (1.0 - STEADY) * largest
-    low = np.abs(value) <= STEADY * largest
-    changes = int(np.count_nonzero(np.diff(high.astype(int)) != 0))
-    return bool(low[-1]) and changes <= 2 and bool(np.count_nonzero(low[len(low) // 2 :]) > 0)
+    """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
+    up = value * np.sign(value[np.argmax(np.abs(value))])
+    changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))
+    return bool(abs(up[-1]) <= STEADY * largest and changes <= 2 and up.min() >= -STEADY * largest)

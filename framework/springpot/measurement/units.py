@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import lru_cache
 from typing import TypeVar
@@ -148,6 +148,10 @@ class Units:
         Unit of storage and loss, such as ``kN/m`` or ``Pa``.
     amplitude : str
         Unit of the amplitude, such as ``mm`` or ``-``.
+    clock : {"Hz", "rad/s"}
+        In which frequencies are told; every array is in rad/s, or in Hz where its name is frequency.
+    letter : {"", "G", "E", "K"}
+        Letter that the file writes for what was measured; empty where it writes words.
 
     Raises
     ------
@@ -159,12 +163,22 @@ class Units:
     >>> from springpot import Units
     >>> Units("N/mm^2", "%")
     Units(stiffness='N/mm^2', amplitude='%')
+    >>> told = Units("Pa", clock="rad/s", letter="G")
+    >>> told.storage, told.magnitude, told.at(10.0)
+    ("G'", '|G*|', '62.8 rad/s')
     """
 
     stiffness: str = "Pa"
     amplitude: str = "-"
+    # Words, no units: data that differ in them alone are in the same units, and shown alike.
+    clock: str = field(default="Hz", compare=False, repr=False)
+    letter: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        if self.clock not in ("Hz", "rad/s"):
+            raise DataError(f"frequencies are told in Hz or rad/s, not in '{self.clock}'")
+        if self.letter not in ("", "G", "E", "K"):
+            raise DataError(f"the letter of a modulus is G, E or K, not '{self.letter}'")
         for name, table in (("stiffness", MODULUS_UNITS), ("amplitude", AMPLITUDE_UNITS)):
             given = getattr(self, name)
             if given not in table:
@@ -174,6 +188,35 @@ class Units:
     def is_modulus(self) -> bool:
         """Whether stress over strain was measured, rather than force over displacement."""
         return self.stiffness in PRESSURE_UNITS
+
+    @property
+    def storage(self) -> str:
+        """What the part in phase is called: ``G'`` where the file says so, else storage modulus or stiffness."""
+        return f"{self.letter}'" if self.letter else f"storage {self._noun}"
+
+    @property
+    def loss(self) -> str:
+        """What the part out of phase is called."""
+        return f"{self.letter}''" if self.letter else f"loss {self._noun}"
+
+    @property
+    def magnitude(self) -> str:
+        """What the whole is called: ``|G*|``, ``|E*|`` or, for a stiffness, ``|K|``."""
+        if self.letter in ("", "K"):
+            return "|G*|" if self.is_modulus else "|K|"
+        return f"|{self.letter}*|"
+
+    @property
+    def _noun(self) -> str:
+        return "modulus" if self.is_modulus else "stiffness"
+
+    def on_clock(self, hertz: T) -> T:
+        """Frequencies in Hz, in the unit in which they are told."""
+        return hertz * FREQUENCY_UNITS["Hz"] if self.clock == "rad/s" else hertz
+
+    def at(self, hertz: float, digits: int = 3) -> str:
+        """A frequency in Hz as it is told: ``10 Hz`` or ``62.8 rad/s``."""
+        return f"{self.on_clock(hertz):.{digits}g} {self.clock}"
 
     def of(self, dimension: Dimension, order: float | None = None) -> tuple[float, str]:
         """Factor and label with which a parameter of this dimension is printed.

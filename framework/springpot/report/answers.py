@@ -223,7 +223,7 @@ def _absent(diagnosis: Diagnosis) -> str:
         return ""
     named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:SEEN_AT])
     more = f" and {len(absent) - SEEN_AT} more" if len(absent) > SEEN_AT else ""
-    return f"absent, or it would have been seen from this share of |K| on: {named}{more}"
+    return f"absent, or it would have been seen from this size on: {named}{more}"
 
 
 def _next(diagnosis: Diagnosis) -> str:
@@ -332,13 +332,13 @@ def comparison_text(comparison: Comparison) -> str:
         floor, chi_square = percent(error.material_floor), number(judged.refit.rss / dof, 3)
         row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
         rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
-    error = comparison.judgements[0].error
+    error, size = comparison.judgements[0].error, comparison.measurement.units.magnitude
     parts = [
-        f"{comparison.data}: noise floor {percent(error.noise_floor)} of |K| ({error.noise_source})",
+        f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size} ({error.noise_source})",
         Table(headers, rows, frozenset(headers[1:])).plain(),
     ]
     for judged in comparison.judgements:
-        state = "fails" if judged.fails else "holds"
+        state = "fails" if judged.fails else "is open" if judged.unclear else "holds"
         lines = [f"{judged.model.name} {state}: {judged.says}", *_found(judged.findings)]
         parts.append("\n".join(lines))
     parts.append("\n".join(_found(comparison.harmonics)))

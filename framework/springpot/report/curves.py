@@ -66,12 +66,13 @@ class Axis:
 
     def of(self, other: Measurement) -> Real:
         """Where the points of another measurement stand on this axis."""
-        return other.frequency if self.column == "frequency" else other.conditions[self.column]
+        return other.units.on_clock(other.frequency) if self.column == "frequency" else other.conditions[self.column]
 
 
 def axis_of(measurement: Measurement) -> Axis:
     """The frequency if it varies, else the amplitude or the temperature, whichever does."""
-    along_frequency = Axis("frequency", "frequency f [Hz]", measurement.frequency)
+    label = {"Hz": "frequency f [Hz]", "rad/s": "angular frequency ω [rad/s]"}[measurement.units.clock]
+    along_frequency = Axis("frequency", label, measurement.units.on_clock(measurement.frequency))
     if varies("frequency", measurement.frequency):
         return along_frequency
     labels = {"amplitude": f"amplitude [{measurement.units.amplitude}]", "temperature": "temperature [°C]"}

@@ -95,7 +95,8 @@ def _headline(scene: Scene) -> str:
     fit = scene.fits[0]
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
     error = percent(float(np.sqrt(np.mean(share**2))))
-    return f"{_cut(f'{fit.name} fitted to {data.name}')}\npoints measured, lines fitted; error {error} of |K|{drawn}"
+    fitted = _cut(f"{fit.name} fitted to {data.name}")
+    return f"{fitted}\npoints measured, lines fitted; error {error} of {data.units.magnitude}{drawn}"
 
 
 def _cut(text: str) -> str:

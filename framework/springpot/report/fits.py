@@ -5,19 +5,26 @@ from __future__ import annotations
 import csv
 from collections.abc import Collection, Sequence
 from io import StringIO
-from math import log
+from math import inf, log
+from typing import TYPE_CHECKING, Any
 
 from springpot.identification import Identification, Value
 from springpot.rheology.drawing import drawing_of
 
-from .numbers import number, percent, seconds
+from .numbers import number, percent, seconds, told_range
 from .reference import reference_note
 from .spectrum import in_words
-from .text import Table, indented, wrapped
+from .text import Table, cut, indented, wrapped
 from .values import OPEN, shown
+
+if TYPE_CHECKING:
+    from springpot.timetests import TimeIdentification
 
 FAR = log(1e6)
 """Logarithm of the ratio to the natural size of the data from which a parameter leaves no trace of its size."""
+
+NAME = 12
+"""Letters that are left of a test's name."""
 
 
 def identification_text(found: Identification, width: int = 120, verbose: bool = False) -> str:
@@ -33,12 +40,11 @@ def identification_text(found: Identification, width: int = 120, verbose: bool =
         Whether to tell the search form, the objective and the optimiser too.
     """
     data = found.measurement
-    low, high = number(float(data.frequency.min()), 3), number(float(data.frequency.max()), 3)
     search = ""
     if verbose and found.search_parameters:
         search = parameters_text("search form", dict(found.search_parameters))
     parts = [
-        f"{found.model.name} fitted to {data.name} ({len(data)} points, {low} to {high} Hz)",
+        wrapped(f"{found.model.name} fitted to {data.name} ({len(data)} points, {told_range(data)})", width),
         indented(drawing_of(found.model)),
         parameters_text("parameter", dict(found.parameters), gone(found)),
         search,
@@ -47,6 +53,57 @@ def identification_text(found: Identification, width: int = 120, verbose: bool =
         "\n".join(wrapped(line, width, " " * 12) for line in _lines(found, verbose)),
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
+    """Parameters identified from tests in time, and each test beside its noise floor.
+
+    Parameters
+    ----------
+    found : TimeIdentification
+        The fit.
+    width : int
+        Columns of the window.
+    """
+    points = sum(test.points for test in found.tests)
+    count = f"{len(found.tests)} tests, " if len(found.tests) > 1 else ""
+    names = " + ".join(test.name for test in found.tests)
+    values = {name: _measured(entry) for name, entry in found.parameters.items()}
+    status = "converged" if found.converged else "not converged"
+    lines = [f"search      {status}, {found.evaluations} evaluations in {seconds(found.seconds)}"]
+    lines += [f"note        {note}" for note in found.notes]
+    parts = [
+        wrapped(f"{found.model.name} fitted to {names} ({count}{points} points)", width),
+        indented(drawing_of(found.model)),
+        parameters_text("parameter", values),
+        _tests(found, width),
+        "\n".join(wrapped(line, width, " " * 12) for line in lines),
+    ]
+    return "\n\n".join(parts)
+
+
+def _measured(entry: dict[str, Any]) -> Value:
+    low, high = (-inf if entry["low"] is None else entry["low"], inf if entry["high"] is None else entry["high"])
+    return Value(entry["value"], low, high, entry["unit"])
+
+
+def _tests(found: TimeIdentification, width: int) -> str:
+    """A row for each test; in a narrow window the last columns go, and long names are cut."""
+    headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
+    rows = [
+        [t.name, t.kind, str(t.points), percent(t.error), percent(t.floor, 2), number(t.ratio, 2), number(t.alone, 2)]
+        for t in found.tests
+    ]
+    table = Table(headers, rows, frozenset(headers[2:]))
+    if len(found.tests) == 1:
+        table = table.lacking("alone")
+    table = table.without(("alone", "points"), width)
+    spare = table.width - width
+    if spare > 0:
+        most = max(len(row[0]) for row in table.rows) - spare
+        table = Table(table.headers, [[cut(row[0], max(most, NAME)), *row[1:]] for row in table.rows], table.right)
+    alone = "alone: x floor where the test has parameters of its own" if "alone" in table.headers else ""
+    return "\n".join(filter(None, (table.plain(), alone)))
 
 
 def parameters_text(heading: str, parameters: dict[str, Value], open_ones: Collection[str] = ()) -> str:
@@ -72,7 +129,8 @@ def _spectrum(found: Identification) -> str:
 
 def _lines(found: Identification, verbose: bool) -> list[str]:
     """What is told of a fit, a line for each thing."""
-    lines = [f"error       {percent(found.relative_rms)} of |K| (relative rms){beside_floors(found)}"]
+    size = found.measurement.units.magnitude
+    lines = [f"error       {percent(found.relative_rms)} of {size} (relative rms){beside_floors(found)}"]
     if found.standing is not None:
         lines.append(
             f"verdict     {'good enough' if found.standing.good_enough else 'not good enough'}: {_reason(found)}"

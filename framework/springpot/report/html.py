@@ -34,7 +34,7 @@ from .interactive.bench import Bench, bench_of
 from .interactive.scene import PageScene
 from .ladder import draw_ladder
 from .network import network_svg
-from .numbers import number, percent, with_interval
+from .numbers import number, percent, told_range, with_interval
 from .page import page
 from .panels import data_and_model, keys, other_views, panel, residual_planes
 from .reference import effects_note, reference_note
@@ -172,13 +172,15 @@ def _head(ladder: Ladder) -> Iterator[Html]:
         ("accepted", joined(tag("span", name, class_="whole") for name in added) or "nothing"),
     ]
     yield tag("h1", f"What is missing from {first.model.name}?")
-    yield tag("p", f"Data: {ladder.data}, {len(first.case.search.base.data.raw)} points", class_="quiet")
+    data = first.case.search.base.data.raw
+    size = data.units.magnitude
+    yield tag("p", f"Data: {ladder.data}, {len(data)} points", class_="quiet")
     if added:
         names = " ".join(added)
-        fall = f"{percent(first.relative_rms)} to {percent(last.relative_rms)} of |K|"
+        fall = f"{percent(first.relative_rms)} to {percent(last.relative_rms)} of {size}"
         story = f"Accepted: {names}. The error falls from {fall}."
     else:
-        story = f"The error is {percent(first.relative_rms)} of |K|; no effect was accepted."
+        story = f"The error is {percent(first.relative_rms)} of {size}; no effect was accepted."
     verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
     split = [tag("div", f"{_capital(told)}.") for told in _splits(ladder)]
     yield tag("div", tag("div", story), verdict, *split, class_="verdict")
@@ -262,7 +264,7 @@ def _ranking(step: Step) -> Iterator[Html]:
     absent = absent_effects(diagnosis)
     if absent:
         named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent)
-        yield tag("p", f"Absent, or it would have been seen from this share of |K| on: {named}.", class_="quiet")
+        yield tag("p", f"Absent, or it would have been seen from this size on: {named}.", class_="quiet")
 
 
 def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
@@ -342,10 +344,9 @@ def _parameters(step: Step) -> Html:
 def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
     yield tag("pre", shlex.join(command))
-    low, high = (number(float(end(measurement.frequency)), 4) for end in (min, max))
     rows = [
         ("data", measurement.name),
-        ("points", f"{len(measurement)}, {low} to {high} Hz"),
+        ("points", f"{len(measurement)}, {told_range(measurement)}"),
         ("SHA-256 of the data", digest_of_data(measurement)),
         *((str(key), str(value)) for key, value in measurement.provenance.items()),
         *_versions(),

@@ -73,7 +73,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     lines = np.concatenate([floor, material, error])
     axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
     logarithmic(axes, "y")
-    axes.set_ylabel("error [% of |K|]")
+    axes.set_ylabel("error [%]")
     axes.legend(loc="upper right")
 
 

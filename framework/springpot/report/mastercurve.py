@@ -42,7 +42,7 @@ def mastercurve_text(found: MasterCurve) -> str:
     reference = level_text(found.factors.column, found.reference)
     lines = [
         f"master curve of {found.data.name} at {reference}, {len(found.data)} points, {seconds(found.seconds)}",
-        f"error       {percent(rest.error)} of |K|{_other_errors(found)}",
+        f"error       {percent(rest.error)} of {found.data.units.magnitude}{_other_errors(found)}",
         "",
         _levels(found).plain(),
     ]
@@ -220,5 +220,5 @@ def _draw_errors(axes: Axes, found: MasterCurve) -> None:
     else:
         axes.set_ylim(bottom=0.0)
     axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
-    axes.set_title("error [% of |K|]")
+    axes.set_title("error [%]")
     axes.legend(loc="best")

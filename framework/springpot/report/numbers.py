@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from math import floor, isfinite, log10
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from springpot.measurement import Measurement
 
 TINY = 1e-300
 """Below, a number is printed as nothing: its power of ten can no longer be divided by."""
@@ -50,6 +54,13 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
     if place > size:  # the interval says little more than the size of the value
         return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
     return _at_place(value, place), f"[{_at_place(low, place)}, {_at_place(high, place)}]"
+
+
+def told_range(data: Measurement) -> str:
+    """The frequencies of data as the file tells them, such as ``1.00 to 48.0 Hz``."""
+    low, high = (number(data.units.on_clock(float(end(data.frequency))), 3) for end in (min, max))
+    clock = data.units.clock
+    return f"at {low} {clock}" if low == high else f"{low} to {high} {clock}"
 
 
 def seconds(value: float) -> str:

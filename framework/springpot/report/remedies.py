@@ -66,7 +66,7 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     drawn = levels[np.isfinite(levels) & (levels > 0.0)]
     axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
     logarithmic(axes, "y")
-    axes.set_ylabel("error [% of |K|]")
+    axes.set_ylabel("error [%]")
     axes.legend(loc="upper right")
 
 

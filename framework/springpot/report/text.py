@@ -35,15 +35,23 @@ class Table:
         rule = ["-" * w for w in widths]
         return "\n".join(self._line(cells, widths) for cells in (self.headers, rule, *self.rows))
 
+    @property
+    def width(self) -> int:
+        """Columns that it takes on a terminal."""
+        return max(map(width, self.plain().splitlines()))
+
+    def lacking(self, header: str) -> Table:
+        """The table without one column."""
+        kept = [i for i, name in enumerate(self.headers) if name != header]
+        return Table([self.headers[i] for i in kept], [[row[i] for i in kept] for row in self.rows], self.right)
+
     def without(self, spare: Sequence[str], columns: int) -> Table:
         """The table without as many of the spare columns, the first first, as make it fit so many columns."""
         table = self
         for header in spare:
-            if max(map(width, table.plain().splitlines())) <= columns:
+            if table.width <= columns:
                 break
-            kept = [i for i, name in enumerate(table.headers) if name != header]
-            rows = [[row[i] for i in kept] for row in table.rows]
-            table = Table([table.headers[i] for i in kept], rows, table.right)
+            table = table.lacking(header)
         return table
 
     def _line(self, cells: Sequence[str], widths: Sequence[int]) -> str:
@@ -74,6 +82,11 @@ class Table:
 def width(text: str) -> int:
     """Columns that `text` takes on a terminal."""
     return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+
+
+def cut(text: str, most: int) -> str:
+    """At most so many letters of a name."""
+    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def indented(text: str, by: str = "  ") -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
 from .bands import draw_bands
@@ -43,10 +44,9 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
                 colour = scene.fit_colour(j, i, part)
                 axes.plot(x, np.where(y > 0, y, np.nan), color=colour, linestyle="--" if part else "-")
                 axes.plot(x, np.where(y < 0, -y, np.nan), color=colour, linestyle=":")
-    what = "modulus" if data.units.is_modulus else "stiffness"
     _scales(axes, scene)
     logarithmic(axes, "y")
-    axes.set(xlabel=scene.axis.label, ylabel=f"storage, loss {what} [{data.units.stiffness}]")
+    axes.set(xlabel=scene.axis.label, ylabel=f"{_both(data)} [{data.units.stiffness}]")
 
 
 def _outliers(axes: Axes, scene: Scene) -> None:
@@ -75,21 +75,22 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
         logarithmic(axes, "y")
     else:
         axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=f"storage [{data.units.stiffness}]", ylabel=f"loss [{data.units.stiffness}]")
+    unit = data.units.stiffness
+    axes.set(xlabel=f"{data.units.storage} [{unit}]", ylabel=f"{data.units.loss} [{unit}]")
 
 
 def black(axes: Axes, scene: Scene) -> None:
     """Black diagram: magnitude against phase."""
     _path(axes, scene, _phase, np.abs)
     logarithmic(axes, "y")
-    axes.set(xlabel="phase δ [deg]", ylabel=f"|K| [{scene.measurement.units.stiffness}]")
+    axes.set(xlabel="phase δ [deg]", ylabel=_size(scene))
 
 
 def van_gurp_palmen(axes: Axes, scene: Scene) -> None:
     """Van Gurp-Palmen plot: phase against magnitude."""
     _path(axes, scene, np.abs, _phase)
     logarithmic(axes, "x")
-    axes.set(xlabel=f"|K| [{scene.measurement.units.stiffness}]", ylabel="phase δ [deg]")
+    axes.set(xlabel=_size(scene), ylabel="phase δ [deg]")
 
 
 def residual(axes: Axes, scene: Scene) -> None:
@@ -107,7 +108,7 @@ def residual(axes: Axes, scene: Scene) -> None:
     if data.sd is not None:
         draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
-    axes.set(xlabel=scene.axis.label, ylabel="measured − model\n[% of |K|]")
+    axes.set(xlabel=scene.axis.label, ylabel=f"measured − model\n[% of {data.units.magnitude}]")
 
 
 def _against_axis(axes: Axes, scene: Scene, quantity: Callable[[Complex], Real]) -> None:
@@ -129,6 +130,15 @@ def _path(axes: Axes, scene: Scene, across: Callable[[Complex], Real], up: Calla
     for j, curves in enumerate(scene.curves):
         for i, (_, stiffness) in enumerate(curves):
             axes.plot(across(stiffness), up(stiffness), color=scene.fit_colour(j, i))
+
+
+def _both(data: Measurement) -> str:
+    """Storage and loss as one word: ``G', G''`` or ``storage, loss stiffness``."""
+    return f"{data.units.storage}, {data.units.loss}" if data.units.letter else f"storage, {data.units.loss}"
+
+
+def _size(scene: Scene) -> str:
+    return f"{scene.measurement.units.magnitude} [{scene.measurement.units.stiffness}]"
 
 
 def _scales(axes: Axes, scene: Scene) -> None:

@@ -110,7 +110,7 @@ class Known:
             model,
             np.array(kept["theta"], dtype=float),
             np.array(kept["covariance"], dtype=float),
-            Units(str(kept["units"]["stiffness"]), str(kept["units"]["amplitude"])),
+            Units(**kept["units"]),
             float(kept["reference"]),
             float(answer["relative_rms"]),
             max(points - len(model.parameters), 1),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -244,7 +244,7 @@ class TimeIdentification:
             "kept": {
                 "theta": self.theta.tolist(),
                 "covariance": (self.slopes @ self.covariance @ self.slopes.T).tolist(),
-                "units": {"stiffness": self.units.stiffness, "amplitude": self.units.amplitude},
+                "units": asdict(self.units),
                 "reference": self.reference,
                 "seen": list(self.seen),
             },

@@ -47,7 +47,7 @@ def _load(identifier: str) -> Measurement:
         omega,
         columns["Gp_Pa"] + 1j * columns["Gpp_Pa"],
         conditions={"temperature": np.full(n, 25.0), "amplitude": strain},
-        units=Units("Pa", "%"),
+        units=Units("Pa", "%", "rad/s", "G"),
         name=_name(identifier),
         provenance={"source": "PyPI package rheopy-rheodata", "set": identifier, "licence": "MIT"},
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -88,7 +89,7 @@ def measurement_of(
         conditions={**conditions, **extra},
         repeat=repeat,
         harmonics=harmonics,
-        units=Units(unit, amplitude_unit),
+        units=Units(unit, amplitude_unit, _clock(roles), _letter(roles, unit)),
         name=name,
         provenance=provenance,
         labels=labels,
@@ -120,6 +121,26 @@ def _omega(roles: Mapping[str, Column]) -> Real:
         row = int(np.argmax(wrong))
         raise column.error(f"the frequency must be positive, got {values[row]:g}; leave out the row", row)
     return values if unit == "rad/s" else values * FREQUENCY_UNITS[unit]
+
+
+def _clock(roles: Mapping[str, Column]) -> str:
+    """In which frequencies are told: in rad/s where they came so, otherwise in Hz."""
+    column = roles.get("omega") or roles["frequency"]
+    return "rad/s" if column.unit is not None and known_unit(column.unit, FREQUENCY_UNITS, "") == "rad/s" else "Hz"
+
+
+_LETTER = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za-z]))")
+"""``G'``, ``|E*|``, ``Storage modulus (G′)``; primes as programs spell them."""
+
+
+def _letter(roles: Mapping[str, Column], unit: str) -> str:
+    """The letter that the titles write for a modulus (G, E) or a stiffness (K); nothing where they write words."""
+    allowed = "GE" if unit in PRESSURE_UNITS else "K"
+    for role in ("storage", "magnitude"):
+        found = _LETTER.search(roles[role].title) if role in roles else None
+        if found and found[1] in allowed:
+            return found[1]
+    return ""
 
 
 def _modulus(column: Column) -> tuple[Real, str]:

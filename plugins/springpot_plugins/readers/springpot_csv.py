@@ -23,6 +23,7 @@ from springpot.measurement import (
     Choice,
     Measurement,
     Reader,
+    Units,
     guarded,
     guarded_line,
     unguarded,
@@ -38,6 +39,8 @@ from .text import head_text, text_of
 _CELSIUS, _UNIT = "degC", "unit "
 _TWICE = "measured twice"
 """Comment of a file whose rows of one frequency were all meant."""
+_TOLD = "told in"
+"""Comment of a file that springpot wrote, whose frequencies are in rad/s whatever the data came in."""
 
 
 def recognises(head: bytes) -> float:
@@ -72,11 +75,22 @@ def parse(text: str, name: str) -> Measurement:
     table = table_of(text)
     roles, others = assign(tuple(map(_as_written, table.columns)))
     comments = {key: unguarded_line(value) for key, value in table.comments.items()}
-    provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE)}
+    provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)}
     measurement = measurement_of(roles, others, comments.get("name", name), provenance)
+    if _TOLD in comments:
+        measurement = replace(measurement, units=_told(measurement.units, comments[_TOLD]))
     if _TWICE not in table.comments:
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     return measurement
+
+
+def _told(units: Units, words: str) -> Units:
+    """The units with the words of data that were written again; what is not understood changes nothing."""
+    clock, _, letter = (part.strip() for part in words.partition(","))
+    try:
+        return replace(units, clock=clock, letter=letter)
+    except DataError:
+        return units
 
 
 def _as_written(column: Column) -> Column:
@@ -119,7 +133,8 @@ def text_from(measurement: Measurement) -> str:
     columns = _columns(measurement)
     stream = io.StringIO()
     twice = {_TWICE: "some frequencies, as they were read"} if len(_twins(measurement)) else {}
-    for key, value in {"name": measurement.name, **measurement.provenance, **twice}.items():
+    told = {_TOLD: ", ".join(filter(None, (measurement.units.clock, measurement.units.letter)))}
+    for key, value in {"name": measurement.name, **told, **measurement.provenance, **twice}.items():
         if not key.startswith(_UNIT) and key not in NOTES_OF_VALUES:
             stream.write(f"# {key}: {guarded_line(' '.join(str(value).split()))}\n")
     writer = csv.writer(stream, lineterminator="\n")

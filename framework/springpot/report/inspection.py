@@ -1,0 +1,181 @@
+"""What a file holds, as text: its columns, its sweeps, what cannot be opened, what was noted, and what to do next.
+
+Made of the dictionaries that ``springpot inspect --json`` prints, told in the words in which the data came.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from shlex import quote
+from typing import Any
+
+from springpot.measurement import TimeTest, Units
+
+from .numbers import number, percent
+from .text import Table, cut, wrapped
+
+LONG = 24
+"""Sweeps that are printed: a screen of them; JSON has all."""
+LABEL = 24
+"""Letters of a label in a table; a longer one is cut."""
+KNOWN = ("step", "temperature", "repeat", "points", "frequency", "amplitude")
+"""What is told of a sweep beside the labels that tell it from others."""
+PLAIN = frozenset({*KNOWN, "conditions"})
+SWEPT = 2.0
+"""Highest over lowest frequency from which curves can be shifted onto one another."""
+HISTORY = "history"
+"""Kind of a test in time that is none of those with a name: a record of displacement and force."""
+
+
+def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) -> str:
+    """What a measurement holds.
+
+    Parameters
+    ----------
+    result : dict
+        Schema ``springpot.inspection/1``.
+    units : Units
+        Of the measurement.
+    spec : str
+        How the user named it.
+    width : int
+        Columns of the window.
+    """
+    sweeps, points = result["sweeps"], result["points"]
+    labels = [f"{name}: {_few(words, width)}" for name, words in result["labels"].items() if name != "step"]
+    together = {sweep.get("step") for sweep in sweeps}
+    others = [part for part in result["parts"] if part["name"] not in together]
+    parts = [
+        f"{result['data']}: {_counted(points, 'point')}, {_counted(len(sweeps), 'sweep')}",
+        _columns(result, units),
+        "\n".join(labels),
+        f"standard deviations: {'given' if result['standard_deviations'] else 'not given'}",
+        sweeps_text(sweeps, result["parts"], units, width) if len(sweeps) > 1 else "",
+        parts_text(others, width) if others else "",
+        "\n".join(wrapped(_noted(key, value), width) for key, value in result["provenance"].items()),
+        next_step(result, spec),  # a command that is broken cannot be copied
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+def _few(words: Sequence[str], width: int) -> str:
+    """As many words as fit a line, and how many there are."""
+    room = width - LABEL
+    line = ", ".join(words)
+    return line if len(line) <= room else f"{line[:room].rpartition(', ')[0] or line[:room]}, ... ({len(words)})"
+
+
+def _noted(key: str, value: str) -> str:
+    """What the file or its reader says; the word behind ``note`` is for programs."""
+    return f"note: {value}" if key.startswith("note ") else f"{key}: {value}"
+
+
+def _columns(result: dict[str, Any], units: Units) -> str:
+    clock = "angular frequency" if units.clock == "rad/s" else "frequency"
+    told = {clock: _clocked(result["frequency"], units), units.storage: result["storage"], units.loss: result["loss"]}
+    rows = [
+        [name, number(r["from"]), number(r["to"]), r["unit"]] for name, r in {**told, **result["conditions"]}.items()
+    ]
+    return Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).plain()
+
+
+def _clocked(hertz: dict[str, Any], units: Units) -> dict[str, Any]:
+    """A range in Hz as the data tell it."""
+    return {"from": units.on_clock(hertz["from"]), "to": units.on_clock(hertz["to"]), "unit": units.clock}
+
+
+def sweeps_text(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]], units: Units, width: int) -> str:
+    """A line for each sweep; the first column is what to write behind ``#`` for one of them.
+
+    A narrow window goes without the amplitudes, whose range stands above.
+    """
+    first = sweeps[0]
+    labels = [name for name in first if name not in PLAIN and all(name in sweep for sweep in sweeps)]
+    keys = [*labels, *(key for key in KNOWN if first.get(key) is not None)]
+    amplitude = (first["amplitude"] or {}).get("unit")
+    named = {"temperature": "degC", "frequency": units.clock, "amplitude": amplitude}
+    heads = [f"{key} [{named[key]}]" if key in named else key for key in keys]
+    numbers = {part["name"]: f"#{part['number']}" for part in parts}
+    rows = []
+    for sweep in sweeps[:LONG]:
+        told = {**sweep, "frequency": _clocked(sweep["frequency"], units)}
+        rows.append([numbers.get(sweep.get("step"), ""), *(_cell(told[key]) for key in keys)])
+    table = Table(["part", *heads], rows, frozenset(heads) - {*labels, "step"})
+    if not numbers:
+        table = table.lacking("part")
+    text = table.without([head for head in heads if head.startswith("amplitude")], width).plain()
+    more = len(sweeps) - LONG
+    return f"{text}\n... and {more} more; --json has all" if more > 0 else text
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, dict):
+        return " to ".join(dict.fromkeys([number(value["from"], 3), number(value["to"], 3)]))
+    return cut(value, LABEL) if isinstance(value, str) else f"{value:.4g}"
+
+
+def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
+    """Parts that are not among the data, each with its reason."""
+    rows = []
+    for part in parts:
+        reason = "" if part["usable"] else part["says"]
+        rows.append([f"#{part['number']}", cut(part["name"], LABEL), str(part["points"]), reason])
+    table = Table(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
+    if table.width <= width:
+        return table.plain()
+    lines = [f"{number} {name}, {count} rows{reason and ': '}{reason}" for number, name, count, reason in rows]
+    return "\n".join(
+        ["parts that cannot be opened or were left out:", *(wrapped(f"  {one}", width) for one in lines)]
+    )
+
+
+def next_step(result: dict[str, Any], spec: str) -> str:
+    """The command to go on with: choose a part, then one curve of several temperatures, then a model."""
+    together = result["provenance"].get("note together", "")
+    if "choose one by '" in together:
+        chosen = together.partition("choose one by '")[2].partition("'")[0]
+        return f"next: springpot inspect {quote(spec + chosen)}"
+    temperatures = {round(sweep["temperature"]) for sweep in result["sweeps"] if sweep.get("temperature") is not None}
+    swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
+    if len(temperatures) > 1 and swept:
+        return f"next: springpot mastercurve {quote(spec)}"
+    if "note parts" in result["provenance"]:
+        used = next(part for part in result["parts"] if part["usable"])
+        return f"next: springpot compare {quote(spec)}'#{used['number']}'"
+    return f"next: springpot compare {quote(spec)}"
+
+
+def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, width: int) -> str:
+    """What tests in time hold."""
+    head = f"{result['data']}: {_counted(len(tests), 'test')} in time, {result['points']} points"
+    blocks = [_test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)]
+    if any(test.kind == HISTORY for test in tests):
+        following = f"next, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
+    else:
+        following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+    return "\n\n".join([wrapped(head, width), *blocks, following])
+
+
+def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
+    clock, answer, noise, largest = (result[key] for key in ("time", "response", "noise", "largest"))
+    imposed, answered = test.words
+    risen = "" if test.kind == HISTORY else f", reached in {number(test.rise)} s"
+    rows = [
+        ("test", f"{result['name']}: {result['kind']}, {result['points']} points"),
+        ("time", f"{number(clock['from'])} to {number(clock['to'])} s"),
+        ("imposed", f"{imposed}, up to {_sized(largest['value'], largest['unit'])}{risen}"),
+        ("answer", f"{answered}, {number(answer['from'])} to {_sized(answer['to'], answer['unit'])}"),
+        ("noise", f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}"),
+    ]
+    if result["temperature"] is not None:
+        rows.append(("temperature", f"{result['temperature']:.4g} degC"))
+    rows += [("note" if key.startswith("note ") else key, value) for key, value in result["provenance"].items()]
+    return "\n".join(wrapped(f"{key:<11} {value}", width, " " * 12) for key, value in rows)
+
+
+def _sized(value: float, unit: str, digits: int = 4) -> str:
+    return number(value, digits) if unit == "-" else f"{number(value, digits)} {unit}"

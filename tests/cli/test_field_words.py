@@ -1,0 +1,76 @@
+"""What is found is told in the words in which the data came: rad/s and G', Hz and stiffness."""
+
+import numpy as np
+import pytest
+
+MODEL = ("--model", "fractional-maxwell")
+OMEGA = np.geomspace(1.0, 100.0, 15)
+
+
+def table(omega, header, mass=0.02):
+    """A fractional Maxwell element with a mass that the model lacks."""
+    stiffness = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * (1j * omega) ** 0.5)) - mass * omega**2
+    first = omega / (2.0 * np.pi) if "Hz" in header else omega
+    rows = [f"{x!r},{k.real!r},{k.imag!r}" for x, k in zip(first.tolist(), stiffness.tolist(), strict=True)]
+    return "\n".join([header, *rows]) + "\n"
+
+
+@pytest.fixture
+def rheometer(write):
+    """As a rheometer exports it."""
+    return write(table(OMEGA, "Angular frequency [rad/s],G' [Pa],G'' [Pa]"), "rheometer.csv")
+
+
+def test_a_rheologist_reads_omega_and_the_letters_of_the_file(springpot, rheometer):
+    for command in (["inspect"], ["identify", *MODEL], ["compare", *MODEL], ["diagnose", *MODEL]):
+        said = springpot(command[0], rheometer, *command[1:])
+        assert said.code == 0, said.err
+        assert "Hz" not in said.out, said.out
+        assert "rad/s" in said.out or command[0] == "compare"
+        assert "|K|" not in said.out
+        assert "G'" in said.out or command[0] == "diagnose"
+    where = springpot("compare", rheometer, *MODEL).out
+    assert "% of |G*| too " in where
+
+
+def test_a_damper_engineer_reads_hertz_and_stiffness(springpot, write):
+    damper = write(table(OMEGA, "frequency [Hz],storage [kN/m],loss [kN/m]"), "rig.csv")
+    said = springpot("compare", damper, *MODEL).out
+    assert "stiffness" in said
+    assert "% of |K| too " in said
+    assert "Hz" in said
+    assert "modulus" not in said
+    assert "rad/s" not in said
+
+
+def test_json_stays_in_hertz(springpot, rheometer, write):
+    """Words change with the file, numbers for programs never."""
+    same = write(table(OMEGA, "frequency [Hz],storage [Pa],loss [Pa]"), "hertz.csv")
+    first, second = (springpot("compare", path, *MODEL, "--json").json for path in (rheometer, same))
+    (where, again) = (answer["models"][0]["where"] for answer in (first, second))
+    assert where
+    assert [place["from"] for place in where] == pytest.approx([place["from"] for place in again])
+    assert springpot("inspect", rheometer, "--json").json["frequency"]["unit"] == "Hz"
+
+
+def test_a_share_beyond_all_is_written_out(springpot, write):
+    """No 1.1e+02 %."""
+    rows = "\n".join(f"1,{1000 / (1 + x**2)!r},{50!r},{x!r}" for x in np.geomspace(0.01, 10.0, 20).tolist())
+    path = write(f"frequency [Hz],storage [Pa],loss [Pa],amplitude [%]\n{rows}\n")
+    said = springpot("compare", path, "--model", "kelvin").out.partition("fails: ")[2].partition("\n")[0]
+    assert "of |G*| too high" in said
+    assert "e+0" not in said
+
+
+def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng):
+    """Thirty per cent of scatter in one direction of an otherwise smooth curve is not 'nothing but noise'."""
+    from springpot.diagnosis.compare import Judgement
+    from springpot.diagnosis.result import Error
+
+    class Quiet(Judgement):
+        fails = False
+
+    far, near = (Quiet(None, Error(size, 0.01, "estimated", 0.005), 0.0, rng) for size in (0.2, 0.012))
+    assert (far.unclear, near.unclear) == (True, False)
+    assert "cannot tell" in far.says
+    assert near.says.endswith("nothing is left but noise")
