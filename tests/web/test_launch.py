@@ -19,7 +19,7 @@ import springpot
 from springpot.errors import OptionError
 from springpot.web import Workbench, serve
 from springpot.web.datatext import measured_in, text_of
-from springpot.web.tasks import open_spec, understand
+from springpot.web.tasks import begin, understand
 
 STARTS = [sys.executable, "-c"]
 BARE = "import numpy"
@@ -37,6 +37,40 @@ def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Pat
     assert running.returncode in (0, 130)
     assert out == ""
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["dampr.csv"], "springpot: 'dampr.csv': there is no such file or data set: did you mean damper.csv?"),
+        (["bad.csv"], "springpot: bad.csv: "),
+        (
+            ["damper.csv", "--model", "fractional-maxwel"],
+            "springpot: unknown model 'fractional-maxwel': did you mean",
+        ),
+    ],
+)
+def test_what_cannot_be_used_ends_it_in_one_line(tmp_path: Path, damper: bytes, arguments: list[str], says: str):
+    (tmp_path / "damper.csv").write_bytes(damper)
+    (tmp_path / "bad.csv").write_text("hello\nworld\n", encoding="utf-8")
+    command = [sys.executable, "-m", "springpot", "workbench", *arguments, "--no-browser"]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ended.returncode == 2
+    assert ended.stdout == ""
+    assert ended.stderr.startswith(says)
+    assert ended.stderr.count("\n") == 1
+
+
+def test_a_file_that_only_asks_is_asked_about_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    content = "frequency [Hz],storage,loss\n1,2,3\n2,3,4\n3,4,5\n4,5,6\n"
+    (tmp_path / "mine.csv").write_text(content, encoding="utf-8")
+    question = begin(print, "mine.csv")["question"]
+    assert [asked["kind"] for asked in question["asked"]] == ["unit", "unit"]
+    assert question["name"] == "mine.csv"
+    said = ",".join(asked["answers"][0]["said"] for asked in question["asked"])
+    answered = understand(print, question["name"], question["content"], f"?{said}")
+    assert answered["scene"]["count"] == 4
 
 
 def test_ctrl_c_is_heard_even_where_python_would_swallow_it():
@@ -92,11 +126,11 @@ def test_a_port_that_is_taken_is_told(bench: Workbench):
 def test_what_the_command_line_names_is_opened(tmp_path: Path, damper: bytes, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "damper.csv").write_bytes(damper)
-    found = open_spec(print, str(tmp_path / "damper.csv"))
+    found = begin(print, str(tmp_path / "damper.csv"))
     assert found["source"] == "damper.csv"  # no folder that only this machine has
     session = json.dumps(a_session(measured_in("damper.csv", damper)[0])).encode()
     (tmp_path / "damper.json").write_bytes(session)
-    opened = open_spec(print, "damper.json")
+    opened = begin(print, "damper.json")
     assert opened["session"] == understand(print, "x.json", base64.b64encode(session).decode())["session"]
     assert opened["text"] == found["text"]
 

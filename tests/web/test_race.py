@@ -8,7 +8,7 @@ import pytest
 
 from springpot.benchmark import Study, run_study
 from springpot.errors import DataError
-from springpot.web.studies import studies, study
+from springpot.web.studies import report_of, studies, study
 
 
 def test_a_study_is_told_with_its_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -18,6 +18,10 @@ def test_a_study_is_told_with_its_tables(tmp_path: Path, monkeypatch: pytest.Mon
     run_study(Study("small", *told, repetitions=2, budget=100), engine="serial", quiet=True)
     (found,) = studies()
     assert (found["name"], found["cells"], found["done"], found["failed"]) == ("small", 2, 4, 0)
+    assert found["total"] == 2 * 2
+    report = report_of("small")
+    assert report["name"] == "small-report.html"
+    assert "nlopt-sbplx" in report["text"]
     tables = study("small")["tables"]
     assert any("native" in cell for table in tables for row in table["rows"] for cell in row)
     assert all(isinstance(cell, str) for table in tables for row in table["rows"] for cell in row)

@@ -53,7 +53,8 @@ class Workbench:
         self._socket = _listening(port)
         self._token = secrets.token_urlsafe(24)
         self._desk = Desk()
-        app = Guard(Server(self._desk, {"data": data, "model": model}).app(), self._token)
+        self._behind = Server(self._desk, data, model)
+        app = Guard(self._behind.app(), self._token)
         config = uvicorn.Config(
             app,
             http="h11",
@@ -89,9 +90,21 @@ class Workbench:
 
         return tag("p", "The workbench is open at ", tag("a", self.address, href=self.address, target="_blank"))
 
-    def run(self) -> None:
-        """Serve until Ctrl-C."""
-        asyncio.run(self._serve())
+    def run(self, ready: Callable[[], object] | None = None) -> None:
+        """Serve until Ctrl-C.
+
+        Parameters
+        ----------
+        ready : callable, optional
+            Called when the data are there and before anything is served. Without it nothing is checked: the page
+            says what is wrong.
+
+        Raises
+        ------
+        DataError
+            If data or model cannot be used.
+        """
+        asyncio.run(self._serve(ready))
 
     def start(self) -> Workbench:
         """Serve beside the caller, who goes on at once."""
@@ -105,9 +118,12 @@ class Workbench:
         if self._thread is not None:
             self._thread.join(10.0)
 
-    async def _serve(self) -> None:
+    async def _serve(self, ready: Callable[[], object] | None) -> None:
         await self._desk.open()
         try:
+            if ready is not None:
+                await self._behind.require()
+                ready()
             await self._server.serve(sockets=[self._socket])
         finally:
             await self._desk.close()
@@ -130,7 +146,13 @@ def _listening(port: int) -> socket.socket:
 
 
 def serve(data: str | None, model: str | None, port: int, browser: bool, tell: Callable[[Workbench], object]) -> None:
-    """What ``springpot workbench`` does: tell the address, open the browser, serve until Ctrl-C."""
+    """What ``springpot workbench`` does: open the data, tell the address, open the browser, serve until Ctrl-C.
+
+    Raises
+    ------
+    DataError
+        If data or model cannot be used; what a reader merely asks, the page asks.
+    """
     bench = Workbench(data, model or "", port)
     asked: list[int] = []
 
@@ -138,14 +160,16 @@ def serve(data: str | None, model: str | None, port: int, browser: bool, tell: C
         asked.append(number)
         bench.close()
 
+    def ready() -> None:
+        tell(bench)
+        if browser:
+            _open(bench.address)
+
     # A KeyboardInterrupt that is raised within a callback of the interpreter is swallowed there, and the server would
     # run on: Ctrl-C is noted instead, also by the server, which hands it on here when it has ended.
     usual = signal.signal(signal.SIGINT, end)
     try:
-        tell(bench)
-        if browser:
-            _open(bench.address)
-        bench.run()
+        bench.run(ready)
     finally:
         signal.signal(signal.SIGINT, usual)
     if asked:

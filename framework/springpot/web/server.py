@@ -79,12 +79,14 @@ class Server:
     ----------
     desk : Desk
         Who computes.
-    start : dict
-        What the page begins with: data that were named on the command line, a model.
+    data : str or dict, optional
+        What the page begins with: what was named on the command line, or ``{"name", "content"}`` in base64.
+    model : str
+        Expression of the model that it begins with.
     """
 
-    def __init__(self, desk: Desk, start: dict[str, Any]) -> None:
-        self._desk, self._start = desk, start
+    def __init__(self, desk: Desk, data: str | dict[str, str] | None = None, model: str = "") -> None:
+        self._desk, self._given, self._model = desk, data, model
         self._texts: dict[str, dict[str, Any]] = {}
 
     def app(self) -> App:
@@ -105,15 +107,31 @@ class Server:
             return Response("there is no such page\n", 404, media_type="text/plain")
         return Response(found[0], headers={"content-type": found[1]})
 
+    async def require(self) -> None:
+        """Check that what was named on the command line can be used, or that a reader merely has a question.
+
+        Raises
+        ------
+        DataError
+            With the one line of every other command.
+        """
+        if isinstance(self._given, str) or self._model:
+            done = await self._begun()
+            if "error" in done and not done["fault"]:
+                raise DataError(done["error"])
+
     async def _begin(self, request: Request) -> Response:
         """What was named on the command line, opened; its error stands in the page as it would on a terminal."""
-        spec = self._start.get("data")
-        if spec is None:
-            return JSONResponse({"model": self._start.get("model", "")})
-        task = "open" if isinstance(spec, str) else "understand"
-        arguments = {"spec": spec} if isinstance(spec, str) else dict(spec)
-        done = await self._last(self._remembered(self._desk.ask(task, arguments)))
-        return JSONResponse({"model": self._start.get("model", ""), "data": done})
+        if self._given is None:
+            return JSONResponse({"model": self._model})
+        return JSONResponse({"model": self._model, "data": await self._begun()})
+
+    async def _begun(self) -> Any:
+        if isinstance(self._given, dict):
+            lines = self._desk.ask("understand", dict(self._given))
+        else:
+            lines = self._desk.ask("begin", {"spec": self._given or "", "model": self._model})
+        return await self._last(self._remembered(lines))
 
     async def _data(self, request: Request) -> Response:
         """A file's bytes as they are, its name and what the user says of it in the query."""
@@ -140,7 +158,8 @@ class Server:
         except (ValueError, RecursionError):
             raise DataError("the request is no JSON object") from None
         if task == "race":
-            return self._stream("race", {"name": str(given.get("name", ""))[:200]})
+            asked = {"name": str(given.get("name", ""))[:200], "report": given.get("report") is True}
+            return self._stream("race", asked)
         if task not in LANES:
             return Response("there is no such task\n", 404, media_type="text/plain")
         state = State.of(given.get("state") or {})

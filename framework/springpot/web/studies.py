@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from springpot.benchmark import Store, Table
-from springpot.benchmark.findings import study_tables
+from springpot.benchmark.findings import Findings, study_tables
 from springpot.errors import DataError, SpringpotError
+from springpot.report.study import study_html
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")
@@ -20,7 +21,7 @@ def _stores() -> dict[str, Path]:
 
 
 def studies() -> list[dict[str, Any]]:
-    """Every study with its cells, and its trials done and failed; while it runs, these grow."""
+    """Every study with its cells, and its trials: all that are planned, done and failed; the latter grow in a run."""
     return [_progress(name, path) for name, path in _stores().items()]
 
 
@@ -29,12 +30,13 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
         with Store(path) as store:
             cells = store.cells()
             ended = [trial.status for _, trials in store.trials() for trial in trials]
-            started = store.facts().get("started", "")
+            facts = store.facts()
     except SpringpotError as error:
         return {"name": name, "says": str(error)}
     failed = sum(status.failed for status in ended)
-    told = {"name": name, "cells": len(cells), "done": len(ended), "failed": failed, "started": started}
-    return {**told, "changed": path.stat().st_mtime, "says": ""}
+    total = len(cells) * int(facts["repetitions"])
+    counts = {"cells": len(cells), "total": total, "done": len(ended), "failed": failed}
+    return {"name": name, **counts, "started": facts.get("started", ""), "changed": path.stat().st_mtime, "says": ""}
 
 
 def study(name: str) -> dict[str, Any]:
@@ -45,12 +47,29 @@ def study(name: str) -> dict[str, Any]:
     DataError
         If there is no such study here.
     """
-    path = _stores().get(name)
-    if path is None:
-        raise DataError(f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here")
+    path = _store_of(name)
     with Store(path) as store:
         tables = dict(study_tables(store, SHOWN))
     return {**_progress(name, path), "tables": [_plain(table) for table in tables.values()]}
+
+
+def report_of(name: str) -> dict[str, str]:
+    """The report of one study, one file for a colleague.
+
+    Raises
+    ------
+    DataError
+        If there is no such study here.
+    """
+    with Store(_store_of(name)) as store:
+        return {"name": f"{name}-report.html", "text": study_html(Findings.of(store))}
+
+
+def _store_of(name: str) -> Path:
+    path = _stores().get(name)
+    if path is None:
+        raise DataError(f"there is no study '{name[:40]}' in {RESULTS}; run 'springpot run STUDY.py' here")
+    return path
 
 
 def _plain(table: Table) -> dict[str, Any]:

@@ -31,7 +31,7 @@ from .datatext import joined, kept, measured_in, measurement_of, safe_name, text
 from .held import hand_of, theta_of
 from .sessions import is_session, session_of
 from .state import State, digest_of
-from .studies import studies, study
+from .studies import report_of, studies, study
 
 LADDERS = 8
 """Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
@@ -96,19 +96,42 @@ def understand(
     try:
         measurement, parts = measured_in(name, raw, choice)
     except OpenQuestion as error:
-        return {"question": {"says": str(error), "asked": [asked.to_dict() for asked in error.questions]}}
+        return {"question": _asked(error)}
     if onto:
         measurement = joined(_measured(onto), measurement)
     return _understood(measurement, onto_name or f"{name}{choice}", parts, joined=bool(onto))
 
 
-def open_spec(told: Told, spec: str) -> dict[str, Any]:
-    """What the command line named: a file, a session or a data set, each as for any other command."""
+def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
+    """What the command line named: a file, a session or a data set, each as for any other command; and a model.
+
+    A file that leaves something open comes with its content, so that the page can ask and send it again: nothing that
+    a page says is ever part of a path.
+
+    Raises
+    ------
+    SpringpotError
+        If one of them cannot be used.
+    """
+    if model:
+        parse_model(model)
+    if not spec:
+        return {}
     path = Path(spec)
     if path.suffix == ".json" and path.is_file() and is_session(path.read_bytes()[:400]):
         content = base64.b64encode(path.read_bytes()).decode()
         return understand(told, path.name, content)
-    return _understood(open_measurement(spec), _relative(spec), parts_of(spec))
+    try:
+        return _understood(open_measurement(spec), _relative(spec), parts_of(spec))
+    except OpenQuestion as error:
+        if not path.is_file():  # something is said behind its name already: the page cannot say more
+            raise
+        content = base64.b64encode(path.read_bytes()).decode()
+        return {"question": _asked(error) | {"name": path.name, "content": content}}
+
+
+def _asked(error: OpenQuestion) -> dict[str, Any]:
+    return {"says": str(error), "asked": [asked.to_dict() for asked in error.questions]}
 
 
 def _relative(spec: str) -> str:
@@ -265,15 +288,17 @@ def _report(ladder: Ladder, measurement: Measurement, state: State, source: str)
     return report_html(ladder, measurement, shlex.split(leaving.command(state, source)))
 
 
-def raced(told: Told, name: str = "") -> dict[str, Any]:
-    """The studies here, or one of them with its tables."""
-    return study(name) if name else {"studies": studies()}
+def raced(told: Told, name: str = "", report: bool = False) -> dict[str, Any]:
+    """The studies here, or one of them with its tables, or its report as a file."""
+    if not name:
+        return {"studies": studies()}
+    return report_of(name) if report else study(name)
 
 
 TASKS: dict[str, Callable[..., dict[str, Any]]] = {
     "library": library,
     "understand": understand,
-    "open": open_spec,
+    "begin": begin,
     "dataset": dataset,
     "again": again,
     "answer": answered,

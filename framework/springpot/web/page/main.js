@@ -99,11 +99,14 @@ class App {
     this.question = null;
     const query = { name, choice: choiceOf(said), ...(onto && this.state ? { onto: this.state.data } : {}) };
     const found = await this.compute((how) => api.upload(bytes, query, how));
-    if (found?.question) {
-      this.question = { ...found.question, name, bytes, said, onto };
-      this.render();
-      byId("question")?.querySelector("select")?.focus();
-    } else if (found) this.opened(found, onto);
+    if (found?.question) this.ask({ ...found.question, name, bytes, said, onto });
+    else if (found) this.opened(found, onto);
+  }
+
+  ask(question) {
+    this.question = question;
+    this.render();
+    byId("question").querySelector("select").focus();
   }
 
   // Several files are one test: time signals of one frequency each, or one sweep each.
@@ -404,6 +407,10 @@ class App {
     if (given?.data?.error) {
       this.refused = given.data.error;
       this.render();
+    } else if (given?.data?.result.question) {
+      const { name, content } = given.data.result.question;
+      const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
+      this.ask({ ...given.data.result.question, name, bytes, said: [], onto: false });
     } else if (given?.data) await this.opened(given.data.result);
   }
 }

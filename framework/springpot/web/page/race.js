@@ -1,7 +1,7 @@
 // The second page: studies that race optimisers, how far they are, and their tables.
 
 import { ask } from "./api.js";
-import { h, put } from "./dom.js";
+import { download, h, put } from "./dom.js";
 
 const AGAIN = 2000; // ms between looks at what is running
 
@@ -37,11 +37,28 @@ export class Race {
       put(this.list, h("p", { class: "quiet" }, "There is no study here yet: springpot run STUDY.py starts one; this page then shows how far it is."));
       return;
     }
-    put(this.list, h("table", {}, h("thead", {}, h("tr", {}, ...["study", "cells", "trials done", "failed", "started", ""].map((word) => h("th", { scope: "col" }, word)))),
+    put(this.list, h("table", {}, h("thead", {}, h("tr", {}, ...["study", "cells", "trials done", "failed", "started", "", ""].map((word) => h("th", { scope: "col" }, word)))),
       h("tbody", {}, ...found.map((study) => h("tr", {}, h("th", { scope: "row" }, study.name),
-        ...(study.says ? [h("td", { colspan: "4" }, study.says)] : [study.cells, study.done, study.failed, study.started].map((value) => h("td", {}, value))),
-        h("td", {}, h("button", { type: "button", onclick: () => this.open(study.name) }, `Report of ${study.name}`)))))));
+        ...(study.says ? [h("td", { colspan: "6" }, study.says)] : this.row(study)))))));
     if (this.opened) this.open(this.opened);
+  }
+
+  row(study) {
+    const done = h("td", {}, `${study.done} of ${study.total} `,
+      h("progress", { max: study.total, value: study.done, "aria-label": `trials of ${study.name} done` }));
+    return [h("td", {}, study.cells), done, h("td", {}, study.failed), h("td", {}, study.started),
+      h("td", {}, h("button", { type: "button", onclick: () => this.open(study.name) }, `Tables of ${study.name}`)),
+      h("td", {}, h("button", { type: "button", onclick: () => this.take(study.name) }, `Report of ${study.name} (HTML)`))];
+  }
+
+  // The whole report, with its figures, as one file.
+  async take(name) {
+    try {
+      const found = await ask("race", { name, report: true });
+      download(found.name, found.text, "text/html");
+    } catch (error) {
+      put(this.report, h("p", { class: "error" }, error.message));
+    }
   }
 
   async open(name) {
