@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -110,8 +112,20 @@ def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     springpot("diagnose", relaxed).is_one_line("give --model")
 
 
+def test_any_optimiser_may_search(springpot, relaxed, fit):
+    found = springpot(
+        "identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "least-squares", "--budget", "300", "--json"
+    ).json
+    assert found["optimiser"] == "least-squares"
+    assert found["evaluations"] <= 300
+    native = json.loads(fit.read_text())
+    assert found["objective"]["value"] == pytest.approx(native["objective"]["value"], rel=1e-4)
+    told = springpot("identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es", "--budget", "20")
+    assert "cma-es: budget, 20 evaluations" in told.out
+
+
 def test_what_is_for_sweeps_is_refused(springpot, relaxed):
-    springpot("identify", relaxed, "-m", "fractional-maxwell", "--optimiser", "cma-es").is_one_line("for sweeps")
+    springpot("identify", relaxed, "-m", "fractional-maxwell", "--objective", "paper").is_one_line("for sweeps")
     springpot("identify", relaxed, "-m", "fractional-maxwell", "--fix", "k=1").is_one_line("--fix is for sweeps")
     springpot(
         "identify", relaxed, "-m", "fractional-maxwell", "--geometry", "shear-pads area=1cm^2 gap=1mm"

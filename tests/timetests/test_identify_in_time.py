@@ -132,8 +132,6 @@ def test_what_does_not_fit_is_refused():
         identify(history(), parse_model("fractional-zener + payne"))
     with pytest.raises(DataError, match="needs a temperature"):
         identify(relaxation(), parse_model("fractional-zener + wlf-shift"))
-    with pytest.raises(ModelError, match="not identified in time yet"):
-        identify(relaxation(), parse_model("material"))
     stiffness = Measurement(np.ones(3), np.ones(3) + 1j, units=Units("kN/m", "mm"))
     with pytest.raises(DataError, match="a stiffness is no modulus"):
         identify([relaxation(), stiffness], ZENER)

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 FAR_OFF = 2.0
 """Error over noise floor from which something is missing; below, the estimate of the noise may be to blame."""
-SWEEPS_ONLY = ("optimiser", "objective", "budget", "restarts", "seed")
-"""Options of searches among sweeps."""
 
 
 def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
@@ -50,15 +48,17 @@ def identify(
     tests: Sequence[Test], data: Sequence[str], expression: str, figure: Path | None, as_json: bool, options: Any
 ) -> None:
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
+    from springpot.constraints import optimiser_of
     from springpot.errors import OptionError
     from springpot.registry import parse_model
     from springpot.timetests import identify as identify_in_time
 
-    given = [name for name in SWEEPS_ONLY if options.get(name) is not None]
-    if given or options.get("intervals", "jacobian") != "jacobian":
-        name = given[0] if given else "intervals"
-        raise OptionError(f"--{name} is for sweeps: tests in time are identified by the native solver")
-    found = identify_in_time(tests, parse_model(expression))
+    for name, usual in (("objective", None), ("intervals", "jacobian")):
+        if options[name] != usual:
+            raise OptionError(f"--{name} is for sweeps: residuals of tests in time are counted in their noise")
+    named = options["optimiser"]
+    search = {name: options[name] for name in ("budget", "restarts", "seed")}
+    found = identify_in_time(tests, parse_model(expression), optimiser=named and optimiser_of(named), **search)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 

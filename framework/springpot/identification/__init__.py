@@ -1,7 +1,7 @@
 """Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
 
 from .bounded import BoundedDescent, minima_in_box
-from .identify import identify
+from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
@@ -9,13 +9,13 @@ from .native import Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser
 from .prediction import Prediction
-from .problem import Problem
+from .problem import Problem, Searched
 from .recorder import Recorder, RecorderGroup
 from .regularised import Spectrum, regularised
 from .result import Identification, Standing
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
-from .space import SearchSpace, paper_box, require_conditions
+from .space import SearchSpace, box_of, paper_box, require_conditions
 from .uncertainty import Uncertainty, bootstrap, held_costs, profile
 from .value import Value
 
@@ -35,6 +35,7 @@ __all__ = [
     "RecorderGroup",
     "Run",
     "SearchSpace",
+    "Searched",
     "Solution",
     "Spectrum",
     "Standing",
@@ -42,7 +43,9 @@ __all__ = [
     "Value",
     "Window",
     "all_points",
+    "best_run",
     "bootstrap",
+    "box_of",
     "default_objective",
     "fit",
     "fit_batch",

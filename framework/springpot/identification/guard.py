@@ -13,7 +13,7 @@ from typing import NoReturn
 import numpy as np
 
 from .optimiser import Optimiser
-from .problem import Problem
+from .problem import Searched
 from .record import contradiction
 from .run import Run, run
 
@@ -23,7 +23,7 @@ MEMORY = 2048
 """MiB that a run may take, as in a study."""
 
 
-def guarded(optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator) -> Run:
+def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
     """`run` in a process of its own; a crash, a hang or a forged record is a run that failed.
 
     The process is a copy of this one. Where other threads run here, that would not be safe, and the run takes place
@@ -44,13 +44,13 @@ def guarded(optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.
     return _failure(optimiser, problem, wrong) if wrong else found
 
 
-def _failure(optimiser: Optimiser, problem: Problem, reason: str) -> Run:
+def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
     nowhere = np.full(problem.dimension, np.nan)
-    theta = np.full(len(problem.model.names), np.nan)
+    theta = np.full(len(problem.space.model.names), np.nan)
     return Run(optimiser.name, f"failed: {reason}", np.inf, nowhere, theta, 0, 0, 0.0, ())
 
 
-def _elsewhere(optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator) -> Run:
+def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
     from springpot.processes import cause_of, end_group
 
     answer, told = os.pipe()
@@ -93,7 +93,7 @@ def _read(fd: int, end: float) -> bytes | None:
 
 
 def _work(
-    optimiser: Optimiser, problem: Problem, budget: int, rng: np.random.Generator, told: int, lifeline: int
+    optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator, told: int, lifeline: int
 ) -> NoReturn:
     """In the child: run, and send what came of it."""
     from springpot.processes import limit_memory

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -17,8 +18,9 @@ from .native import Fit, default_objective, fit, require_enough
 from .notes import notes_on
 from .objective import Objective
 from .optimiser import Optimiser
-from .problem import Problem
+from .problem import Problem, Searched
 from .result import Identification
+from .run import Run
 from .space import require_conditions
 from .uncertainty import Uncertainty, bootstrap, profile
 
@@ -103,7 +105,7 @@ def identify(
         raise OptionError(f"the optimiser {optimiser.name} draws its own starts: leave out the start values, or it")
     else:
         problem = Problem.of(model, measurement, objective)
-        found, status, notes = _by_optimiser(problem, optimiser, budget or BUDGET, restarts or 1, seed or 0)
+        found, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
         name = optimiser.name
     known = Uncertainty.of(found)
     low, high = _interval(known, intervals, seed or 0)
@@ -178,27 +180,53 @@ def _grown(part: Fit, model: Model) -> list[Real]:
 
 
 def _by_optimiser(
-    problem: Problem, optimiser: Optimiser, budget: int, restarts: int, seed: int
+    problem: Problem, optimiser: Optimiser, budget: int | None, restarts: int | None, seed: int | None
 ) -> tuple[Fit, str, list[str]]:
-    """The best of several supervised runs."""
-    rngs = np.random.default_rng(seed).spawn(restarts)
-    runs = [guarded(optimiser, problem, budget, rng) for rng in rngs]
-    best = min(runs, key=lambda one: (one.failed, one.best))
-    failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
-    if best.failed:
-        raise OptionError(f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one")
+    """The best of several supervised runs, as a fit."""
+    best, notes = best_run(problem, optimiser, budget, restarts, seed)
     found = Fit(
         problem.model,
         problem.measurement,
         problem.objective,
         best.theta,
         best.best,
-        sum(one.evaluations for one in runs),
+        best.evaluations,
         best.status != "budget",
-        sum(one.seconds for one in runs),
+        best.seconds,
     )
-    notes = [f"{len(failed)} of {restarts} restarts failed, the first: {failed[0]}"] if failed else []
     return found, best.status, notes
+
+
+def best_run(
+    problem: Searched, optimiser: Optimiser, budget: int | None, restarts: int | None, seed: int | None
+) -> tuple[Run, list[str]]:
+    """The best of several supervised runs, with the evaluations and seconds of all, and what went wrong.
+
+    Parameters
+    ----------
+    problem : Problem, or whatever else can be searched
+        What is minimised.
+    optimiser : Optimiser
+        With its options.
+    budget : int or None
+        Evaluations of each run; `BUDGET` by default.
+    restarts, seed : int or None
+        Number of runs, and of the generator from which each gets its own; one and 0 by default.
+
+    Raises
+    ------
+    OptionError
+        If all of them failed.
+    """
+    rngs = np.random.default_rng(seed or 0).spawn(restarts or 1)
+    runs = [guarded(optimiser, problem, budget or BUDGET, rng) for rng in rngs]
+    best = min(runs, key=lambda one: (one.failed, one.best))
+    failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
+    if best.failed:
+        raise OptionError(f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one")
+    notes = [f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}"] if failed else []
+    evaluations, seconds = sum(one.evaluations for one in runs), sum(one.seconds for one in runs)
+    return replace(best, evaluations=evaluations, seconds=seconds), notes
 
 
 def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from springpot.rheology import Real
 
-from .problem import Problem
+from .problem import Searched
 
 Diary: TypeAlias = list[tuple[Real, Real | None]]
 """Points (d,) or (m, d) with penalty factors (m,), in the order of evaluation."""
@@ -34,7 +34,7 @@ class Ledger:
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem, or whatever else can be searched
         What is minimised.
     budget : int
         Evaluations allowed; none beyond it is made or recorded.
@@ -55,7 +55,7 @@ class Ledger:
         Evaluation number and objective at every improvement.
     """
 
-    problem: Problem
+    problem: Searched
     budget: int
     target: float = -inf
     diary: Diary | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -16,6 +17,35 @@ from .space import SearchSpace, paper_box
 
 BLOCK = 7000
 """Points times frequencies evaluated at once: arrays of about 100 kB stay in the cache."""
+
+
+class Searched(Protocol):
+    """What an optimiser can be let loose upon: an objective in a box, with exact derivatives."""
+
+    @property
+    def space(self) -> SearchSpace:
+        """The box, and the map from it to the model's parameters."""
+
+    @property
+    def dimension(self) -> int:
+        """Number d of searched parameters."""
+
+    @property
+    def lower(self) -> Real:
+        """Lower corner (d,) of the box."""
+
+    @property
+    def upper(self) -> Real:
+        """Upper corner (d,) of the box."""
+
+    def evaluate(self, x: Real) -> Real:
+        """Objective (...) at search points (..., d)."""
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (..., m), whose squares add up to the objective, and their derivative (..., m, d)."""
+
+    def gradient(self, x: Real) -> tuple[Real, Real]:
+        """Objective (...) and its gradient (..., d)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 from springpot.rheology import Real
 
 from .ledger import BudgetSpent, Diary, Ledger, LedgerGroup
-from .problem import Problem
+from .problem import Searched
 
 T = TypeVar("T")
 
@@ -28,7 +28,7 @@ class Recorder:
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem, or whatever else can be searched
         What is minimised.
     budget : int
         Evaluations allowed; none beyond it is made or recorded.
@@ -47,7 +47,7 @@ class Recorder:
     _residual_batch: Callable[[Real], tuple[Real, Real]]
     _told: Callable[[str], Any]
 
-    def __init__(self, problem: Problem, budget: int, target: float = -inf, diary: Diary | None = None) -> None:
+    def __init__(self, problem: Searched, budget: int, target: float = -inf, diary: Diary | None = None) -> None:
         self._enter(Ledger(problem, budget, target, diary))
 
     @classmethod
@@ -65,7 +65,7 @@ class Recorder:
         self._told = lambda what: getattr(ledger, what)
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> Searched:
         """What is minimised."""
         return self._problem
 
@@ -216,7 +216,7 @@ class RecorderGroup:
         return self._recorders
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> Searched:
         """What all of them minimise."""
         return self._recorders[0].problem
 

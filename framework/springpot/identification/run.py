@@ -14,7 +14,7 @@ from springpot.rheology import Real
 
 from .ledger import BudgetSpent, Diary, Ledger
 from .optimiser import BatchedOptimiser, Optimiser
-from .problem import Problem
+from .problem import Searched
 from .recorder import Recorder, RecorderGroup
 
 
@@ -70,7 +70,7 @@ class Run:
 
 def run(
     optimiser: Optimiser,
-    problem: Problem,
+    problem: Searched,
     budget: int,
     rng: np.random.Generator,
     target: float = -inf,
@@ -82,7 +82,7 @@ def run(
     ----------
     optimiser : Optimiser
         With its options.
-    problem : Problem
+    problem : Problem, or whatever else can be searched
         What is minimised.
     budget : int
         Evaluations that are made at most.
@@ -106,7 +106,7 @@ def run(
 
 def run_batch(
     optimiser: Optimiser,
-    problem: Problem,
+    problem: Searched,
     budget: int,
     rngs: Sequence[np.random.Generator],
     target: float = -inf,

@@ -122,11 +122,23 @@ def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | N
     """
     require_conditions(model, measurement)
     scale = rounded_up(float(np.max(measurement.magnitude))) if stiffness_scale is None else stiffness_scale
-    time = max(1.0, 1.0 / float(measurement.omega.min()))
-    form = model.search
-    names = model.parameters if form is None else form.parameters + model.parameters[len(form.parameters) :]
     amplitude = measurement.conditions.get("amplitude")
     reach = 1.0 if amplitude is None else float(np.max(amplitude))
+    return box_of(model, scale, max(1.0, 1.0 / float(measurement.omega.min())), reach)
+
+
+def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace:
+    """The same for data of these sizes.
+
+    Parameters
+    ----------
+    model : Model
+        The model to be searched.
+    scale, time, reach : float
+        Largest stiffness, longest time in s, and largest amplitude.
+    """
+    form = model.search
+    names = model.parameters if form is None else form.parameters + model.parameters[len(form.parameters) :]
     expected = np.array([_expected(parameter, scale, time, reach) for parameter in names])
     room = np.array([2.0 if parameter.unit.stiffness else 1.0 for parameter in names])
     upper = np.minimum(room * expected, [parameter.upper for parameter in names])

@@ -69,8 +69,8 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
     count = f"{len(found.tests)} tests, " if len(found.tests) > 1 else ""
     names = " + ".join(test.name for test in found.tests)
     values = {name: _measured(entry) for name, entry in found.parameters.items()}
-    status = "converged" if found.converged else "not converged"
-    lines = [f"search      {status}, {found.evaluations} evaluations in {seconds(found.seconds)}"]
+    spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
+    lines = [f"search      {found.optimiser}: {found.ended}, {spent}"]
     lines += [f"note        {note}" for note in found.notes]
     parts = [
         wrapped(f"{found.model.name} fitted to {names} ({count}{points} points)", width),

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .continuum import Continuum
 from .elements import FixedPower
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
@@ -178,6 +179,9 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
         return inner and inner.times(node.factor, np.zeros(chain.shape[1]))
     if isinstance(node, FixedPower) and node.exponent in (0.0, 1.0):
         return Rational.power(int(node.exponent), float(theta[0]), chain[0])
+    if isinstance(node, Continuum):
+        rates = np.array(node.rates, dtype=float)
+        return Rational(theta[:2], rates, theta[2:], chain[:2], np.zeros((len(rates), chain.shape[1])), chain[2:])
     if isinstance(node, Parallel | Series):
         parts = zip(node.children, node.cuts, strict=True)
         found = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]

@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
-from springpot.identification import Solution, is_material, levenberg_marquardt
+from springpot.identification import (
+    Optimiser,
+    Solution,
+    best_run,
+    is_material,
+    levenberg_marquardt,
+    own_parameters,
+)
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.rheology import Model, Real
 
+from .material import spectral
 from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests
 from .result import PartResult, TimeIdentification, sampled_scatter
+from .searched import InTimeProblem
 from .start import start_of
 
+NATIVE = "native"
+BUDGET = 2000
+"""Evaluations of an optimiser: each takes some milliseconds, so that this is a matter of ten seconds."""
 QUICK = 25
 """Steps with some of the samples."""
 LAST = 30
@@ -36,7 +49,15 @@ FLAT = 1e-10
 
 
 def identify(
-    tests: Sequence[Test] | Test, model: Model, *, seeds: Sequence[Real] = (), thorough: bool = True
+    tests: Sequence[Test] | Test,
+    model: Model,
+    *,
+    seeds: Sequence[Real] = (),
+    thorough: bool = True,
+    optimiser: Optimiser | None = None,
+    budget: int | None = None,
+    restarts: int | None = None,
+    seed: int | None = None,
 ) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
@@ -50,6 +71,10 @@ def identify(
         Further starts, in the units of the first test in time.
     thorough : bool
         Whether other starts are looked for too; else the search begins at the seeds and nowhere else.
+    optimiser : Optimiser, optional
+        Another way to the same minimum, in the box of the native solver's problem; each test weighs as there.
+    budget, restarts, seed : int, optional
+        Of the optimiser: evaluations of each run, number of runs, and of the generator.
 
     Returns
     -------
@@ -79,11 +104,11 @@ def identify(
     given = [tests] if isinstance(tests, TimeTest | Measurement) else list(tests)
     if not given:
         raise ModelError("there is no test to identify a model from")
-    if is_material(model):
-        raise ModelError(f"{model.name} is not identified in time yet: name a model, such as prony-5")
     require_tests(model, given)
     parts = parts_of_specimen(given)
     reference = reference_of(given)
+    if is_material(model):
+        return _of_material(model, parts, reference, began)
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     u, evaluations, converged = search.solved(parts, search.starts())
     alone = [search.ratio(part, u) for part in parts]
@@ -97,7 +122,44 @@ def identify(
         parts = [part.with_scale(scale) for part, scale in zip(parts, scales, strict=True)]
         u, spent, converged = search.solved(parts, [u])
         evaluations += spent
-    return search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
+    found = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
+    if optimiser is None or optimiser.name == NATIVE:
+        return found
+    problem = InTimeProblem(model, parts, reference, *search.sizes)
+    best, notes = best_run(problem, optimiser, budget or BUDGET, restarts, seed)
+    u = search.coordinates.u(best.theta.copy(), search.size)
+    other = search.result(u, parts, alone, best.evaluations, best.status != "budget", perf_counter() - began)
+    return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=tuple(notes))
+
+
+def _of_material(model: Model, parts: Sequence[Part], reference: float, began: float) -> TimeIdentification:
+    """Any linear passive material, whose spectrum the tests choose."""
+    typical = Search(model, parts, reference)
+    coordinates = Coordinates.of(
+        [model.parameters[i] for i in own_parameters(model)],
+        typical.middle,
+        np.array(typical.sizes[:1]),
+        typical.sizes[1],
+    )
+
+    def fitted(some: Sequence[Part]) -> tuple[Search, Real, int]:
+        found, theta, spent = spectral(model, some, reference, coordinates)
+        search = Search(found, parts, reference, thorough=False)
+        return search, search.coordinates.u(theta, search.size), spent
+
+    search, u, evaluations = fitted(parts)
+    alone = [search.ratio(part, u) for part in parts]
+    if len(parts) > 1:
+        scales = []
+        for i, part in enumerate(parts):
+            own, there, spent = fitted([part])
+            evaluations += spent
+            alone[i] = min(alone[i], own.ratio(part, there))
+            scales.append(own.scale(part, there))
+        parts = [part.with_scale(scale) for part, scale in zip(parts, scales, strict=True)]
+        search, u, spent = fitted(parts)
+        evaluations += spent
+    return search.result(u, parts, alone, evaluations, True, perf_counter() - began)
 
 
 class Search:
@@ -131,6 +193,7 @@ class Search:
         middle = float(np.mean([part.log_omega for part in parts]))
         size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
         amplitude = max(_reach(part) for part in parts)
+        self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]
 

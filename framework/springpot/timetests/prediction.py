@@ -21,7 +21,7 @@ from springpot.measurement import (
     Units,
     noise_of,
 )
-from springpot.rheology import Model, Points, Real
+from springpot.rheology import Continuum, Model, Points, Real
 
 from .parts import SweepPart, Test
 from .predicted import predicted
@@ -105,6 +105,8 @@ class Known:
     def read(cls, answer: dict[str, Any], model: Model) -> Known:
         """From the JSON of an identification from tests in time."""
         kept = answer["kept"]
+        if "rates" in kept:
+            model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
         points = sum(int(test["points"]) for test in answer["tests"])
         return cls(
             model,

@@ -11,7 +11,7 @@ import numpy as np
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of, student
 from springpot.measurement import TimeTest, Units
-from springpot.rheology import Model, Real
+from springpot.rheology import Continuum, Model, Real
 
 if TYPE_CHECKING:
     from .parts import Part
@@ -135,6 +135,12 @@ class TimeIdentification:
         Time taken.
     units : Units
         Those of the parameters.
+    optimiser : str
+        What searched.
+    status : str
+        How its search ended; empty where `converged` says it all.
+    said : tuple of str
+        What went wrong on the way.
     """
 
     model: Model
@@ -147,6 +153,9 @@ class TimeIdentification:
     converged: bool
     seconds: float
     units: Units
+    optimiser: str = "native"
+    status: str = ""
+    said: tuple[str, ...] = ()
 
     @cached_property
     def quantile(self) -> float:
@@ -195,9 +204,9 @@ class TimeIdentification:
 
     @cached_property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Each parameter with value, interval and unit, as printed."""
+        """Each parameter with value, interval and unit, as printed; lines of a spectrum are left to it."""
         low, high = self.interval
-        return {
+        rows = {
             name: {
                 "value": _finite(value * factor),
                 "low": _finite(below * factor),
@@ -208,11 +217,17 @@ class TimeIdentification:
                 self.model.names, self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True
             )
         }
+        return {parameter.name: rows[parameter.name] for parameter in self.model.parameters if not parameter.detail}
+
+    @property
+    def ended(self) -> str:
+        """How the search ended, in a word."""
+        return self.status or ("converged" if self.converged else "not converged")
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What the numbers do not say, the gravest first."""
-        said = []
+        said = list(self.said)
         if not self.converged:
             said.append("the search did not come to rest: the parameters may be improved by more data")
         for test in self.tests:
@@ -223,6 +238,8 @@ class TimeIdentification:
                 )
         low, high = self.interval
         for parameter, value, below, above in zip(self.model.parameters, self.theta, low, high, strict=True):
+            if parameter.detail:
+                continue
             if value in (parameter.lower, parameter.upper):
                 said.append(f"{parameter.name} ends at its bound {value:g}")
             elif not np.isfinite(above) or (parameter.scale == "log" and above > LOOSE * max(below, 1e-300)):
@@ -247,11 +264,12 @@ class TimeIdentification:
                 "units": asdict(self.units),
                 "reference": self.reference,
                 "seen": list(self.seen),
+                **({"rates": list(lines.rates)} if isinstance(lines := self.model.material, Continuum) else {}),
             },
             "evaluations": self.evaluations,
             "seconds": self.seconds,
-            "optimiser": "native",
-            "status": "converged" if self.converged else "not converged",
+            "optimiser": self.optimiser,
+            "status": self.ended,
             "notes": list(self.notes),
         }
 

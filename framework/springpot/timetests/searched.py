@@ -1,0 +1,88 @@
+"""Tests in time as a problem for any optimiser: the same sum of squares that the native solver minimises."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from springpot.errors import SpringpotError
+from springpot.identification import SearchSpace, box_of
+from springpot.rheology import Model, Real
+
+from .parts import InTimePart, Part
+
+FASTEST = 10.0
+"""By how much the stiffness of the shortest time may exceed what was measured: glass lies beyond it."""
+
+
+class InTimeProblem:
+    """Minimise the residuals of tests over their noise.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    parts : sequence of Part
+        To what, each with its weight.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    size, reach : float
+        Typical stiffness and largest displacement of the tests.
+    """
+
+    def __init__(self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float) -> None:
+        self.model, self.parts, self.reference = model, list(parts), reference
+        slowest = min(_slowest(part) for part in parts)
+        self.space: SearchSpace = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
+
+    @property
+    def dimension(self) -> int:
+        """Number of searched parameters."""
+        return len(self.space.parameters)
+
+    @property
+    def lower(self) -> Real:
+        """Lower corner of the box."""
+        return self.space.lower
+
+    @property
+    def upper(self) -> Real:
+        """Upper corner of the box."""
+        return self.space.upper
+
+    def evaluate(self, x: Real) -> Real:
+        """Sum of squares (...) at search points (..., d); endless where the model cannot be followed."""
+        rows = x.reshape(-1, x.shape[-1])
+        found = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
+        return found.reshape(x.shape[:-1])
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        """Residuals (..., m) and their derivative (..., m, d)."""
+        rows = x.reshape(-1, x.shape[-1])
+        found = [self._one(row) for row in rows]
+        value = np.stack([residual for residual, _ in found]).reshape(*x.shape[:-1], -1)
+        slopes = np.stack([by_x for _, by_x in found])
+        return value, slopes.reshape(*value.shape, x.shape[-1])
+
+    def gradient(self, x: Real) -> tuple[Real, Real]:
+        """Sum of squares (...) and its gradient (..., d)."""
+        residual, jacobian = self.residuals_and_jacobian(x)
+        slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
+        return np.sum(residual * residual, axis=-1), slope
+
+    def _one(self, x: Real) -> tuple[Real, Real]:
+        theta = self.space.theta(x)
+        try:
+            found = [part.residual(self.model, theta, self.reference) for part in self.parts]
+        except SpringpotError:
+            count = sum(part.count() for part in self.parts)
+            return np.full(count, np.inf), np.zeros((count, len(x)))
+        value = np.concatenate([each.value for each in found])
+        by_theta = np.concatenate([each.by_theta for each in found])
+        return value, by_theta @ self.space.jacobian(x)
+
+
+def _slowest(part: Part) -> float:
+    """Lowest angular frequency, or one over the longest time, that a part tells something of."""
+    return part.test.seen[0] if isinstance(part, InTimePart) else float(part.test.omega.min())
