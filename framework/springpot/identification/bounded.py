@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from springpot.errors import OptionError
 from springpot.rheology import Real
 
 from .leastsquares import levenberg_marquardt
@@ -34,10 +35,18 @@ class BoundedDescent:
             Moves the scan.
         starts : int
             Descents side by side.
+
+        Raises
+        ------
+        OptionError
+            If it is not a sweep that is fitted.
         """
+        problem = self.recorder.problem
+        if not isinstance(problem, Problem):
+            raise OptionError("shapes are scanned among sweeps only")
         # A scanned shape costs a model evaluation too: the recorder is asked for the objective at each. The scan
         # gives the best first, of which a run that has counted a few of them must know nothing yet.
-        scanned = rng.permutation(self._admitted(scanned_starts(self.recorder.problem, rng)))
+        scanned = rng.permutation(self._admitted(scanned_starts(problem, rng)))
         best = scanned[np.argsort(self.recorder.batch(scanned))[:starts]]
         low, high = self._inner(self.recorder.lower), self._inner(self.recorder.upper)
         return levenberg_marquardt(self._evaluate, self._inner(best), low, high).cost

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .problem import Problem
+from .problem import Searched
 from .run import Run
 
 AGREE, ROUNDING = 1e-9, 1e-12
@@ -42,7 +42,7 @@ def same(claimed: float | None, found: float, size: float) -> bool:
     return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
 
 
-def contradiction(run: Run, problem: Problem, budget: int) -> str:
+def contradiction(run: Run, problem: Searched, budget: int) -> str:
     """What is wrong with a run that claims to have come to something, or nothing."""
     numbers, values = zip(*run.trace, strict=True)
     wrong = miscounted(run.evaluations, run.gradients, run.batched, budget)
