@@ -74,3 +74,34 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
     assert (far.unclear, near.unclear) == (True, False)
     assert "cannot tell" in far.says
     assert near.says.endswith("nothing is left but noise")
+
+
+def test_where_the_floor_moves_a_line_says_why(springpot):
+    """Amplitudes that differ from point to point leave no smooth curve whose scatter could be taken."""
+    import springpot as package
+    from springpot.report.answers import ladder_text
+
+    ladder = package.discover("artificial-hidden", "fractional-maxwell", accept=["inertia", "time-delay"])
+    floors = [step.noise_floor for step in ladder.steps]
+    assert max(floors) > 1.1 * min(floors)
+    said = ladder_text(ladder, 80)
+    assert "the noise floor moved from 1.2 % to 0.85 %: it is estimated" in said
+    assert "diagnose may find a lower one" in springpot("identify", "artificial-hidden", *MODEL).out
+    table = said.split("\n\n")[1]
+    assert max(map(len, table.splitlines())) <= 80
+    assert "+ time-delay" in table
+
+
+def test_no_reason_is_given_where_nothing_moved():
+    from types import SimpleNamespace
+
+    from springpot.report.answers import floor_moved
+
+    def steps(*floors, source="estimated"):
+        error = SimpleNamespace(noise_source=source)
+        rungs = [SimpleNamespace(noise_floor=floor) for floor in floors]
+        return SimpleNamespace(steps=rungs, diagnosis=SimpleNamespace(error=error))
+
+    assert floor_moved(steps(0.010, 0.0101)) == ""
+    assert floor_moved(steps(0.010, 0.005, source="repeats")) == ""
+    assert floor_moved(steps(0.010, 0.005)).startswith("the noise floor moved from 1.0 % to 0.50 %")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from springpot.measurement import PRESSURE_UNITS, Measurement
 from springpot.rheology import INERTANCE, Effect
 
@@ -12,8 +14,9 @@ from .evidence import Evidence
 from .leftover import discrepancy, log_shift_of, validation
 from .marginal import harmonic_evidence, likeliest_unknown
 from .outliers import Outlier
-from .policy import EVIDENCE, VERDICT
+from .policy import EVIDENCE, SCATTER, VERDICT
 from .result import Candidate, Value, Verdict
+from .scatter import _scatter
 from .search import Search, moved_along
 from .words import percent, times
 
@@ -62,6 +65,7 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
         yield f"{kind} set aside, an outlier or narrow interference: {places}"
     if search.base.noise.doubt:
         yield search.base.noise.doubt
+    yield from _of_floor(search)
     used = len(search.base.data.raw) + len(outliers)
     if measured > used:
         yield f"diagnosed on {used} of the {measured} points"
@@ -70,6 +74,19 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
         yield f"replicates differ as a whole by {percent(own_gain)} (rms): each run was given a gain of its own"
     if search.repeats.p_value < VERDICT.repeats_alarm:
         yield f"repeats differ by more than chance ({search.repeats.kind}): drift or a disturbance common to a sweep"
+
+
+def _of_floor(search: Search) -> Iterator[str]:
+    """Why the floor is not the one that a fit of this model by itself tells: that one holds part of its misfit."""
+    base = search.base
+    if base.noise.source != "estimated":
+        return
+    alone = base.floor * float(np.sqrt(_scatter(base.frame())[0]))
+    if alone > base.floor / SCATTER.sharper:
+        yield (
+            f"the noise floor is the scatter about the best model found; about {base.model} alone, as "
+            f"identify and compare tell it, it looks like {percent(alone)}"
+        )
 
 
 def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:

@@ -29,6 +29,8 @@ SEEN_AT = 8
 """Absent effects that are named."""
 FAR = 1e3
 """Factor beyond which a parameter's move is told in words."""
+MOVED = 1.1
+"""Ratio of noise floors that are shown as two different numbers: their own uncertainty is about as large."""
 NOTHING = 1e-6
 """Share of its old value below which a parameter is nothing."""
 
@@ -169,12 +171,15 @@ def ranking_text(
     table = _ranking(rows, diagnosis.error.noise_floor)
     if not verbose:
         table = table.without(SPARE, width)
+        if table.width > width:  # JSON and -v have the intervals
+            table = _ranking(rows, diagnosis.error.noise_floor, brief=True).without(SPARE, width)
     physics = wrapped("\n".join(f"  {row.effect}: {row.says}" for row in rows[:3]), width)
     note = "" if measurement is None else wrapped(effects_note(measurement, (row.effect for row in rows)), width)
     return "\n\n".join(part for part in (table.plain(), note, physics) if part)
 
 
-def _ranking(rows: list[Candidate], floor: float) -> Table:
+def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> Table:
+    """All columns; `brief` without the intervals of the parameters."""
     headers = (
         "effect",
         "verdict",
@@ -193,7 +198,7 @@ def _ranking(rows: list[Candidate], floor: float) -> Table:
             number(row.delta_bic, 3),
             beside_floor(row.predicted_error, floor, 2),
             beside_floor(row.error_after, floor, 2),
-            "; ".join(f"{name} {value_text(value)}" for name, value in row.parameters.items()),
+            "; ".join(f"{name} {value_text(value, brief)}" for name, value in row.parameters.items()),
             ", ".join(name for name in row.alike if name != row.effect),
         )
         for row in rows
@@ -206,9 +211,10 @@ def probability(value: float) -> str:
     return "<0.001" if value < 1e-3 else ">0.999" if value > 0.999 else f"{value:.3f}"
 
 
-def value_text(value: Value) -> str:
-    """``0.42 [0.40, 0.44] kg``; what the data leave open is called so."""
-    told = " ".join(part for part in shown(Measured(value.value, value.low, value.high, value.unit)) if part != "-")
+def value_text(value: Value, brief: bool = False) -> str:
+    """``0.42 [0.40, 0.44] kg``, or `brief` without the interval; what the data leave open is called so."""
+    size, interval = shown(Measured(value.value, value.low, value.high, value.unit))
+    told = size if brief and not interval.startswith(OPEN) else f"{size} {interval}".removeprefix("- ").strip()
     return told if value.unit == "-" or told.startswith(OPEN) else f"{told} {value.unit}"
 
 
@@ -235,11 +241,32 @@ def _next(diagnosis: Diagnosis) -> str:
 
 def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> str:
     """Each step with its error, forecast and what it changed, then the last diagnosis."""
+    table = _steps(ladder)
+    if table.width > width:  # each model is the one above it and what was accepted
+        table = _steps(ladder, brief=True).without(("material floor", "predicted"), width)
+    first, last = ladder.steps[0], ladder.steps[-1]
+    line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
+    words = "" if len(ladder.steps) > 1 else ", nothing accepted"
+    judged = replace(ladder.diagnosis, parameters={})  # they stand above, in a table
+    parts = [
+        f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
+        table.plain(),
+        floor_moved(ladder),
+        parameters_text(last),
+        reference_note(_data(last), [last.model.network]),
+        "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
+        f"at the last step: {diagnosis_text(judged, _data(last), width, verbose)}",
+    ]
+    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+
+
+def _steps(ladder: Ladder, brief: bool = False) -> Table:
+    """A row for each step; `brief` names what was accepted in place of the whole model."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = [
         (
             str(i),
-            step.model.name,
+            accepted_name(step) if brief and step.accepted else step.model.name,
             beside_floor(step.predicted_error, step.noise_floor),
             percent(step.relative_rms, 3),
             number(step.relative_rms / step.noise_floor, 2) if step.noise_floor > 0 else "-",
@@ -248,20 +275,18 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
         )
         for i, step in enumerate(ladder.steps)
     ]
-    table = Table(headers, rows, frozenset(headers[2:])).plain()
-    first, last = ladder.steps[0], ladder.steps[-1]
-    line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
-    words = "" if len(ladder.steps) > 1 else ", nothing accepted"
-    judged = replace(ladder.diagnosis, parameters={})  # they stand above, in a table
-    parts = [
-        f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
-        table,
-        parameters_text(last),
-        reference_note(_data(last), [last.model.network]),
-        "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
-        f"at the last step: {diagnosis_text(judged, _data(last), width, verbose)}",
-    ]
-    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+    return Table(headers, rows, frozenset(headers[2:]))
+
+
+def floor_moved(ladder: Ladder) -> str:
+    """Why the noise floor is not the same at each step, where it is not."""
+    floors = [step.noise_floor for step in ladder.steps]
+    if max(floors) <= MOVED * min(floors) or ladder.diagnosis.error.noise_source != "estimated":
+        return ""
+    return (
+        f"the noise floor moved from {percent(floors[0], 2)} to {percent(floors[-1], 2)}: it is estimated from the "
+        "scatter about each step's model, and part of a misfit passes for noise; repeats would tell it once for all"
+    )
 
 
 def _data(step: Step) -> Measurement:

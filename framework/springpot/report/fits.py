@@ -139,12 +139,20 @@ def _lines(found: Identification, verbose: bool) -> list[str]:
     if verbose or found.optimiser != "native" or found.status != "converged":
         lines.append(f"objective   {found.fit.objective.name}, {number(found.fit.cost)}")
         lines.append(f"optimiser   {found.optimiser}, {found.status}, {spent}")
-    return lines + [f"note        {note}" for note in (*found.notes, *unused(found))]
+    return lines + [f"note        {note}" for note in (*found.notes, *unused(found), *_of_floor(found))]
 
 
 def _reason(found: Identification) -> str:
     assert found.standing is not None
     return found.standing.says.partition("; ")[2] or found.standing.says
+
+
+def _of_floor(found: Identification) -> list[str]:
+    """What `diagnose` may say otherwise: it knows better models than this one, about which the data scatter less."""
+    standing = found.standing
+    if standing is None or standing.good_enough or standing.noise_source != "estimated":
+        return []
+    return ["the noise floor is estimated from the scatter about this model: diagnose may find a lower one"]
 
 
 def beside_floors(found: Identification) -> str:
