@@ -136,3 +136,18 @@ def test_bad_input_is_one_line(springpot, write, swept):
     bad = write("time [s],force [N]\n1,2\n2,3\n", "bad.csv")
     springpot("identify", bad, "-m", "fractional-maxwell").is_one_line("a force without a displacement", "bad.csv")
     assert "sweep  " in springpot("identify", swept, swept, "-m", "fractional-maxwell").out
+
+
+def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_path):
+    picture = tmp_path / "views.png"
+    told = springpot(
+        "compare", relaxed, "-m", "fractional-maxwell", "-m", "maxwell", "-m", "spring + payne", "--figure", picture
+    )
+    assert told.code == 0, told.err
+    assert "fractional-maxwell is best" in told.out
+    assert "left out" in told.out
+    assert "'payne'" in told.out
+    assert picture.stat().st_size > 10_000
+    answer = springpot("compare", crept, "-m", "maxwell", "-m", "fractional-maxwell", "--json").json
+    assert answer["best"] == "fractional-maxwell"
+    assert [one["delta_bic"] > 10 for one in answer["models"]] == [False, True]

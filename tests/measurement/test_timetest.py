@@ -126,3 +126,14 @@ def test_a_computed_record_has_no_noise_but_a_floor():
     told = noise_of(TimeTest.of_relaxation(t, t**-0.4, "Pa"))
     assert told.relative < 1e-4
     assert np.all(told.sd > 0.0)
+
+
+def test_a_force_that_was_held_and_released_was_imposed():
+    """Of a creep with recovery neither channel stands still in the end: the force has two levels, and that tells."""
+    t = np.linspace(0.0, 20.0, 400)
+    force = np.where((t > 0.1) & (t < 8.0), 2.0, 0.0)
+    crept = np.where(t < 8.0, np.sqrt(np.maximum(t - 0.1, 0.0)), 2.8 * np.exp(-0.3 * (t - 8.0)))
+    test = TimeTest.of_history(t, crept, force, "mm", "N")
+    assert (test.control, test.kind) == ("force", "recovery")
+    scatter = 1.0 + 0.005 * np.random.default_rng(1).normal(size=len(t))
+    assert TimeTest.of_history(t, crept, force * scatter, "mm", "N").control == "force"

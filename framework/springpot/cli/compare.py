@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import timetests
 from .common import FILE, data_argument, emit, geometry_option, json_option, opened, seed_option
 from .waiting import Waiting
 
@@ -34,7 +35,7 @@ def command(
     """Judge models of DATA against one noise floor: how far each is off, where, and how sure that is.
 
     Without --model all installed models are ranked, alone and with the effects that no material can do without: the
-    simplest that follows the data as well as any material does comes first.
+    simplest that follows the data as well as any material does comes first. Tests in time serve as well as sweeps.
     """
     from springpot.diagnosis import Ranking
     from springpot.registry import parse_model
@@ -45,6 +46,10 @@ def command(
     if figure is not None:
         check_figure_path(figure)
     expressions = [parse_model(model) for model in dict.fromkeys(models)]
+    tests = timetests.named_tests([data], geometry)
+    if tests is not None:
+        timetests.compare(tests, expressions, figure, as_json)
+        return
     found = _compared(opened(data, geometry), expressions, seed or 0)
     if figure is not None:
         from springpot.report.residuals import figure_compared

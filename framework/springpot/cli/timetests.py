@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from springpot.rheology import Model
     from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
 
+MOST_DRAWN = 4
+"""Models in one picture: more colours are not told apart."""
 FAR_OFF = 2.0
 """Error over noise floor from which something is missing; below, the estimate of the noise may be to blame."""
 
@@ -76,6 +78,27 @@ def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], e
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
+
+
+def compare(tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool) -> None:
+    """``springpot compare`` of models of tests in time; without any, all installed ones that have a fixed size."""
+    from springpot.registry import plugins
+    from springpot.report.fits import compared_in_time_text
+    from springpot.rheology import Model
+    from springpot.timetests import compare as compare_in_time
+
+    from .waiting import Waiting
+
+    chosen = models or [item for item in plugins().items("model") if isinstance(item, Model)]
+    with Waiting() as waiting:
+        found = compare_in_time(tests, chosen, waiting.told)
+    if figure is not None:
+        from springpot.report.timetests import figure_tests
+
+        figure_tests(found.fits[:MOST_DRAWN], tests, figure)
+    emit(found, as_json, lambda: print(compared_in_time_text(found)))
+    if figure is not None and not as_json:
+        print(f"\nwritten: {figure}")
 
 
 def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:

@@ -29,6 +29,8 @@ from .units import (
 CONTROLS = ("displacement", "force")
 STEADY = 0.02
 """Share of its largest value by which what is called held may move: rheometers hold a strain to 1 or 2 %."""
+NEARLY_ALL = 0.9
+"""Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
 SHORT = 0.05
 """Share of the record that a rise may take for the test to be called relaxation or creep."""
 STRAIGHT = 0.02
@@ -469,10 +471,26 @@ def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
 
 
 def _held(moved: Real, pulled: Real) -> str:
-    """The channel that stands still for most of the record, and more so than the other; else the displacement."""
+    """The channel that was imposed: the one that is held or released for nearly all of the record, or that stands
+    still for most of it, more so than the other; else the displacement.
+    """
+    at_levels = [_at_levels(x) for x in (moved, pulled)]
+    if max(at_levels) >= NEARLY_ALL:
+        return "force" if at_levels[1] > at_levels[0] else "displacement"
     late = slice(len(moved) // 4, None)
     unrest = [np.ptp(x[late]) / max(np.abs(x).max(), 1e-300) for x in (moved, pulled)]
     return "force" if unrest[1] <= STEADY and unrest[1] < unrest[0] else "displacement"
+
+
+def _at_levels(value: Real) -> float:
+    """Share of the samples that are at the level that was held, or at nothing."""
+    size = np.abs(value)
+    largest = float(size.max())
+    raised = size > 0.5 * largest
+    if largest == 0.0 or not raised.any():
+        return 0.0
+    level = float(np.median(size[raised]))
+    return float(np.mean((np.abs(size - level) <= STEADY * largest) | (size <= STEADY * largest)))
 
 
 def _from_rest(clock: Real, imposed: Real, rise: float) -> Loading:

@@ -18,7 +18,7 @@ from .text import Table, cut, indented, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
-    from springpot.timetests import TimeIdentification
+    from springpot.timetests import TimeComparison, TimeIdentification
 
 FAR = log(1e6)
 """Logarithm of the ratio to the natural size of the data from which a parameter leaves no trace of its size."""
@@ -79,6 +79,28 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
         _tests(found, width),
         "\n".join(wrapped(line, width, " " * 12) for line in lines),
     ]
+    return "\n\n".join(parts)
+
+
+def compared_in_time_text(found: TimeComparison) -> str:
+    """Models against tests in time, best first, and those that these tests cannot judge."""
+    several = len(found.best.tests) > 1
+    headers = ("model", "error", *(f"x floor of {t.name}" if several else "x floor" for t in found.best.tests))
+    headers = (*headers, "delta BIC", "parameters")
+    rows = [
+        [
+            fit.model.name,
+            percent(fit.relative_rms),
+            *(number(test.ratio, 2) for test in fit.tests),
+            number(delta, 3),
+            str(len(fit.theta)),
+        ]
+        for fit, delta in zip(found.fits, found.delta_bic, strict=True)
+    ]
+    names = " + ".join(test.name for test in found.best.tests)
+    parts = [f"{names}: {found.best.model.name} is best", Table(headers, rows, frozenset(headers[1:])).plain()]
+    if found.left_out:
+        parts.append("\n".join(f"left out    {reason}" for reason in found.left_out.values()))
     return "\n\n".join(parts)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.measurement import Measurement, TimeTest
-from springpot.rheology import Model, Real
+from springpot.rheology import Real
 from springpot.timetests import Test, TestPrediction, TimeIdentification, predicted
 from springpot.timetests.parts import InTimePart, parts_of_specimen
 
@@ -27,15 +27,17 @@ DECADE = 10.0
 """Values that differ by more than this are drawn on a logarithmic axis."""
 
 
-def figure_tests(found: TimeIdentification, tests: Sequence[Test], path: str | Path | None = None) -> Figure:
-    """Each test with its fit: over logarithmic time, over linear time, and the residual over its noise.
+def figure_tests(
+    found: TimeIdentification | Sequence[TimeIdentification], tests: Sequence[Test], path: str | Path | None = None
+) -> Figure:
+    """Each test with its fits: over logarithmic time, over linear time, and the residual over its noise.
 
     Parameters
     ----------
-    found : TimeIdentification
-        The fit.
+    found : TimeIdentification, or a sequence of them
+        The fits, of one model or of several.
     tests : sequence of TimeTest or Measurement
-        What it was fitted to.
+        What they were fitted to.
     path : str or Path, optional
         Where to write it.
 
@@ -44,27 +46,29 @@ def figure_tests(found: TimeIdentification, tests: Sequence[Test], path: str | P
     matplotlib.figure.Figure
         The figure.
     """
+    fits = [found] if isinstance(found, TimeIdentification) else list(found)
     parts = parts_of_specimen(tests)
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
         grid = figure.subplots(len(parts), 3, squeeze=False)
         for row, part in zip(grid, parts, strict=True):
             if isinstance(part, InTimePart):
-                _draw_test(row, part, found.model, found.theta, found.reference)
+                _draw_test(row, part, fits)
             else:
-                _draw_sweep(row, part.test, found.model, found.theta)
+                _draw_sweep(row, part.test, fits)
         if path is not None:
             save(figure, path)
     return figure
 
 
-def _draw_test(row: Sequence[Axes], part: InTimePart, model: Model, theta: Real, reference: float) -> None:
+def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentification]) -> None:
     test = part.test
     shown = np.unique(np.linspace(0, len(test) - 1, min(DRAWN, len(test))).astype(int))
     curves = _curve_times(test)
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
         axes.plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured")
-        drawn = predicted(model, theta, test, reference, clock).value
-        axes.plot(clock, drawn, color=COLOURS[0], label=model.name)
+        for colour, fit in zip(COLOURS, fits, strict=False):
+            drawn = predicted(fit.model, fit.theta, test, fit.reference, clock).value
+            axes.plot(clock, drawn, color=colour, label=fit.model.name)
         axes.set_xlabel("t [s]")
         if scale == "log":
             logarithmic(axes, "x")
@@ -73,12 +77,18 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, model: Model, theta: Real,
     row[0].set_ylabel(f"{test.answered} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")
     row[0].legend()
-    residual = -part.with_scale(1.0).residual(model, theta, reference).value
     row[2].axhspan(-2.0, 2.0, color="#EEEEEE")
-    row[2].plot(test.time[shown], residual[shown], ".", color=COLOURS[1], ms=2.5)
+    for colour, fit in zip(_colours_of_residuals(fits), fits, strict=False):
+        residual = -part.with_scale(1.0).residual(fit.model, fit.theta, fit.reference).value
+        row[2].plot(test.time[shown], residual[shown], ".", color=colour, ms=2.5)
     row[2].set(xlabel="t [s]", ylabel="residual / noise")
     if test.time[0] > 0.0:
         logarithmic(row[2], "x")
+
+
+def _colours_of_residuals(fits: Sequence[TimeIdentification]) -> Sequence[str]:
+    """Those of the models where there are several, else one that is no curve's."""
+    return COLOURS if len(fits) > 1 else COLOURS[1:]
 
 
 def _curve_times(test: TimeTest) -> tuple[Real, Real]:
@@ -90,21 +100,23 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
     return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
 
 
-def _draw_sweep(row: Sequence[Axes], sweep: Measurement, model: Model, theta: Real) -> None:
+def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]) -> None:
     order = np.argsort(sweep.omega)
-    computed = model.stiffness(theta, sweep.points)
     unit = sweep.units.stiffness
+    computed = [fit.model.stiffness(fit.theta, sweep.points) for fit in fits]
     for axes, name, of in ((row[0], "storage", np.real), (row[1], "loss", np.imag)):
         axes.plot(sweep.frequency, of(sweep.stiffness), ".", color=QUIET, label="measured")
-        axes.plot(sweep.frequency[order], of(computed)[order], color=COLOURS[0], label=model.name)
+        for colour, fit, k in zip(COLOURS, fits, computed, strict=False):
+            axes.plot(sweep.frequency[order], of(k)[order], color=colour, label=fit.model.name)
         axes.set(xlabel="f [Hz]", ylabel=f"{name} [{unit}]")
         logarithmic(axes, "x")
         if np.all(of(sweep.stiffness) > 0.0):
             logarithmic(axes, "y")
     row[0].set_title(f"{sweep.name}: sweep")
     row[0].legend()
-    missed = 100.0 * np.abs(computed - sweep.stiffness) / sweep.magnitude
-    row[2].plot(sweep.frequency, missed, ".", color=COLOURS[1])
+    for colour, k in zip(_colours_of_residuals(fits), computed, strict=False):
+        missed = 100.0 * np.abs(k - sweep.stiffness) / sweep.magnitude
+        row[2].plot(sweep.frequency, missed, ".", color=colour)
     row[2].set(xlabel="f [Hz]", ylabel="error [% of |K|]")
     row[2].axhline(0.0, color=INK, lw=0.5)
     logarithmic(row[2], "x")

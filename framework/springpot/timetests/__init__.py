@@ -1,5 +1,6 @@
 """Tests in time: what a model answers, identification, prediction of one test from another."""
 
+from .compare import TimeComparison, compare
 from .diagnosis import TimeCandidate, TimeDiagnosis, diagnose
 from .identify import identify
 from .parts import Test
@@ -13,8 +14,10 @@ __all__ = [
     "Test",
     "TestPrediction",
     "TimeCandidate",
+    "TimeComparison",
     "TimeDiagnosis",
     "TimeIdentification",
+    "compare",
     "diagnose",
     "identify",
     "predict_test",

@@ -192,6 +192,11 @@ class TimeIdentification:
         """Error of the worst test: root mean square of the residual over that of the signal."""
         return max(test.error for test in self.tests)
 
+    @property
+    def power(self) -> float:
+        """Sum of squares of the residuals over their noise."""
+        return sum(test.points * test.ratio**2 for test in self.tests)
+
     @cached_property
     def printed(self) -> list[tuple[float, str]]:
         """Factor and unit in which each parameter is printed."""
@@ -254,7 +259,7 @@ class TimeIdentification:
             "data": " + ".join(test.name for test in self.tests),
             "parameters": self.parameters,
             "search_parameters": {},
-            "objective": {"name": "noise", "value": float(sum(test.points * test.ratio**2 for test in self.tests))},
+            "objective": {"name": "noise", "value": float(self.power)},
             "relative_rms": self.relative_rms,
             "tests": [test.to_dict() for test in self.tests],
             "covariance": self.in_printed_units().tolist(),
