@@ -471,8 +471,9 @@ def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
 
 
 def _held(moved: Real, pulled: Real) -> str:
-    """The channel that was imposed: the one that is held or released for nearly all of the record, or that stands
-    still for most of it, more so than the other; else the displacement.
+    """The channel that is held or released for nearly all of the record, or stands still in it; else the displacement.
+
+    A force that was held and taken away does not stand still in the end, nor does what recovers from it.
     """
     at_levels = [_at_levels(x) for x in (moved, pulled)]
     if max(at_levels) >= NEARLY_ALL:
