@@ -471,7 +471,7 @@ def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
 
 
 def _held(moved: Real, pulled: Real) -> str:
-    """The channel that is held or released for nearly all of the record, or stands still in it; else the displacement.
+    """The channel that is held or released for nearly all of the record, or stands still; else the displacement.
 
     A force that was held and taken away does not stand still in the end, nor does what recovers from it.
     """
