@@ -170,6 +170,7 @@ def _described(test: TimeTest) -> dict[str, Any]:
         },
         "stiffness_unit": test.units.stiffness,
         "temperature": test.temperature,
+        "temperature_moves": None if test.warmth is None else [float(test.warmth.min()), float(test.warmth.max())],
         "noise": {
             "floor": noise.floor,
             "absolute": noise.absolute,
@@ -227,7 +228,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     if len(in_time) > 1:
         raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
     test = in_time[0]
-    return test if temperature is None else replace(test, temperature=temperature)
+    return test if temperature is None else replace(test, temperature=temperature, warmth=None)
 
 
 def _table_text(predicted: TestPrediction) -> str:

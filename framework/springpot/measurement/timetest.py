@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -127,6 +128,8 @@ class TimeTest:
         Where the data come from.
     measured : bool
         Whether the response was measured; otherwise it is zero and only asked for.
+    warmth : ndarray, shape (n,), optional
+        Temperature in degC of each sample, where it moved during the test; `temperature` is then its mean.
 
     Raises
     ------
@@ -150,9 +153,13 @@ class TimeTest:
     name: str = "test"
     provenance: Mapping[str, str] = field(default_factory=dict)
     measured: bool = True
+    warmth: Real | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        if self.warmth is not None:
+            object.__setattr__(self, "warmth", np.asarray(self.warmth, dtype=float))
+            object.__setattr__(self, "temperature", float(np.mean(self.warmth)))
         for name in ("time", "response"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
         if self.control not in CONTROLS:
@@ -165,7 +172,12 @@ class TimeTest:
             raise DataError(f"{self.name}: {n} times for {self.response.size} values: each sample has one of both")
         if n < 2:
             raise DataError(f"{self.name}: {n} sample is no test in time")
-        for what, values in (("time", self.time), (self.answered, self.response)):
+        columns = [("time", self.time), (self.answered, self.response)]
+        if self.warmth is not None:
+            columns.append(("temperature", self.warmth))
+            if self.warmth.shape != self.time.shape:
+                raise DataError(f"{self.name}: {self.warmth.size} temperatures for {n} samples: each has one")
+        for what, values in columns:
             bad = np.flatnonzero(~np.isfinite(values))
             if len(bad):
                 raise DataError(f"{self.name}: the {what} of sample {bad[0] + 1} is no number: leave that sample out")
@@ -192,7 +204,7 @@ class TimeTest:
         unit: str = "Pa",
         *,
         rise: float = 0.0,
-        temperature: float | None = None,
+        temperature: float | ArrayLike | None = None,
         name: str = "relaxation",
         provenance: Mapping[str, str] | None = None,
     ) -> TimeTest:
@@ -206,7 +218,9 @@ class TimeTest:
             Of the modulus or stiffness.
         rise : float
             Seconds that the step took.
-        temperature, name, provenance
+        temperature : float or array_like, shape (n,), optional
+            In degC; one for each sample where it moved.
+        name, provenance
             As in `TimeTest`.
         """
         force, displacement = _split(unit)
@@ -217,9 +231,9 @@ class TimeTest:
             "displacement",
             displacement,
             force,
-            temperature,
-            name,
-            provenance or {},
+            name=name,
+            provenance=provenance or {},
+            **_warm(temperature),
         )
 
     @classmethod
@@ -230,7 +244,7 @@ class TimeTest:
         unit: str = "Pa",
         *,
         rise: float = 0.0,
-        temperature: float | None = None,
+        temperature: float | ArrayLike | None = None,
         name: str = "creep",
         provenance: Mapping[str, str] | None = None,
     ) -> TimeTest:
@@ -243,9 +257,9 @@ class TimeTest:
             "force",
             displacement,
             force,
-            temperature,
-            name,
-            provenance or {},
+            name=name,
+            provenance=provenance or {},
+            **_warm(temperature),
         )
 
     @classmethod
@@ -259,7 +273,7 @@ class TimeTest:
         *,
         control: str | None = None,
         rise: float = 0.0,
-        temperature: float | None = None,
+        temperature: float | ArrayLike | None = None,
         name: str = "history",
         provenance: Mapping[str, str] | None = None,
     ) -> TimeTest:
@@ -276,7 +290,9 @@ class TimeTest:
             Which of the two was imposed; by default the one that is held, or else the displacement.
         rise : float
             Seconds that the load took from nothing to where the record begins, if that is known.
-        temperature, name, provenance
+        temperature : float or array_like, shape (n,), optional
+            In degC; one for each sample where it moved.
+        name, provenance
             As in `TimeTest`.
         """
         clock, moved, pulled = (np.asarray(column, dtype=float) for column in (time, displacement, force))
@@ -297,9 +313,9 @@ class TimeTest:
             chosen,
             displacement_unit,
             force_unit,
-            temperature,
-            name,
-            provenance or {},
+            name=name,
+            provenance=provenance or {},
+            **_warm(temperature),
         )
 
     @classmethod
@@ -309,7 +325,7 @@ class TimeTest:
         imposed: ArrayLike,
         unit: str,
         *,
-        temperature: float | None = None,
+        temperature: float | ArrayLike | None = None,
         name: str = "planned",
     ) -> TimeTest:
         """A test that is only to be predicted: displacement, strain, force or stress against time, by its unit.
@@ -326,7 +342,9 @@ class TimeTest:
                 units = (unit, force) if unit in lengths else (length, unit)
                 _require_numbers(clock, course, name, control)
                 loading = _from_rest(clock, course, 0.0)
-                return cls(clock, 0.0 * clock, loading, control, *units, temperature, name, {}, False)
+                return cls(
+                    clock, 0.0 * clock, loading, control, *units, name=name, measured=False, **_warm(temperature)
+                )
         raise DataError(f"{name}: [{unit}] is no unit of a displacement, strain, force or stress")
 
     def __len__(self) -> int:
@@ -445,6 +463,12 @@ class TimeTest:
             displacement_unit=displacement,
             force_unit=force,
         )
+
+
+def _warm(temperature: float | ArrayLike | None) -> dict[str, Any]:
+    """One temperature, or one for each sample."""
+    key = "temperature" if temperature is None or np.ndim(temperature) == 0 else "warmth"
+    return {key: temperature}
 
 
 def _split(unit: str) -> tuple[str, str]:

@@ -171,7 +171,10 @@ def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
         ("answer", f"{answered}, {number(answer['from'])} to {_sized(answer['to'], answer['unit'])}"),
         ("noise", f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}"),
     ]
-    if result["temperature"] is not None:
+    if result["temperature_moves"] is not None:
+        low, high = result["temperature_moves"]
+        rows.append(("temperature", f"{low:.4g} to {high:.4g} degC, followed by shifts"))
+    elif result["temperature"] is not None:
         rows.append(("temperature", f"{result['temperature']:.4g} degC"))
     rows += [("note" if key.startswith("note ") else key, value) for key, value in result["provenance"].items()]
     return "\n".join(wrapped(f"{key:<11} {value}", width, " " * 12) for key, value in rows)

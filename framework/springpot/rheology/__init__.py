@@ -10,7 +10,7 @@ from .formula import (
     Formula,
 )
 from .handoff import Handoff, Writer
-from .history import InTime
+from .history import InTime, Placed, network_of, sorted_out
 from .hysteresis import smooth_hysteresis
 from .intime import Traced
 from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
@@ -101,6 +101,9 @@ from .wave import (
 )
 
 __all__ = [
+    "Placed",
+    "network_of",
+    "sorted_out",
     "Formula",
     "basset",
     "diffusion",

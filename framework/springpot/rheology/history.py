@@ -70,7 +70,25 @@ class InTime:
         """Displacement (n,) under a force, and its derivatives."""
         t, force = _history(t, force, "force")
         with self._blaming():
+            if isinstance(self.temperature, np.ndarray):
+                return self._reduced(self._only_material(), t, force, "force")
             return self._linear("the answer to a force").respond_force(t, force)
+
+    def _only_material(self) -> list[Placed]:
+        """The effects, where all of them are linear and go by the clock of the material.
+
+        Raises
+        ------
+        ModelError
+            If one stands beside it, or belongs to the signals.
+        """
+        inside, beside, signals = sorted_out(self.model)
+        last = max((i for i, each in enumerate(inside) if each.effect.composition.kind is Shift), default=-1)
+        for effect, _, _ in [*inside[last + 1 :], *beside, *signals]:
+            raise ModelError(
+                f"'{effect.name}' is not followed under a force while the temperature moves: leave it out"
+            )
+        return inside
 
     def respond(self, t: Real, displacement: Real) -> Traced:
         """Force (n,) for a displacement, and its derivatives."""
@@ -90,6 +108,60 @@ class InTime:
             columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
         return Traced(columns[:, 0], columns[:, 1:])
 
+    def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
+        """How the answer changes where the material's clock does.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Time by that clock, rising.
+        imposed : ndarray, shape (n,)
+            Displacement or force at each.
+        control : {"displacement", "force"}
+            Which of the two.
+        moves : ndarray, shape (n, q)
+            By how much each of q changes moves the clock at each sample.
+
+        Returns
+        -------
+        ndarray, shape (n, q)
+            Derivatives of the force or displacement, by complex steps.
+
+        Raises
+        ------
+        ModelError
+            If something in the model has no clock of the material: see `on_its_clock`.
+        """
+        with self._blaming():
+            passive = self.on_its_clock()
+            respond = passive.respond if control == "displacement" else passive.respond_force
+            columns = [respond(t + 1j * STEP * move, imposed, slopes=False).value.imag / STEP for move in moves.T]
+        return np.column_stack(columns)
+
+    def step_rate(self, t: Real, control: str) -> Real:
+        """Derivative (n,) of `relaxation` or `creep` by the time t > 0."""
+        with self._blaming():
+            passive = self.on_its_clock()
+            return passive.relaxation_rate(t) if control == "displacement" else passive.creep_rate(t)
+
+    @property
+    def linear(self) -> bool:
+        """Whether twice the displacement has twice the force."""
+        return not sorted_out(self.model)[1]
+
+    def on_its_clock(self) -> Passive:
+        """The material alone, which may have a clock of its own.
+
+        Raises
+        ------
+        ModelError
+            If there is a mass, or an effect that is not linear or of the signals: these go by the clock on the wall.
+        """
+        passive = self._linear("a clock of the material")
+        if passive.inertial:
+            raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
+        return passive
+
     def _blaming(self) -> AbstractContextManager[None]:
         at = None if isinstance(self.temperature, np.ndarray) else self.temperature
         return blaming(self.model, self.theta, conditions_at(at, self.reference_temperature))
@@ -108,18 +180,19 @@ class InTime:
         return Passive(network, self.theta, conditions_at(at, self.reference_temperature), self.tolerance)
 
     def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
-        network, own = _network(self.model, inside)
+        network, own = network_of(self.model, inside)
         if not isinstance(self.temperature, np.ndarray):
             return self._placed(self._passive(network), own, t, x)
         return self._reduced(inside, t, x)
 
-    def _placed(self, passive: Passive, own: list[int], t: Real, x: Real) -> Traced:
-        found = replace(passive, theta=self.theta[own]).respond(t, x)
+    def _placed(self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement") -> Traced:
+        mine = replace(passive, theta=self.theta[own])
+        found = mine.respond(t, x) if control == "displacement" else mine.respond_force(t, x)
         by_theta = np.zeros((len(t), len(self.theta)), dtype=found.by_theta.dtype)
         by_theta[:, own] = found.by_theta
         return Traced(found.value, by_theta)
 
-    def _reduced(self, inside: list[Placed], t: Real, x: Real) -> Traced:
+    def _reduced(self, inside: list[Placed], t: Real, x: Real, control: str = "displacement") -> Traced:
         """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
         shifts = [place for place, each in enumerate(inside) if each.effect.composition.kind is Shift]
         last = shifts[-1] + 1 if shifts else 0
@@ -132,17 +205,21 @@ class InTime:
         temperature = np.asarray(self.temperature, dtype=float)
         if temperature.shape != t.shape or not np.all(temperature > 0.0):
             raise ModelError(f"a history of {len(t)} samples needs as many temperatures in kelvin, all above zero")
-        network, own = _network(self.model, inside[:last])
+        network, own = network_of(self.model, inside[:last])
         at = Points(np.zeros(len(t)), None, temperature, self.reference_temperature)
         moving = [inside[place] for place in shifts]
         laws = [(each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT)) for each in moving]
         log_shift = sum((law.value.real for _, law in laws), np.zeros(len(t)))
         passive = self._passive(network, self.reference_temperature)
-        found = self._placed(passive, own, _reduced_time(t, log_shift), x)
+        if control == "force" and replace(passive, theta=self.theta[own]).inertial:
+            raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
+        found = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
         for own_law, law in laws:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
                 turned = _reduced_time(t, log_shift + 1j * STEP * slope)
-                moved = replace(passive, theta=self.theta[own]).respond(turned, x, slopes=False)
+                mine = replace(passive, theta=self.theta[own])
+                answer = mine.respond if control == "displacement" else mine.respond_force
+                moved = answer(turned, x, slopes=False)
                 found.by_theta[:, i] = moved.value.imag / STEP
         for effect, _, places in inside[last:]:
             outer = self._placed(self._passive(effect.element, self.reference_temperature), places, t, x)
@@ -181,7 +258,7 @@ def sorted_out(model: Model) -> tuple[list[Placed], list[Placed], list[Placed]]:
     return inside, beside, signals
 
 
-def _network(model: Model, inside: list[Placed]) -> tuple[Node, list[int]]:
+def network_of(model: Model, inside: list[Placed]) -> tuple[Node, list[int]]:
     """The network of a model with some of its effects only, and where its parameters stand in the model's theta."""
     network, own = model.material, list(range(len(model.material.parameters)))
     for effect, prefix, places in inside:

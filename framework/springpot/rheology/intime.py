@@ -177,32 +177,49 @@ class Passive:
         both = driven(modes.rates, steps, changes, mix, rate_mix)
         return Traced(value + both[:, 0], by_theta + both[:, 1:])
 
-    def respond_force(self, t: Real, force: Real) -> Traced:
-        """Displacement for a force that was held at its first value before.
+    def relaxation_rate(self, t: Real) -> Real:
+        """Derivative by time (n,) of `relaxation`, after the step."""
+        modes = self.spectrum(t.min(), t.max())
+        rate: Real = -np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)
+        return rate
+
+    def creep_rate(self, t: Real) -> Real:
+        """Derivative by time (n,) of `creep`, after the step."""
+        modes = self.retardation(t.min(), t.max())
+        rate: Real = modes.fluidity + (np.exp(-np.outer(t, modes.rates)) @ (modes.rates * modes.weights)).real
+        return rate
+
+    def respond_force(self, t: Any, force: Any, *, slopes: bool = True) -> Traced:
+        """Displacement for a force that was held at its first value before; reduced times may be complex.
 
         Raises
         ------
         ModelError
             If that force would have made the specimen flow without end.
         """
+        force = force.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(force, prepend=force[0])
         stiffness, stiffness_slopes = self.limit(-FAR)
         if stiffness <= 0.0 and force[0] != 0.0:
             raise ModelError(
-                f"a fluid under a force of {force[0]:g} before the first sample has flowed without end: begin at 0"
+                f"a fluid under a force of {force[0].real:g} before the first sample has flowed without end: begin at 0"
             )
         start = force[0] / stiffness if stiffness > 0.0 else 0.0
         start_slopes = -start / stiffness * stiffness_slopes if stiffness > 0.0 else np.zeros(len(self.theta))
-        modes = self.retardation(*_times(t))
-        slopes = modes.by_theta
+        modes = self.retardation(*_times(t.real))
+        by = modes.by_theta
         more = force - force[0]
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (more[1:] + more[:-1]) * steps[1:])])
-        mix = -np.column_stack([modes.weights, slopes.weights])
-        rate_mix = -np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * slopes.rates])
-        both = driven(modes.rates, steps, changes, mix, rate_mix)
         value = start + (modes.glass + modes.weights.sum().real) * more + modes.fluidity * impulse
-        by_theta = start_slopes + np.outer(more, slopes.equilibrium + slopes.weights.sum(axis=0).real)
-        by_theta = by_theta + np.outer(impulse, slopes.viscosity)
+        if not slopes:
+            alone = -modes.weights[:, None]
+            value = value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0]
+            return Traced(value, np.zeros((len(t), 0)))
+        mix = -np.column_stack([modes.weights, by.weights])
+        rate_mix = -np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])
+        both = driven(modes.rates, steps, changes, mix, rate_mix)
+        by_theta = start_slopes + np.outer(more, by.equilibrium + by.weights.sum(axis=0).real)
+        by_theta = by_theta + np.outer(impulse, by.viscosity)
         return Traced(value + both[:, 0].real, by_theta + both[:, 1:].real)
 
     def retardation(self, shortest: float, longest: float) -> Retardation:

@@ -7,6 +7,8 @@ import numpy as np
 from springpot.measurement import Loading, TimeTest
 from springpot.rheology import InTime, Model, Real, Traced
 
+from .warming import warming
+
 TOLERANCE = 1e-6
 """Relative error of K for which the spectrum is read: a thousandth of the best transducer's noise."""
 
@@ -46,6 +48,8 @@ def predicted(
     ModelError
         If an effect of the model has no law in time, or not for a step that takes no time.
     """
+    if test.warmth is not None and "temperature" in model.needs:
+        return warming(model, theta, test, reference, at, tolerance)
     t = test.time if at is None else at
     kelvin = test.kelvin
     away = kelvin if reference is None else reference

@@ -169,12 +169,12 @@ def _place(titles: Sequence[Title], key: str) -> int | None:
 
 def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
     origin = {"file": path.name, **({"part": section.name} if section.name else {})}
-    temperature = manner.temperature
+    _require_units(section, path)
+    section = _without_ties(section, origin)
+    temperature: float | Real | None = manner.temperature
     if temperature is None and (place := _first(section, "temperature")) is not None:
         temperature = _temperature(section, place, origin)
     said = {"temperature": temperature, "name": name, "provenance": origin}
-    _require_units(section, path)
-    section = _without_ties(section, origin)
     clock = _clock(section)
     pair = _pair(section)
     if pair is not None:
@@ -284,15 +284,22 @@ def _inverse(unit: str, path: Path) -> str:
     return under if over == "1" else f"{under}/{over}"
 
 
-def _temperature(section: Section, place: int, origin: dict[str, str]) -> float | None:
+def _temperature(section: Section, place: int, origin: dict[str, str]) -> float | Real | None:
+    """One temperature in degC, or that of each row where it moved."""
     column = section.column(place)
-    column = column[np.isfinite(column)]
-    if not len(column) or section.titles[place].unit not in TEMPERATURE_UNITS:
+    known = np.isfinite(column)
+    if not known.any() or section.titles[place].unit not in TEMPERATURE_UNITS:
         return None
     warm = temperature_in_celsius(column, section.titles[place].unit)
-    if np.ptp(warm) > STEADY:
-        origin["note temperature"] = f"it moves by {np.ptp(warm):.2g} K during the test; its mean is used"
-    return float(np.mean(warm))
+    moved = float(np.ptp(warm[known]))
+    if moved <= STEADY:
+        return float(np.mean(warm[known]))
+    if not known.all():
+        origin["note temperature"] = (
+            f"it moves by {moved:.2g} K, and lacks in {int((~known).sum())} rows: its mean is used"
+        )
+        return float(np.mean(warm[known]))
+    return np.asarray(warm, dtype=float)
 
 
 READER = TimeReader(

@@ -1,0 +1,65 @@
+"""A test during which the temperature moved: shifts follow it in reduced time, sample by sample."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from springpot.measurement import KELVIN, Loading, TimeTest
+from springpot.rheology import Model, Real, Traced
+
+SUDDEN = 1e-6
+"""Share of the time to the next sample that a step takes: it is a ramp here, whose error is of that size."""
+
+
+def warming(
+    model: Model, theta: Real, test: TimeTest, reference: float | None, at: Real | None, tolerance: float
+) -> Traced:
+    """The response of a model to the loading of a test whose temperature moved.
+
+    Parameters
+    ----------
+    model : Model
+        Whatever a temperature moves in it is a shift.
+    theta : ndarray, shape (p,)
+        Its parameters, in the units of the test.
+    test : TimeTest
+        With its `warmth`, straight between samples and held before and after them.
+    reference : float or None
+        Temperature in kelvin at which shifts are one; the mean of the test by default.
+    at : ndarray, shape (m,), or None
+        Rising times in s; those of the test by default.
+    tolerance : float
+        Relative error of K.
+
+    Returns
+    -------
+    Traced
+        Response (m,) and its derivatives (m, p).
+
+    Raises
+    ------
+    ModelError
+        If something else than a shift feels the temperature.
+    """
+    assert test.warmth is not None
+    assert test.kelvin is not None
+    t = test.time if at is None else at
+    loading = _gradual(test.loading, test.time)
+    # All samples take part, whichever are asked for: between them the temperature may turn.
+    grid = np.union1d(np.union1d(loading.time, test.time), t)
+    kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
+    away = test.kelvin if reference is None else reference
+    inside = model.in_time(theta, temperature=kelvin, reference_temperature=away, tolerance=tolerance)
+    imposed = np.interp(grid, loading.time, loading.value)
+    found = inside.respond(grid, imposed) if test.control == "displacement" else inside.respond_force(grid, imposed)
+    rows = np.searchsorted(grid, t)
+    return Traced(found.value[rows], found.by_theta[rows])
+
+
+def _gradual(loading: Loading, samples: Real) -> Loading:
+    """The loading with ramps in place of its steps."""
+    time = loading.time.copy()
+    for i in np.flatnonzero(np.diff(time) == 0.0):
+        later = np.concatenate([samples[samples > time[i]], time[time > time[i]]])
+        time[i + 1] += SUDDEN * (float(later.min()) - time[i] if len(later) else 1.0)
+    return Loading(time, loading.value)

@@ -1,0 +1,91 @@
+"""Tests during which the temperature moves: shifts follow it in reduced time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError, ModelError
+from springpot.measurement import Loading, TimeTest
+from springpot.registry import open_in_time, parse_model
+from springpot.timetests import identify, predicted
+
+MODEL = parse_model("fractional-zener + arrhenius-shift")
+THETA = MODEL.vector({"k1": 20.0, "k2": 300.0, "c": 50.0, "alpha": 0.6, "arrhenius-shift.Ea": 80.0})
+T = np.linspace(0.0, 100.0, 401)
+WARMER = 20.0 + 0.4 * T
+REFERENCE = 293.15
+
+
+def relaxed(temperature, kind=TimeTest.of_relaxation):
+    blank = kind(T[1:], np.ones(len(T) - 1), "kPa", temperature=temperature)
+    return blank, predicted(MODEL, THETA, blank, REFERENCE).value
+
+
+@pytest.mark.parametrize("kind", [TimeTest.of_relaxation, TimeTest.of_compliance])
+def test_a_temperature_that_stands_still_is_one_temperature(kind):
+    _, one = relaxed(35.0, kind)
+    _, each = relaxed(np.full(len(T) - 1, 35.0), kind)
+    np.testing.assert_allclose(each, one, rtol=2e-5)
+
+
+@pytest.mark.parametrize("kind", [TimeTest.of_relaxation, TimeTest.of_compliance])
+def test_a_step_is_followed_in_reduced_time(kind):
+    """The integral of dt / a_T by a rule of its own, put into the model at its reference temperature."""
+    _, found = relaxed(WARMER[1:], kind)
+    fine = np.linspace(0.0, 100.0, 40001)
+    # Held at its first value before the first sample.
+    kelvin = np.interp(fine, T[1:], WARMER[1:]) + 273.15
+    pace = np.exp(-80.0 / 8.31446261815324e-3 * (1 / kelvin - 1 / REFERENCE))
+    reduced = np.concatenate([[0.0], np.cumsum(0.5 * (pace[1:] + pace[:-1]) * np.diff(fine))])
+    at = np.interp(T[1:], fine, reduced)
+    plain = MODEL - "arrhenius-shift"
+    law = plain.relaxation if kind == TimeTest.of_relaxation else plain.creep
+    np.testing.assert_allclose(found, law(THETA[:4], at), rtol=1e-4)
+
+
+@pytest.mark.parametrize("control", ["displacement", "force"])
+def test_derivatives_while_it_warms(control):
+    loading = Loading(T, np.sin(0.3 * T) * np.minimum(T / 10, 1))
+    test = TimeTest(T, np.zeros(len(T)), loading, control, "-", "kPa", warmth=WARMER)
+
+    def ask(theta):
+        return predicted(MODEL, theta, test, REFERENCE, tolerance=1e-9)
+
+    found = ask(THETA)
+    for i, size in enumerate(THETA):
+        step = 1e-5 * size * np.eye(len(THETA))[i]
+        slope = (ask(THETA + step).value - ask(THETA - step).value) / (2e-5 * size)
+        assert np.abs(found.by_theta[:, i] - slope).max() * size < 1e-6 * np.abs(found.value).max()
+
+
+def test_an_activation_energy_is_found_from_one_record(tmp_path):
+    """A file with a column of temperatures; one at a steady temperature would not tell it."""
+    strain = 0.01 * np.sin(0.5 * T)
+    blank = TimeTest.of_history(T, strain, 0 * T, "-", "kPa", control="displacement", temperature=WARMER)
+    exact = predicted(MODEL, THETA, blank, REFERENCE).value
+    stress = exact + 0.002 * np.abs(exact).max() * np.random.default_rng(1).normal(size=len(T))
+    rows = "".join(
+        ",".join(f"{each:.12g}" for each in row) + "\n" for row in zip(T, 100 * strain, stress, WARMER, strict=True)
+    )
+    path = tmp_path / "warming.csv"
+    path.write_text("time [s],strain [%],stress [kPa],temperature [degC]\n" + rows)
+    [test] = open_in_time(path)
+    assert test.warmth is not None
+    assert test.temperature == pytest.approx(40.0)
+    found = identify(test, MODEL)
+    row = found.parameters["arrhenius-shift.Ea"]
+    assert row["low"] < 80.0 < row["high"]
+    assert row["high"] - row["low"] < 10.0
+    assert found.tests[0].ratio < 1.15
+
+
+def test_what_cannot_follow_it_is_refused_by_name():
+    loading = Loading(T, T)
+    pulled = TimeTest(T, T, loading, "force", "-", "kPa", warmth=WARMER)
+    with pytest.raises(ModelError, match="'inertia' is not followed"):
+        identify(pulled, MODEL + "inertia")
+    with pytest.raises(DataError, match="3 temperatures for 401 samples"):
+        TimeTest(T, T, loading, warmth=np.ones(3))
+    with pytest.raises(DataError, match="temperature of sample 2 is no number"):
+        TimeTest.of_relaxation([1.0, 2.0], [1.0, 1.0], temperature=[20.0, np.nan])
