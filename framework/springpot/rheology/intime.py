@@ -202,7 +202,7 @@ class Passive:
         stiffness, stiffness_slopes = self.limit(-FAR)
         if stiffness <= 0.0 and force[0] != 0.0:
             raise ModelError(
-                f"a fluid under a force of {force[0].real:g} before the first sample has flowed without end: begin at 0"
+                f"a fluid under a force of {force[0].real:g} before the first sample flowed without end: begin at 0"
             )
         start = force[0] / stiffness if stiffness > 0.0 else 0.0
         start_slopes = -start / stiffness * stiffness_slopes if stiffness > 0.0 else np.zeros(len(self.theta))
