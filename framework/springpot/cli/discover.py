@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import completion
+from . import completion, timetests
 from .common import (
     FILE,
     data_argument,
@@ -86,6 +86,11 @@ def command(
         check_figure_path(figure)
     expression = None if model is None else parse_model(model)
     effects = [plugins().effect(name) for name in accept]
+    tests = timetests.named_tests([data], geometry)
+    if tests is not None:
+        given = [name for name in ("fix", "bounds", "exclude") if options[name]] + ["report"] * (report is not None)
+        timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
+        return 0
     measurement = opened(data, geometry)
     wanted = None if auto else effects
     again = again_with(data, model, accept, auto, seed, geometry, options)

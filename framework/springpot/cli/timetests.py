@@ -11,7 +11,7 @@ from .common import emit, note_to_stderr, opened, quoted, window
 if TYPE_CHECKING:
     from springpot.identification import Identification
     from springpot.measurement import TimeTest
-    from springpot.rheology import Model
+    from springpot.rheology import Effect, Model
     from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
 
 MOST_DRAWN = 4
@@ -111,6 +111,37 @@ def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:
         raise ModelError("tests in time are judged by a model: give --model, such as fractional-zener")
     found = diagnose_in_time(tests, model, plugins().items("effect"))
     emit(found, as_json, lambda: _show_diagnosis(found))
+
+
+def discover(
+    tests: Sequence[Test],
+    model: Model | None,
+    accept: Sequence[Effect] | None,
+    figure: Path | None,
+    as_json: bool,
+    given: Sequence[str],
+) -> None:
+    """``springpot discover`` from tests in time."""
+    from springpot.errors import ModelError, OptionError
+    from springpot.registry import plugins
+    from springpot.report.fits import climbed_in_time_text
+    from springpot.timetests import discover as discover_in_time
+
+    from .waiting import Waiting
+
+    if given:
+        raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
+    if model is None:
+        raise ModelError("tests in time are judged by a model: give --model, such as fractional-zener")
+    with Waiting() as waiting:
+        found = discover_in_time(tests, model, list(plugins().items("effect")), accept, waiting.told)
+    if figure is not None:
+        from springpot.report.timetests import figure_tests
+
+        figure_tests([step.fit for step in found.steps][-MOST_DRAWN:], tests, figure)
+    emit(found, as_json, lambda: print(climbed_in_time_text(found, window())))
+    if figure is not None and not as_json:
+        print(f"\nwritten: {figure}")
 
 
 def _show_diagnosis(found: TimeDiagnosis) -> None:

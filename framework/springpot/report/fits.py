@@ -18,7 +18,7 @@ from .text import Table, cut, indented, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
-    from springpot.timetests import TimeComparison, TimeIdentification
+    from springpot.timetests import TimeComparison, TimeIdentification, TimeLadder
 
 FAR = log(1e6)
 """Logarithm of the ratio to the natural size of the data from which a parameter leaves no trace of its size."""
@@ -102,6 +102,27 @@ def compared_in_time_text(found: TimeComparison) -> str:
     if found.left_out:
         parts.append("\n".join(f"left out    {reason}" for reason in found.left_out.values()))
     return "\n\n".join(parts)
+
+
+def climbed_in_time_text(found: TimeLadder, width: int = 120) -> str:
+    """The rungs of a discovery from tests in time, the parameters of the last, and what is said of it."""
+    headers = ("step", "model", "error", "x floor")
+    rows = [
+        [str(i), step.fit.model.name, percent(step.fit.relative_rms), number(step.over_floor, 2)]
+        for i, step in enumerate(found.steps)
+    ]
+    last = found.steps[-1].fit
+    parts = [
+        Table(headers, rows, frozenset(headers[2:])).plain(),
+        parameters_text("parameter", {name: _measured(entry) for name, entry in last.parameters.items()}),
+        wrapped(found.diagnosis.says, width),
+    ]
+    doubts = [
+        f"+ {step.accepted} may as well be {' or '.join(step.alike)}: these tests cannot tell them apart"
+        for step in found.steps
+        if step.alike
+    ]
+    return "\n\n".join([*parts, *doubts])
 
 
 def _measured(entry: dict[str, Any]) -> Value:

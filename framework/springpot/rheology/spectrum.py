@@ -184,8 +184,10 @@ def _reason(effect: Effect) -> str:
 def _guilty(model: Model, theta: Real, conditions: Points, fault: str) -> str:
     """Which part of the model has no spectrum: the first effect with which it is lost."""
     values = dict(zip(model.names, theta, strict=True))
-    for count in range(len(model.effects)):
-        smaller = replace(model, effects=model.effects[:count])
+    # What stands beside the network or in the signals is followed on its own, and is not to blame.
+    linear = tuple(effect for effect in model.effects if not _reason(effect))
+    for count in range(len(linear)):
+        smaller = replace(model, effects=linear[:count])
         try:
             _spectrum(
                 smaller.network, smaller.vector({n: values[n] for n in smaller.names}), conditions, None, 1e-3, 1
@@ -194,7 +196,7 @@ def _guilty(model: Model, theta: Real, conditions: Points, fault: str) -> str:
             part = f"'{smaller.effects[-1].name}'" if count else f"'{model.base}'"
             break
     else:
-        part = f"'{model.effects[-1].name}'" if model.effects else f"'{model.base}'"
+        part = f"'{linear[-1].name}'" if linear else f"'{model.base}'"
     return f"{model.name} has no relaxation spectrum: {part} {fault}"
 
 

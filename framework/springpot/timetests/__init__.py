@@ -2,6 +2,7 @@
 
 from .compare import TimeComparison, compare
 from .diagnosis import TimeCandidate, TimeDiagnosis, diagnose
+from .discover import TimeLadder, TimeStep, discover
 from .identify import identify
 from .parts import Test
 from .predicted import predicted
@@ -17,8 +18,11 @@ __all__ = [
     "TimeComparison",
     "TimeDiagnosis",
     "TimeIdentification",
+    "TimeLadder",
+    "TimeStep",
     "compare",
     "diagnose",
+    "discover",
     "identify",
     "predict_test",
     "predicted",

@@ -1,0 +1,150 @@
+"""Missing effects added one by one to a model of tests in time, and how far each lowers the error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from springpot.rheology import Effect, Model
+
+from .diagnosis import TimeDiagnosis, diagnose
+from .identify import identify
+from .parts import Test
+from .result import TimeIdentification
+
+SCHEMA = "springpot.discovery-in-time/1"
+MOST = 6
+"""Effects that are added at most: more than a record has ever told apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class TimeStep:
+    """One rung.
+
+    Attributes
+    ----------
+    fit : TimeIdentification
+        Of the model of this rung.
+    accepted : str or None
+        The effect that made it; None on the first rung.
+    alike : tuple of str
+        Effects that it could not be told from.
+    """
+
+    fit: TimeIdentification
+    accepted: str | None
+    alike: tuple[str, ...] = ()
+
+    @property
+    def over_floor(self) -> float:
+        """Error over the noise floor, of the worst test."""
+        return max(test.ratio for test in self.fit.tests)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "model": self.fit.model.name,
+            "accepted": self.accepted,
+            "class": list(self.alike),
+            "relative_rms": self.fit.relative_rms,
+            "over_floor": self.over_floor,
+            "tests": [test.to_dict() for test in self.fit.tests],
+            "parameters": self.fit.parameters,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class TimeLadder:
+    """A discovery from tests in time.
+
+    Attributes
+    ----------
+    steps : tuple of TimeStep
+        The first is the model without further effects.
+    diagnosis : TimeDiagnosis
+        Of the last one.
+    """
+
+    steps: tuple[TimeStep, ...]
+    diagnosis: TimeDiagnosis
+
+    @property
+    def model(self) -> Model:
+        """The model of the last rung."""
+        return self.steps[-1].fit.model
+
+    @property
+    def verdict(self) -> str:
+        """That of the last diagnosis."""
+        return self.diagnosis.verdict
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.discovery-in-time/1``."""
+        return {
+            "schema": SCHEMA,
+            "data": " + ".join(test.name for test in self.steps[-1].fit.tests),
+            "steps": [step.to_dict() for step in self.steps],
+            "verdict": self.verdict,
+            "diagnosis": self.diagnosis.to_dict(),
+        }
+
+
+def discover(
+    tests: Sequence[Test],
+    model: Model,
+    effects: Sequence[Effect],
+    accept: Sequence[Effect] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> TimeLadder:
+    """Add missing effects one by one.
+
+    Parameters
+    ----------
+    tests : sequence of TimeTest or Measurement
+        Of one specimen, at least one in time.
+    model : Model
+        Where to begin.
+    effects : sequence of Effect
+        What may be missing.
+    accept : sequence of Effect, optional
+        Effects to add, in this order; without it the evidence decides.
+    progress : callable, optional
+        Told in a few words what is being done.
+
+    Returns
+    -------
+    TimeLadder
+        Each rung, and what is said of the last one.
+
+    Raises
+    ------
+    SpringpotError
+        If the model, or one with an effect that was asked for, does not fit the tests.
+    """
+
+    def told(words: str) -> None:
+        if progress is not None:
+            progress(words)
+
+    told(f"judging {model.name}")
+    found = diagnose(tests, model, effects)
+    steps = [TimeStep(found.base, None)]
+    wanted = list(accept or ())
+    for effect in wanted:
+        model = model + effect
+        told(f"fitting {model.name}")
+        steps.append(TimeStep(identify(tests, model), effect.name))
+    if wanted:
+        told(f"judging {model.name}")
+        return TimeLadder(tuple(steps), diagnose(tests, model, effects))
+    known = {effect.name: effect for effect in effects}
+    for _ in range(MOST):
+        if accept is not None or not found.missing:
+            break
+        first, *others = found.missing
+        model = model + known[first]
+        told(f"judging {model.name}")
+        found = diagnose(tests, model, effects)
+        steps.append(TimeStep(found.base, first, tuple(others)))
+    return TimeLadder(tuple(steps), found)
