@@ -153,23 +153,10 @@ def test_compare_ranks_models_of_tests_in_time(springpot, relaxed, crept, tmp_pa
     assert [one["delta_bic"] > 10 for one in answer["models"]] == [False, True]
 
 
-def test_discover_adds_what_a_record_lacks(springpot, write):
-    """A record with friction: the ladder falls to the noise, whether it is named or found."""
-    model = parse_model("fractional-maxwell + friction")
-    t = np.linspace(0.0, 12.0, 200)
-    x = np.sin(t)
-    force = model.respond(model.vector({"k": 400.0, "c": 60.0, "alpha": 0.5, "friction.F": 20.0}), t, x)
-    scatter = 0.5 * np.random.default_rng(5).normal(size=len(t))
-    rows = "".join(f"{a:.9g},{b:.9g},{c:.9g}\n" for a, b, c in zip(t, x, force + scatter, strict=True))
-    path = write("time [s],displacement [mm],force [N]\n" + rows, "record.csv")
-    told = springpot("discover", path, "-m", "fractional-maxwell", "--accept", "friction")
+def test_discover_is_for_tests_in_time_too(springpot, relaxed):
+    told = springpot("discover", relaxed, "-m", "fractional-kelvin", "--accept", "series-spring")
     assert told.code == 0, told.err
-    assert "fractional-maxwell + friction" in told.out
-    found = springpot("discover", path, "-m", "fractional-maxwell", "--auto", "--json").json
-    assert found["schema"] == "springpot.discovery-in-time/1"
-    first, *_, last = found["steps"]
-    assert first["over_floor"] > 3 > 1.3 > last["over_floor"]
-    assert found["verdict"] == "adequate"
-    assert springpot("discover", path, "-m", "fractional-maxwell", "--auto", "--fix", "alpha=0.5").is_one_line(
-        "sweeps"
-    )
+    assert "fractional-kelvin + series-spring" in told.out
+    assert "x floor" in told.out
+    springpot("discover", relaxed, "-m", "maxwell", "--auto", "--fix", "k=1").is_one_line("for sweeps")
+    springpot("discover", relaxed, "--auto").is_one_line("give --model")

@@ -127,21 +127,20 @@ def discover(
         if progress is not None:
             progress(words)
 
-    told(f"judging {model.name}")
-    found = diagnose(tests, model, effects)
-    steps = [TimeStep(found.base, None)]
-    wanted = list(accept or ())
-    for effect in wanted:
-        model = model + effect
+    if accept is not None:
         told(f"fitting {model.name}")
-        steps.append(TimeStep(identify(tests, model), effect.name))
-    if wanted:
+        steps = [TimeStep(identify(tests, model), None)]
+        for effect in accept:
+            model = model + effect
+            told(f"fitting {model.name}")
+            steps.append(TimeStep(identify(tests, model), effect.name))
         told(f"judging {model.name}")
         return TimeLadder(tuple(steps), diagnose(tests, model, effects))
     known = {effect.name: effect for effect in effects}
-    for _ in range(MOST):
-        if accept is not None or not found.missing:
-            break
+    told(f"judging {model.name}")
+    found = diagnose(tests, model, effects)
+    steps = [TimeStep(found.base, None)]
+    while found.missing and len(steps) <= MOST:
         first, *others = found.missing
         model = model + known[first]
         told(f"judging {model.name}")
