@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from .continuum import Continuum
-from .model import Model
+from .named import NamedNetwork
 from .nodes import Chain, Composition, Mapped, Node, Parallel, Renamed, Series, Shift
 
 SYMBOLS = {"spring": "╱╲╱╲╱", "dashpot": "━[┣━", "springpot": "◇", "mass": "█"}
@@ -177,6 +177,6 @@ def draw(node: Node) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def drawing_of(model: Model) -> str:
+def drawing_of(model: NamedNetwork) -> str:
     """The text picture of a model: its own, or one drawn from its network."""
     return model.drawing if model.drawing and not model.effects else draw(model.network)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from springpot.errors import ModelError
 
 from .effect import Effect, Layer
 from .intime import Passive, Traced
+from .named import NamedNetwork
 from .nodes import GRADIENT, Chain, Node, Parallel, Series, Shift
 from .points import Points, Real
 from .spectrum import blaming, conditions_at
-
-if TYPE_CHECKING:
-    from .model import Model
 
 
 class Placed(NamedTuple):
@@ -38,8 +36,8 @@ class InTime:
 
     Parameters
     ----------
-    model : Model
-        Any model whose parts have a meaning in time.
+    model : NamedNetwork
+        Any `Model` whose parts have a meaning in time.
     theta : ndarray, shape (p,)
         Its parameters.
     reference_temperature : float
@@ -50,7 +48,7 @@ class InTime:
         Relative error of K for which the spectrum is read.
     """
 
-    model: Model
+    model: NamedNetwork
     theta: Real
     temperature: float | Real | None
     reference_temperature: float
@@ -227,7 +225,7 @@ class InTime:
         return found
 
 
-def sorted_out(model: Model) -> tuple[list[Placed], list[Placed], list[Placed]]:
+def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
     """The effects from the material outwards: linear ones, those that are not but stand beside, those of signals.
 
     Raises
@@ -258,7 +256,7 @@ def sorted_out(model: Model) -> tuple[list[Placed], list[Placed], list[Placed]]:
     return inside, beside, signals
 
 
-def network_of(model: Model, inside: list[Placed]) -> tuple[Node, list[int]]:
+def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[int]]:
     """The network of a model with some of its effects only, and where its parameters stand in the model's theta."""
     network, own = model.material, list(range(len(model.material.parameters)))
     for effect, prefix, places in inside:

@@ -1,36 +1,22 @@
-"""A model: a named network and the effects that have joined it."""
+"""A model: a named network with its effects that can be asked for K, its spectrum, and what happens in time."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.errors import ModelError
 from springpot.markup import tag
 
-from .effect import Effect, Layer
-from .elements import KnownMass
-from .forms import SearchForm
+from .drawing import drawing_of
 from .history import InTime
-from .holding import Bounds, Held, held_values, hold, released
-from .levels import Levels
-from .lookup import find_effect
-from .nodes import FULL, GRADIENT, Node, Scaled, parallel
-from .parameters import Parameter
-from .points import Complex, Points, Real
+from .named import NamedNetwork
+from .points import Real
 from .spectrum import Spectrum, spectrum_of
-from .twice import same_twice
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(NamedNetwork):
     """A rheological model, possibly grown by effects.
 
     Parameters
@@ -53,235 +39,10 @@ class Model:
         The network as text, where it is not drawn from the network itself.
     """
 
-    base: str
-    material: Node
-    summary: str = ""
-    citation: str = ""
-    aliases: tuple[str, ...] = ()
-    search: SearchForm | None = None
-    effects: tuple[Effect, ...] = field(default=())
-    drawing: str = ""
-
-    @property
-    def name(self) -> str:
-        """The model expression, such as ``fractional-maxwell + inertia``."""
-        return " + ".join([self.base, *(effect.name for effect in self.effects)])
-
-    def __str__(self) -> str:
-        return self.name
-
-    def __repr__(self) -> str:
-        return f"<Model {self.name}: {', '.join(self.names)}>"
-
     def _repr_html_(self) -> str:
-        from .drawing import drawing_of
-
         drawn = tag("pre", drawing_of(self), style="line-height: 1.2")
         source = f"{self.summary} ({self.citation})" if self.citation else self.summary
         return tag("div", tag("p", tag("b", self.name)), drawn, tag("p", f"{', '.join(self.names)}: {source}"))
-
-    @cached_property
-    def network(self) -> Node:
-        """Material and effects composed from the material outwards."""
-        return self.resized(1.0)
-
-    def resized(self, factor: float, mass: float = 0.0) -> Node:
-        """The network with `factor` times as much specimen (twice the area, say) in the same rig.
-
-        Parameters
-        ----------
-        factor : float
-            Above zero.
-        mass : float
-            A known mass that moves with the specimen, in units of stiffness times s^2.
-        """
-        network, resized = self.material, factor == 1.0 and mass == 0.0
-        for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
-            if not resized and effect.layer > Layer.SPECIMEN:
-                network, resized = _loaded(network, factor, mass), True
-            network = effect.composition(network, effect.element.with_prefix(prefix))
-        return network if resized else _loaded(network, factor, mass)
-
-    def named_effects(self) -> list[tuple[Effect, str]]:
-        """The effects, each with the prefix of its parameters' names; a second one of its kind has `#2`."""
-        seen: Counter[str] = Counter()
-        named = []
-        for effect in self.effects:
-            seen[effect.name] += 1
-            count = seen[effect.name]
-            named.append((effect, effect.name if count == 1 else f"{effect.name}#{count}"))
-        return named
-
-    @cached_property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """All parameters in the order of theta."""
-        return self.network.parameters
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters' names in the order of theta."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
-    def needs(self) -> frozenset[str]:
-        """Condition columns without which the model cannot be evaluated."""
-        return self.network.needs
-
-    def theta(self, **values: float) -> Real:
-        """Parameter vector from keyword values; dots in names are written as double underscores.
-
-        Raises
-        ------
-        ModelError
-            If a name is unknown or missing.
-        """
-        given = {name.replace("__", "."): value for name, value in values.items()}
-        return self.vector(given)
-
-    def vector(self, values: dict[str, float]) -> Real:
-        """Parameter vector from a mapping of names to values.
-
-        Raises
-        ------
-        ModelError
-            If a name is unknown or missing.
-        """
-        wrong = sorted(set(values) ^ set(self.names))
-        if wrong:
-            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
-        return np.array([values[name] for name in self.names], dtype=float)
-
-    def holding(self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None) -> Model:
-        """The model with some parameters held at a value and others within narrower bounds.
-
-        What is held is no parameter of the new model: theta, degrees of freedom and uncertainty are of the rest.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            By name, in the unit of theta: ``{"alpha": 0.5}``.
-        bounds : mapping of str to (float, float), optional
-            Lower and upper end, by name.
-
-        Raises
-        ------
-        ModelError
-            If a name is unknown or stands in both, a value cannot be, or nothing is left to be fitted.
-
-        Examples
-        --------
-        >>> from springpot.rheology import Model, series, spring, springpot
-        >>> model = Model("maxwell", series(spring(), springpot())).holding({"alpha": 0.5})
-        >>> model.names, model.held
-        (('k', 'c'), {'alpha': 0.5})
-        """
-        bounds = {} if bounds is None else bounds
-        if not (values or bounds):
-            return self
-        for name in (*values, *bounds):
-            if name not in self.names:
-                raise ModelError(f"{self.name} has no free parameter '{name}': it has {', '.join(self.names)}")
-        if both := sorted(set(values) & set(bounds)):
-            raise ModelError(f"{', '.join(both)}: a parameter is held or has bounds, not both")
-        if set(values) == set(self.names):
-            raise ModelError(f"{self.name}: all parameters are held, nothing is left to be fitted")
-        effects = []
-        for effect, prefix in self.named_effects():
-            mine = _own(values, prefix), _own(bounds, prefix)
-            if isinstance(effect.element, Levels) and any(mine):
-                raise ModelError(f"{effect.name} has a factor for each level of the data: none of them can be held")
-            effects.append(replace(effect, element=hold(effect.element, *mine)) if any(mine) else effect)
-        material = hold(self.material, values, bounds)
-        return replace(self, material=material, effects=tuple(effects), search=None)
-
-    @property
-    def held(self) -> dict[str, float]:
-        """Parameters that are held, by name, in the unit of theta."""
-        found = held_values(self.material)
-        for effect, prefix in self.named_effects():
-            found |= {f"{prefix}.{name}": value for name, value in held_values(effect.element).items()}
-        return found
-
-    @property
-    def constrained(self) -> bool:
-        """Whether a parameter is held or has narrower bounds than physics gives."""
-        return any(isinstance(node, Held) for node in (self.material, *(each.element for each in self.effects)))
-
-    def released(self) -> Model:
-        """The same model with all its parameters free, within the bounds of physics."""
-        effects = tuple(replace(effect, element=released(effect.element)) for effect in self.effects)
-        return replace(self, material=released(self.material), effects=effects)
-
-    def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
-        """Third harmonic of the force over the first, by the describing functions of the effects.
-
-        Parameters
-        ----------
-        theta : ndarray, shape (p,)
-            Parameters.
-        at : Points
-            The n points, with their amplitudes.
-
-        Returns
-        -------
-        ndarray, shape (n,), or None
-            Zero where all is linear; None where an effect makes a harmonic that no formula here predicts, because it
-            has none or does not act in parallel.
-        """
-        centre, radius = self.third_harmonic_range(theta, at)
-        return None if np.any(radius) else centre
-
-    def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
-        """Where the third harmonic of the force over the first must lie, as a circle around what is predicted.
-
-        Parameters
-        ----------
-        theta : ndarray, shape (p,)
-            Parameters.
-        at : Points
-            The n points, with their amplitudes.
-
-        Returns
-        -------
-        centre : ndarray of complex, shape (n,)
-            The sum of what the effects make by their formulas.
-        radius : ndarray, shape (n,)
-            The sum of the bounds of those without one; infinite where an effect has neither.
-        """
-        centre = np.zeros(at.log_omega.shape[-1], dtype=np.complex128)
-        radius = np.zeros(centre.shape)
-        for effect, prefix in self.named_effects():
-            own = [i for i, name in enumerate(self.names) if name.rpartition(".")[0] == prefix]
-            known, unsure = effect.third_harmonic_range(theta[own], at)
-            centre, radius = centre + known, radius + unsure
-        first = self.stiffness(theta, at)
-        return np.asarray(centre / first, dtype=np.complex128), radius / np.abs(first)
-
-    def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
-        """Complex stiffness.
-
-        Parameters
-        ----------
-        theta : ndarray, shape (..., p)
-            Parameters.
-        at : Points or array of omega in rad/s
-            The n points.
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            K = K' + i K'' in the unit of the parameters.
-        """
-        return self.network.respond(np.asarray(theta, dtype=float), _points(at)).value
-
-    def jacobian(self, theta: Real, at: Points | Real | float) -> Complex:
-        """Exact derivative dK/dtheta, shape (..., n, p)."""
-        response = self.network.respond(np.asarray(theta, dtype=float), _points(at), GRADIENT)
-        return np.swapaxes(response.by_theta, -1, -2)
-
-    def slope(self, theta: Real, at: Points | Real | float) -> Complex:
-        """Exact derivative dK / d ln omega, shape (..., n)."""
-        return self.network.respond(np.asarray(theta, dtype=float), _points(at), FULL).by_log_omega
 
     def spectrum(
         self,
@@ -437,76 +198,3 @@ class Model:
             As `respond`; also if an effect is not linear, or if a fluid was under force before the history began.
         """
         return self.in_time(theta, temperature=temperature).respond_force(t, force).value
-
-    def bound_to(self, at: Points) -> Model:
-        """The model with the levels of these points, where an effect has a factor for each; else the model itself.
-
-        Raises
-        ------
-        ModelError
-            If a condition has one level only.
-        """
-        effects = tuple(effect.bound_to(at) for effect in self.effects)
-        if all(new is old for new, old in zip(effects, self.effects, strict=True)):
-            return self
-        for effect in effects:
-            if effect.by_levels and not effect.element.parameters:
-                column = ", ".join(sorted(effect.needs))
-                raise ModelError(f"{effect.name} needs two levels of {column} or more; these data have one")
-        return replace(self, effects=effects)
-
-    def __add__(self, effect: Effect | str) -> Model:
-        """The model with one more effect, given as an object or by name.
-
-        Raises
-        ------
-        ModelError
-            If the name is unknown, or is one that `taking` refuses.
-        """
-        if isinstance(effect, str):
-            return self.taking(find_effect(effect))
-        if not isinstance(effect, Effect):
-            raise ModelError(f"{self.name} + {effect!r:.40}: an effect is an Effect or its name")
-        return replace(self, effects=(*self.effects, effect))
-
-    def taking(self, effect: Effect) -> Model:
-        """The model with one more effect that a user asks for.
-
-        Raises
-        ------
-        ModelError
-            If it has the effect already, and a second one would only share the size of the first: no data can tell
-            two masses from one.
-        """
-        if effect.name in {own.name for own in self.effects} and same_twice(effect):
-            one = f"a second one would be the same as one of another size; leave out one '{effect.name}'"
-            raise ModelError(f"{self.name} has the effect '{effect.name}' already: {one}")
-        return self + effect
-
-    def __sub__(self, effect: Effect | str) -> Model:
-        """The model without the last effect of that name.
-
-        Raises
-        ------
-        ModelError
-            If the model has no such effect.
-        """
-        name = effect if isinstance(effect, str) else effect.name
-        for i in reversed(range(len(self.effects))):
-            if self.effects[i].name == name:
-                return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])
-        raise ModelError(f"{self.name} has no effect '{name}'")
-
-
-def _own(given: Mapping[str, T], prefix: str) -> dict[str, T]:
-    """What is given for the parameters of one effect, by their own names."""
-    return {name.rpartition(".")[2]: value for name, value in given.items() if name.rpartition(".")[0] == prefix}
-
-
-def _loaded(specimen: Node, factor: float, mass: float) -> Node:
-    scaled = Scaled(specimen, factor)
-    return parallel(scaled, KnownMass(mass)) if mass else scaled
-
-
-def _points(at: Points | Real | float) -> Points:
-    return at if isinstance(at, Points) else Points.at(at)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,11 @@ from springpot.errors import ModelError
 from .branches import Anywhere, Branch, branches
 from .effect import Effect, Layer
 from .elements import HALF_PI
+from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import Complex, Points, Real
 from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
 from .rational import Rational, rational_of
-
-if TYPE_CHECKING:
-    from .model import Model
 
 FINEST = 2
 """Times that a smaller step is tried before an error is accepted as it is."""
@@ -114,7 +112,7 @@ class Spectrum:
 
 
 def spectrum_of(
-    model: Model,
+    model: NamedNetwork,
     theta: Real,
     band: tuple[float, float] | None = None,
     *,
@@ -132,7 +130,7 @@ def spectrum_of(
 
 
 @contextmanager
-def blaming(model: Model, theta: Real, conditions: Points) -> Iterator[None]:
+def blaming(model: NamedNetwork, theta: Real, conditions: Points) -> Iterator[None]:
     """Name the part of the model that has no spectrum, where one is found to have none.
 
     Raises
@@ -154,7 +152,7 @@ def conditions_at(temperature: float | None, reference_temperature: float) -> Po
     return Points(np.zeros(1), None, np.array([here]), reference_temperature)
 
 
-def refuse_what_is_no_relaxation(model: Model) -> None:
+def refuse_what_is_no_relaxation(model: NamedNetwork) -> None:
     """Refuse, by name, effects of the signal, of the amplitude and of waves.
 
     Raises
@@ -181,7 +179,7 @@ def _reason(effect: Effect) -> str:
     return ""
 
 
-def _guilty(model: Model, theta: Real, conditions: Points, fault: str) -> str:
+def _guilty(model: NamedNetwork, theta: Real, conditions: Points, fault: str) -> str:
     """Which part of the model has no spectrum: the first effect with which it is lost."""
     values = dict(zip(model.names, theta, strict=True))
     # What stands beside the network or in the signals is followed on its own, and is not to blame.
