@@ -97,7 +97,7 @@ def test_plugins_use_only_public_rooms(path: Path, package: str):
 
 
 CIRCULAR = {"measurement", "identification"}
-"""Rooms with a circle that is left: a measurement chooses rows of its own, an answer is kept and printed by others."""
+"""Rooms where one is left: a measurement chooses rows of its own, an answer is kept and printed by others."""
 
 
 def test_no_files_import_each_other():
