@@ -22,6 +22,8 @@ DISCRETE = 1e-8
 """Share of K that the loss must reach on the negative axis to be a spectrum and not rounding."""
 NARROW = 1.2
 """Peaks wider than this in ln r do not disturb the trapezoidal rule, whose kernel has the width pi/2."""
+ROUNDED = 1e-13
+"""Step in ln r of Newton's method after which the next one is rounding."""
 MOST_SAMPLES, MOST_POLES = 250, 30
 """Of the rational approximation: it takes some 20 ms."""
 CIRCLE = np.exp(2j * np.pi * np.arange(16) / 16)
@@ -137,11 +139,13 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
     nearest = (far[1:-1] <= far[:-2]) & (far[1:-1] <= far[2:]) & (far[1:-1] < 2.0 * NARROW)
     u = edge.u[1:-1][nearest] + step[1:-1][nearest]
     change = np.zeros_like(u)
-    for _ in range(12):
+    for _ in range(12 if len(u) else 0):
         found = branch.respond(u + HALF_PI, FULL)
         # At the pole itself, to the last digit, K is infinite: there is nothing left to change.
         change = np.nan_to_num(found.value / found.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
+        if np.all(np.abs(change) < ROUNDED):
+            break
     settled = (np.abs(change) < 1e-9) & (u.imag > 0.0) & (u.imag < NARROW)
     inside = settled & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     return np.unique(np.round(u[inside], 9))
