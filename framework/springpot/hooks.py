@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pluggy
 
 if TYPE_CHECKING:
-    from springpot.identification import Objective, Optimiser
+    from springpot.identification import Objective, Optimiser, OptimiserFamily
     from springpot.measurement.catalogue import DataSet
     from springpot.measurement.reader import Reader
     from springpot.measurement.timereader import TimeReader
@@ -84,6 +84,11 @@ def springpot_effects() -> Iterable[Effect]:  # type: ignore[empty-body]
 @hookspec
 def springpot_optimisers() -> Iterable[type[Optimiser]]:  # type: ignore[empty-body]
     """Optimisers, as classes whose default instance is used."""
+
+
+@hookspec
+def springpot_optimiser_families() -> Iterable[OptimiserFamily]:  # type: ignore[empty-body]
+    """Libraries of many optimisers, imported only when one of them is asked for."""
 
 
 @hookspec

@@ -16,6 +16,7 @@ import pluggy
 from springpot import hooks
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
+from springpot.identification import Optimiser
 from springpot.measurement import Measurement, Part, TimeTest, opening
 from springpot.measurement import open_in_time as in_time_by
 from springpot.rheology import Effect, Model
@@ -131,11 +132,36 @@ class Registry:
             If two plugins claim the name.
         """
         found = self.shelves[word].find(name)
+        if found is None and word == "optimiser":
+            found = self._member(name)
         if found is None:
             near = get_close_matches(name, self.shelves[word].known(), n=3, cutoff=0.5)
             hint = f"did you mean {', '.join(near)}?" if near else f"see 'springpot list {word.replace(' ', '')}s'"
             raise ModelError(f"unknown {word} '{name}': {hint}")
         return found
+
+    def _member(self, name: str) -> type[Optimiser] | None:
+        """The optimiser of a library that is imported only now; None if the name begins with no library's.
+
+        Raises
+        ------
+        ModelError
+            If the library has no such optimiser, or is not installed.
+        """
+        for family in self.items("optimiser family"):
+            if not name.startswith(family.prefix):
+                continue
+            members: Mapping[str, type[Optimiser]] = family.members()
+            if name in members:
+                return members[name]
+            near = get_close_matches(name, members, n=3, cutoff=0.5)
+            hint = f"did you mean {', '.join(near)}?" if near else f"see 'springpot list optimisers {family.name}'"
+            raise ModelError(f"unknown optimiser '{name}': {hint}")
+        return None
+
+    def distributions(self) -> list[str]:
+        """The installed distributions whose plugins are used, springpot's own first."""
+        return list(dict.fromkeys(owner.distribution for owner in self._owners.values()))
 
     def model(self, name: str) -> Model:
         """The model without effects called `name`, a member of a family included."""

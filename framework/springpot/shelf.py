@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from springpot.errors import PluginError
 from springpot.hooks import Chapter
-from springpot.identification import Objective, Optimiser
+from springpot.identification import Objective, Optimiser, OptimiserFamily
 from springpot.measurement import DataSet, Reader, TimeReader
 from springpot.rheology import Effect, Model, Writer
 from springpot.rheology.family import Family
@@ -182,6 +182,7 @@ KINDS: dict[str, Kind[Any]] = {
         Kind[Any]("model", "springpot_models", lambda x: isinstance(x, Model | Family), _model_name),
         Kind[Any]("effect", "springpot_effects", lambda x: isinstance(x, Effect)),
         Kind[Any]("optimiser", "springpot_optimisers", _is_optimiser),
+        Kind[Any]("optimiser family", "springpot_optimiser_families", lambda x: isinstance(x, OptimiserFamily)),
         Kind[Any]("objective", "springpot_objectives", lambda x: isinstance(x, Objective)),
         Kind[Any]("data set", "springpot_datasets", lambda x: isinstance(x, DataSet)),
         Kind[Any]("reader", "springpot_readers", lambda x: isinstance(x, Reader)),

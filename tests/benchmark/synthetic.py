@@ -79,7 +79,7 @@ def synthetic_store(path: Path, problems: int, entrants: int, repetitions: int) 
     start = plan.cases[0].reference
     banks = [[fallen(start, rate, rng) for _ in range(BANK)] for rate in np.geomspace(0.05, 0.5, entrants)]
     with Store(path, write=True) as store:
-        numbers = store.register(plan, provenance())
+        numbers = store.register(plan, provenance(plan))
         for cell in plan.cells:
             store.add(results(cell.index, repetitions, banks[cell.entrant], rng), numbers)
     return path

@@ -101,3 +101,22 @@ def test_the_next_experiment_settles_the_more_open_question():
     for each in beside.values():
         assert each.delta_bic > 10.0
         assert each.error_after < 1.2 * diagnosis.error.noise_floor
+
+
+def test_a_floor_below_that_of_the_model_alone_is_explained(monkeypatch):
+    """Where a better model scatters less than the judged one, identify and diagnose tell two floors."""
+    from types import SimpleNamespace
+
+    from springpot.diagnosis import notes
+
+    def told(variance, source="estimated"):
+        monkeypatch.setattr(notes, "_scatter", lambda frame: (variance, 10.0))
+        noise = SimpleNamespace(source=source)
+        base = SimpleNamespace(noise=noise, floor=0.01, frame=lambda: None, model="kelvin")
+        return list(notes._of_floor(SimpleNamespace(base=base)))
+
+    [says] = told(25.0)
+    assert "about kelvin alone" in says
+    assert says.endswith("it looks like 5 %")
+    assert told(1.1) == []
+    assert told(25.0, "repeats") == []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import ClassVar
@@ -19,7 +19,7 @@ from benchmark_fakes import Moody, Walk, artificial, small_study
 from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.statistics import Interval
 from springpot.identification import Optimiser
-from springpot.report.plot import Line, Pen, Ranked, Scale, critical_differences, plot
+from springpot.report.plot import Dot, Line, Pen, Ranked, Scale, critical_differences, plot, scatter
 from springpot.report.pools import not_below
 from springpot.report.study import write_study_report
 
@@ -164,3 +164,37 @@ def test_critical_differences_show_every_name_and_bar():
 def test_who_succeeds_less_for_certain_is_not_called_as_good():
     shares = {"always": Interval(1.0, 0.93, 1.0), "mostly": Interval(0.9, 0.8, 0.95), "half": Interval(0.5, 0.4, 0.6)}
     assert not_below(shares) == ["always", "mostly"]
+
+
+def test_accuracy_stands_against_time(tmp_path):
+    """A small point for each problem, a large one for each optimiser, and the names of those that none beats."""
+    text = report_of(tmp_path, [("quick", Walk()), ("slow", Walk(shrink=0.99))])
+    picture = text.partition("<title>accuracy against time</title>")[2].partition("</svg>")[0]
+    assert picture.count('r="2.5"') == 2 * 4  # two data sets, two models
+    assert picture.count('r="5"') == 2
+    assert re.search(r">(quick|slow)</text>", picture)
+    assert "nan" not in picture
+
+
+def test_a_point_beyond_the_axes_is_drawn_at_their_end():
+    dots = [Dot("far", 1e9, 1e9, Pen(0), large=True, name="far"), Dot("near", 1e-9, 1e-9, Pen(8))]
+    picture = scatter(dots, Scale("s", 0.1, 10.0, True), Scale("excess", 1e-3, 1.0, True), "t")
+    assert all(0.0 <= value <= 420.0 for value in numbers(" ".join(re.findall(r'c[xy]="([^"]*)"', picture))))
+    assert 'text-anchor="end"' in picture.partition("far")[2]
+    assert 'fill="white"' in picture  # beyond the first seven colours points are hollow
+
+
+def test_what_it_was_run_with_is_told(tmp_path):
+    """Versions of the plugins' distributions and of the library that did the work."""
+    from importlib.metadata import version
+    from typing import ClassVar
+
+    class Borrowed(Walk):
+        name: ClassVar[str] = "borrowed"
+        card = replace(Walk.card, library="click")
+
+    text = report_of(tmp_path, [Borrowed()], repetitions=1)
+    repeat = text.partition("To repeat this")[2]
+    for name in ("springpot", "numpy", "click"):
+        assert f"{name}</td>" in repeat
+        assert version(name) in repeat

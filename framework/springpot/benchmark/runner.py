@@ -11,8 +11,9 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, closing, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from springpot.versions import versions
 
 from .engine import check_engine, make_engine
 from .findings import write_tables
@@ -22,8 +23,6 @@ from .script import load_study
 from .store import Store
 from .study import Study
 from .summary import store_path
-
-_VERSIONS = ("springpot", "numpy", "scipy", "nlopt", "cma", "pluggy")
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ def run_study(
     plan = declared.with_options(budget, repeats).plan()
     path = store_path(declared, Path(out))
     with Store(path, write=True, mend=retry_failed) as store:
-        numbers = store.register(plan, provenance())
+        numbers = store.register(plan, provenance(plan))
         if retry_failed:
             store.forget_failed(numbers.values())
         ran, failed = _work(plan, store, numbers, script, workers, engine, quiet)
@@ -154,14 +153,10 @@ def _say_goodbye(progress: Progress, plan: Plan, done: int) -> None:
     print(line, file=sys.stderr)
 
 
-def provenance() -> dict[str, str]:
+def provenance(plan: Plan) -> dict[str, str]:
     """Versions, machine and command of this run."""
     facts = {"python": platform.python_version(), "machine": platform.platform(), "processor": platform.machine()}
-    for name in _VERSIONS:
-        try:
-            facts[name] = version(name)
-        except PackageNotFoundError:
-            continue
+    facts |= versions(entrant.optimiser.card.library for entrant in plan.entrants if entrant.optimiser.card.library)
     # As a module, ``python -m springpot.cli``, the program is a file of another name.
     facts["command"] = shlex.join([Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]])
     facts["started"] = datetime.now(UTC).isoformat(timespec="seconds")

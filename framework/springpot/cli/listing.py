@@ -20,6 +20,8 @@ KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives",
 def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> None:
     """List what is installed of one KIND; with a NAME, show all that is known about it.
 
+    Of a library of optimisers, such as optimagic-NAME, its name lists what it has.
+
     KIND is models, optimisers, effects, datasets, readers, objectives or writers. Plugins that could not be loaded
     are listed with their distribution and the reason.
     """
@@ -28,7 +30,12 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
     found = plugins()
     kind_of = cards.KINDS[kind]
-    items = [kind_of.find(found, name) for name in names] or list(found.items(kind_of.word))
+    items, whole = kind_of.all(found), verbose
+    families = {family.name: family for family in found.items("optimiser family")} if kind == "optimisers" else {}
+    if len(names) == 1 and names[0] in families:
+        items = list(families[names[0]].members().values())
+    elif names:
+        items, whole = [kind_of.find(found, name) for name in names], True
     described = [kind_of.describe(item) for item in items]
     result: dict[str, Any] = {
         "schema": "springpot.list/1",
@@ -39,7 +46,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
             for fault in found.faults
         ],
     }
-    emit(result, as_json, lambda: _show(kind, result, bool(names) or verbose))
+    emit(result, as_json, lambda: _show(kind, result, whole))
 
 
 def _show(kind: str, result: dict[str, Any], whole: bool) -> None:

@@ -7,7 +7,7 @@ from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
 from .native import Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
-from .optimiser import BatchedOptimiser, Card, Optimiser
+from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
 from .prediction import Prediction
 from .problem import Problem, Searched
 from .recorder import Recorder, RecorderGroup
@@ -29,6 +29,7 @@ __all__ = [
     "Identification",
     "Objective",
     "Optimiser",
+    "OptimiserFamily",
     "Prediction",
     "Problem",
     "Recorder",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -32,6 +32,8 @@ class Card:
         Carries several repetitions side by side: a `BatchedOptimiser`.
     stochastic : bool
         Depends on the generator.
+    library : str
+        The installed distribution that does the work, whose version is written beside results.
     """
 
     summary: str
@@ -40,6 +42,7 @@ class Card:
     gradient: bool = False
     batched: bool = False
     stochastic: bool = True
+    library: str = ""
 
 
 class Optimiser(ABC):
@@ -94,3 +97,27 @@ class BatchedOptimiser(Optimiser):
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Search with a batch of one run."""
         self.minimise_batch(RecorderGroup([problem]), budget, [rng])
+
+
+@dataclass(frozen=True)
+class OptimiserFamily:
+    """The optimisers of a large library, which is imported when one of them is asked for, and not before.
+
+    Parameters
+    ----------
+    name : str
+        As listed: what all their names begin with, and ``NAME``, such as ``optimagic-NAME``.
+    summary : str
+        One sentence on the library.
+    members : callable
+        Imports the library and gives its optimisers by name.
+    """
+
+    name: str
+    summary: str
+    members: Callable[[], Mapping[str, type[Optimiser]]]
+
+    @property
+    def prefix(self) -> str:
+        """What all their names begin with."""
+        return self.name.removesuffix("NAME")

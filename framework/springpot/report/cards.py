@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
-from springpot.identification import Objective, Optimiser
+from springpot.identification import Objective, Optimiser, OptimiserFamily
 from springpot.measurement import Units
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
@@ -49,6 +49,11 @@ class KindOfCard:
         shelf = plugins.shelves["model"]
         return shelf.items[name] if name in shelf.items else plugins.model(name)
 
+    def all(self, plugins: Registry) -> list[Any]:
+        """All that there are; of optimisers also libraries of many, which are not imported for that."""
+        families = plugins.items("optimiser family") if self.word == "optimiser" else ()
+        return [*plugins.items(self.word), *families]
+
 
 def model(item: Model | Family) -> dict[str, Any]:
     """Describe a model, or a family by its second member."""
@@ -81,8 +86,12 @@ def effect(item: Effect) -> dict[str, Any]:
     }
 
 
-def optimiser(item: type[Optimiser]) -> dict[str, Any]:
-    """Describe an optimiser with its options and their defaults."""
+def optimiser(item: type[Optimiser] | OptimiserFamily) -> dict[str, Any]:
+    """Describe an optimiser with its options and their defaults, or a library of optimisers."""
+    if isinstance(item, OptimiserFamily):
+        summary = f"{item.summary}: springpot list optimisers {item.name}"
+        known = dict.fromkeys(("global", "gradient", "batched", "stochastic"), False)
+        return {"name": item.name, "summary": summary, "citation": "", **known, "options": {}}
     card = item.card
     return {
         "name": item.name,

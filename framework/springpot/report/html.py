@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 import shlex
 from collections.abc import Iterator, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement import Measurement
+from springpot.versions import versions
 
 from .answers import (
     absent_effects,
@@ -42,7 +42,6 @@ from .residuals import set_aside, with_noise_of
 from .scene import Scene
 
 SUFFIXES = (".html", ".htm")
-VERSIONS = ("springpot", "numpy", "scipy")
 RANKED = 10
 """Effects in a ranking."""
 
@@ -357,8 +356,4 @@ def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) ->
 
 def _versions() -> Iterator[tuple[str, str]]:
     yield "Python", platform.python_version()
-    for name in VERSIONS:
-        try:
-            yield name, version(name)
-        except PackageNotFoundError:
-            continue
+    yield from versions().items()

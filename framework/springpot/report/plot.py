@@ -68,6 +68,32 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Dot:
+    """One point of a scatter.
+
+    Parameters
+    ----------
+    label : str
+        Shown under the pointer.
+    x, y : float
+        Where.
+    pen : Pen
+        Its colour; those beyond the first colours are hollow.
+    large : bool
+        Whether it stands for many others.
+    name : str
+        Written beside it.
+    """
+
+    label: str
+    x: float
+    y: float
+    pen: Pen
+    large: bool = False
+    name: str = ""
+
+
+@dataclass(frozen=True)
 class Scale:
     """One axis.
 
@@ -125,6 +151,43 @@ def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
         role="img",
         class_="plot",
     )
+
+
+def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
+    """Points in one frame; large ones are drawn last, above the others.
+
+    Parameters
+    ----------
+    dots : sequence of Dot
+        The points; what lies beyond an axis is drawn at its end.
+    x, y : Scale
+        The axes.
+    title : str
+        Read aloud where the picture cannot be seen.
+    """
+    drawn = [part for dot in sorted(dots, key=lambda dot: dot.large) for part in _dot(dot, x, y)]
+    frame = _frame(x, y)
+    box = f"0 0 {WIDTH:g} {HEIGHT:g}"
+    return tag("svg", tag("title", title), *frame, *drawn, viewBox=box, role="img", class_="plot")
+
+
+def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
+    across, down = float(_across(x, np.array(dot.x))), float(_down(y, np.array(dot.y)))
+    hollow = dot.pen.dashes != "none"
+    yield tag(
+        "circle",
+        tag("title", dot.label),
+        cx=f"{across:.1f}",
+        cy=f"{down:.1f}",
+        r="5" if dot.large else "2.5",
+        fill="white" if hollow else dot.pen.colour,
+        fill_opacity="1" if dot.large else "0.35",
+        stroke=dot.pen.colour,
+        stroke_opacity="1" if dot.large else "0.35",
+    )
+    if dot.name:
+        left = across > 0.6 * WIDTH
+        yield _text(dot.name, across + (-8 if left else 8), down + 4, "end" if left else "start")
 
 
 def key(labels: Sequence[str], pens: Sequence[Pen]) -> Html:

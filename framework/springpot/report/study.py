@@ -22,7 +22,7 @@ from springpot.markup import Html, joined, table, tag
 from .numbers import number, seconds
 from .page import page
 from .pools import pools, share_text, verdict
-from .study_plots import Pens, attained, diagram, distribution, pair, profile_figures, progress
+from .study_plots import Pens, accuracy_against_time, attained, diagram, distribution, pair, profile_figures, progress
 
 NAMED = 3
 """Optimisers named in one cell as being as good."""
@@ -88,7 +88,7 @@ def study_html(findings: Findings) -> Html:
             *_profiles(findings, pens),
             *_progress(findings, pens),
             *_pairs(findings),
-            *_cost(findings),
+            *_cost(findings, pens),
             *_failures(findings),
         ]
     return page(f"{findings.name}: which optimiser?", *body, *_tables(findings), *_repeat(findings), style=STYLE)
@@ -266,7 +266,7 @@ def _heat(ranking: Ranking, i: int, j: int) -> Html:
     return tag("td", f"{100 * chance:.0f}", style=style, **told)
 
 
-def _cost(findings: Findings) -> Iterator[Html]:
+def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     by_label: dict[str, list[CellSummary]] = {}
     for summary in findings.summaries:
         by_label.setdefault(summary.cell.label, []).append(summary)
@@ -277,6 +277,9 @@ def _cost(findings: Findings) -> Iterator[Html]:
     yield tag(
         "p", "The optimiser's own time with the model's, on this machine; medians over problems.", class_="quiet"
     )
+    if any(summary.seconds for summary in findings.summaries):
+        yield pens.key()
+        yield pair([accuracy_against_time(findings, pens)])
     yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
 
 

@@ -13,7 +13,7 @@ from springpot.benchmark.statistics import cliques
 from springpot.markup import Html, joined, tag
 from springpot.rheology import Real
 
-from .plot import Line, Pen, Ranked, Scale, critical_differences, key, plot
+from .plot import Dot, Line, Pen, Ranked, Scale, critical_differences, key, plot, scatter
 
 BANDS = 3
 """Optimisers whose quartiles are drawn on a problem; more would hide each other."""
@@ -136,6 +136,35 @@ def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], 
 def _area(scores: CellScores, target: float) -> float:
     """Mean of the logarithm of the median excess along the grid: small where a curve falls early."""
     return float(np.mean(np.log(np.clip(scores.curve[1], target, 1e9))))
+
+
+def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
+    """How near each optimiser comes, and what its time is: a small point for each problem, a large one for all.
+
+    Named are those that no other beats in both: the choice is among them.
+    """
+    seconds = {summary.cell.id: summary.seconds for summary in findings.summaries}
+    target = findings.scale.target
+    places: dict[str, list[tuple[float, float, str]]] = {}
+    for race in findings.races:
+        for label, scores in zip(race.labels, race.cells, strict=True):
+            spent, excess = seconds[scores.cell.id], float(scores.curve[1][-1])
+            if spent:  # where every trial failed there is no time
+                name = f"{label}, {race.problem.model} on {race.problem.dataset}"
+                places.setdefault(label, []).append((spent, min(max(excess, target), 1.0), name))
+    middle = {label: np.median([(x, y) for x, y, _ in found], axis=0) for label, found in places.items()}
+    dots = [Dot(name, x, y, pens[label]) for label, found in places.items() for x, y, name in found]
+    for label, (x, y) in middle.items():
+        beaten = any(a <= x and b <= y and (a, b) != (x, y) for a, b in middle.values())
+        dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, "" if beaten else label))
+    times = np.array([dot.x for dot in dots])
+    across = Scale("time of a trial, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True)
+    caption = (
+        f"Excess at {findings.scale.budget} evaluations against time: down is nearer, left is faster; the large "
+        "points are medians over the problems, and those with a name are beaten by none in both"
+    )
+    picture = scatter(dots, across, Scale("excess, median", target, 1.0, True), "accuracy against time")
+    return figure(picture, caption)
 
 
 def pair(figures: Iterator[Html] | Sequence[Html]) -> Html:

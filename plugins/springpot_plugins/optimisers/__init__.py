@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from springpot.hooks import hookimpl
-from springpot.identification import Optimiser
+from springpot.identification import Optimiser, OptimiserFamily
 
-from . import annealing, evolution, leastsquares, native, nloptlib, sampling, swarm
+from . import annealing, evolution, leastsquares, native, nloptlib, sampling, swarm, unified
 
 
 @hookimpl
@@ -32,3 +32,9 @@ def springpot_optimisers() -> Iterable[type[Optimiser]]:
         native.Native,
         sampling.RandomSearch,
     )
+
+
+@hookimpl
+def springpot_optimiser_families() -> Iterable[OptimiserFamily]:
+    """Libraries of many."""
+    return (unified.FAMILY,)

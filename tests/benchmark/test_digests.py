@@ -1,0 +1,57 @@
+"""What a trial is called depends on what it is made of, never on what ran before in the process."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from springpot.benchmark import Study
+
+STUDY = {
+    "datasets": ["artificial-fractional-zener", "artificial-springpot"],
+    "models": ["own", "fractional-maxwell"],
+    "objectives": ["paper", "relative"],
+    "optimisers": ["pso-paper", "native", "cma-es"],
+    "repetitions": 2,
+    "budget": 300,
+}
+
+
+def digests(study):
+    return [cell.digest for cell in study.plan().cells]
+
+
+@pytest.fixture(scope="module")
+def fresh():
+    """Of the same study in a process that has done nothing else."""
+    code = (
+        "import json, sys; from springpot.benchmark import Study; "
+        "print(json.dumps([cell.digest for cell in Study('race', **json.loads(sys.argv[1])).plan().cells]))"
+    )
+    said = subprocess.run([sys.executable, "-c", code, json.dumps(STUDY)], capture_output=True, text=True, check=True)
+    return json.loads(said.stdout)
+
+
+def test_a_digest_knows_nothing_of_what_ran_before(fresh):
+    """Fits, a diagnosis, other studies and what libraries keep for the whole process."""
+    import numpy as np
+
+    import springpot
+
+    springpot.compare("artificial-fractional-zener", ["fractional-maxwell", "fractional-zener"])
+    springpot.identify("artificial-springpot", "springpot", optimiser="cma-es", budget=50)
+    digests(Study("before", **{**STUDY, "optimisers": ["nlopt-crs"]}))
+    np.random.seed(5)  # noqa: NPY002
+    assert digests(Study("race", **STUDY)) == fresh
+
+
+def test_a_digest_knows_nothing_of_order_and_name(fresh):
+    turned = {key: value[::-1] if isinstance(value, list) else value for key, value in STUDY.items()}
+    assert sorted(digests(Study("another", **turned))) == sorted(fresh)
+    assert len(set(fresh)) == len(fresh)
+
+
+def test_a_digest_knows_what_matters(fresh):
+    assert not set(digests(Study("race", **{**STUDY, "budget": 301}))) & set(fresh)
+    assert digests(Study("race", **{**STUDY, "repetitions": 9})) == fresh  # raising them runs the new ones only
