@@ -187,11 +187,10 @@ def test_a_point_beyond_the_axes_is_drawn_at_their_end():
 def test_what_it_was_run_with_is_told(tmp_path):
     """Versions of the plugins' distributions and of the library that did the work."""
     from importlib.metadata import version
-    from typing import ClassVar
 
     class Borrowed(Walk):
         name: ClassVar[str] = "borrowed"
-        card = replace(Walk.card, library="click")
+        card = replace(Walk.card, distribution="click")
 
     text = report_of(tmp_path, [Borrowed()], repetitions=1)
     repeat = text.partition("To repeat this")[2]

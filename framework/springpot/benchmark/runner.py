@@ -156,7 +156,9 @@ def _say_goodbye(progress: Progress, plan: Plan, done: int) -> None:
 def provenance(plan: Plan) -> dict[str, str]:
     """Versions, machine and command of this run."""
     facts = {"python": platform.python_version(), "machine": platform.platform(), "processor": platform.machine()}
-    facts |= versions(entrant.optimiser.card.library for entrant in plan.entrants if entrant.optimiser.card.library)
+    facts |= versions(
+        entrant.optimiser.card.distribution for entrant in plan.entrants if entrant.optimiser.card.distribution
+    )
     # As a module, ``python -m springpot.cli``, the program is a file of another name.
     facts["command"] = shlex.join([Path(sys.argv[0]).name.replace("__main__.py", "springpot"), *sys.argv[1:]])
     facts["started"] = datetime.now(UTC).isoformat(timespec="seconds")

@@ -32,7 +32,7 @@ class Card:
         Carries several repetitions side by side: a `BatchedOptimiser`.
     stochastic : bool
         Depends on the generator.
-    library : str
+    distribution : str
         The installed distribution that does the work, whose version is written beside results.
     """
 
@@ -42,7 +42,7 @@ class Card:
     gradient: bool = False
     batched: bool = False
     stochastic: bool = True
-    library: str = ""
+    distribution: str = ""
 
 
 class Optimiser(ABC):

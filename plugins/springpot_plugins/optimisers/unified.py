@@ -187,7 +187,7 @@ def _made(name: str, algorithm: Any) -> type[Unified]:
             CITATION,
             globally=bool(about.is_global),
             gradient=graded,
-            library="optimagic",
+            distribution="optimagic",
         ),
         "algorithm": name,
         "squares": squares,
