@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -103,7 +103,46 @@ class KeptComparison:
         return dict(self.kept)
 
 
-Loaded = Identification | Diagnosis | KeptLadder | KeptComparison | Known
+@dataclass(frozen=True, eq=False)
+class KeptTimeFit(Known):
+    """A fit of tests in time, as its file tells it; it predicts frequencies and further tests as before."""
+
+    kept: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """Values and 95 % intervals as printed."""
+        return _values(self.kept["parameters"])
+
+    def __getitem__(self, name: str) -> Value:
+        """The parameter of that name."""
+        return self.parameters[name]
+
+    @property
+    def tests(self) -> tuple[Mapping[str, Any], ...]:
+        """Each test beside its noise floor, as in the file."""
+        return tuple(self.kept["tests"])
+
+    @property
+    def relative_rms(self) -> float:
+        """Error of the worst test."""
+        return float(self.kept["relative_rms"])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the numbers do not say."""
+        return tuple(self.kept["notes"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schema ``springpot.identification-in-time/1``, as in the file."""
+        return dict(self.kept)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} {row.value:.4g} {row.unit}".rstrip(" -") for name, row in self.parameters.items())
+        return f"<KeptTimeFit {self.model.name}: {values}>"
+
+
+Loaded = Identification | Diagnosis | KeptLadder | KeptComparison | KeptTimeFit
 
 
 def load(path: str | Path) -> Loaded:
@@ -116,7 +155,7 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, Known, Diagnosis, KeptLadder or KeptComparison
+    Identification, KeptTimeFit, Diagnosis, KeptLadder or KeptComparison
         By the schema that the file names.
 
     Raises
@@ -161,8 +200,6 @@ def _read(path: Path) -> Any:
 def _fit(answer: dict[str, Any]) -> Identification:
     from springpot.api import standing_of
 
-    if "tests" in answer:
-        raise DataError("a fit of tests in time cannot be loaded: identify it anew, or give its parameters")
     kept, objective = answer["kept"], answer["objective"]
     fit = fit_of(
         kept, parse_model(answer["model"]), _objective(objective["name"], kept), _number(objective["value"]),
@@ -282,8 +319,9 @@ def _comparison(answer: dict[str, Any]) -> KeptComparison:
     return KeptComparison(answer["data"], judgements, tuple(answer["notes"]), answer)
 
 
-def _fit_in_time(answer: dict[str, Any]) -> Known:
-    return Known.read(answer, parse_model(str(answer["model"])))
+def _fit_in_time(answer: dict[str, Any]) -> KeptTimeFit:
+    known = Known.read(answer, parse_model(str(answer["model"])))
+    return KeptTimeFit(**{each.name: getattr(known, each.name) for each in fields(known)}, kept=answer)
 
 
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {

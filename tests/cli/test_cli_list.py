@@ -15,7 +15,7 @@ KEYS = {
         "name", "kind", "points", "licence", "where", "summary", "citation", "doi", "origin", "test", "columns",
         "model", "fit", "truth", "physics", "aliases", "unavailable",
     },
-    "readers": {"name", "summary", "signals", "writes"},
+    "readers": {"name", "summary", "holds", "signals", "writes"},
     "objectives": {"name", "summary", "citation"},
     "writers": {"name", "summary", "suffix"},
 }  # fmt: skip
@@ -65,3 +65,13 @@ def test_an_unavailable_plugin_is_listed_with_its_distribution_and_reason(spring
     assert springpot("list", "effects", "--json").json["unavailable"] == [
         {"plugin": "bad", "distribution": "its-distribution", "reason": "ImportError: no module named q"}
     ]
+
+
+def test_readers_say_what_their_files_hold(springpot):
+    """Those of tests in time stand apart from those of sweeps, and each can be asked for by its name."""
+    listed = {item["name"]: item["holds"] for item in springpot("list", "readers", "--json").json["items"]}
+    assert {"sweeps", "signals", "tests in time"} == set(listed.values())
+    assert {name for name, holds in listed.items() if holds == "tests in time"} == set(plugins().names("time reader"))
+    for name in plugins().names("time reader"):
+        assert name in springpot("list", "readers").out
+        assert "holds: tests in time" in springpot("list", "readers", name).out

@@ -140,3 +140,34 @@ def test_what_does_not_fit_is_refused():
 def test_a_parameter_that_the_test_does_not_see_is_said_to_be_undetermined():
     found = identify(relaxation(), ZENER + "inertia")
     assert any("inertia.m is hardly determined" in note for note in found.notes)
+
+
+def test_a_fit_of_tests_in_time_comes_back(tmp_path):
+    """Written as JSON and loaded: the same values, intervals and predictions."""
+    import json
+
+    import springpot
+    from springpot.report.jsontext import jsonable
+    from springpot.rheology import Points
+    from springpot.timetests import identify, predict_test
+
+    model = springpot.parse_model("zener")
+    time = np.geomspace(0.01, 100.0, 60)
+    theta = np.array([100.0, 300.0, 60.0])
+    noise = 1.0 + 0.01 * np.random.default_rng(2).normal(size=60)
+    test = springpot.TimeTest.of_relaxation(time, model.relaxation(theta, time) * noise, "Pa", name="relaxed")
+    found = identify([test], model)
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(jsonable(found.to_dict())))
+    again = springpot.load(path)
+    assert repr(again).startswith("<KeptTimeFit zener: ")
+    for name, row in found.parameters.items():
+        assert (again[name].value, again[name].low, again[name].unit) == (row["value"], row["low"], row["unit"])
+    assert again.relative_rms == found.relative_rms
+    assert again.notes == found.notes
+    assert again.tests[0]["data"] == "relaxed"
+    assert again.to_dict() == json.loads(path.read_text())
+    expected = model.stiffness(found.theta, Points(np.log([2.0])))
+    assert again.predict(omega=[2.0]).stiffness == pytest.approx(expected, rel=1e-12)
+    later = springpot.TimeTest.of_relaxation(time, model.relaxation(theta, time), "Pa", name="again")
+    assert predict_test(again, later).says == predict_test(found, later).says

@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 from springpot.identification import Objective, Optimiser, OptimiserFamily
-from springpot.measurement import Units
+from springpot.measurement import TimeReader, Units
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
 from springpot.registry import Registry
@@ -44,6 +44,8 @@ class KindOfCard:
 
     def find(self, plugins: Registry, name: str) -> Any:
         """The thing called `name`; of models also a member of a family."""
+        if self.word == "reader" and name in plugins.names("time reader"):
+            return plugins.find("time reader", name)
         if self.word != "model":
             return plugins.find(self.word, name)
         shelf = plugins.shelves["model"]
@@ -51,8 +53,8 @@ class KindOfCard:
 
     def all(self, plugins: Registry) -> list[Any]:
         """All that there are; of optimisers also libraries of many, which are not imported for that."""
-        families = plugins.items("optimiser family") if self.word == "optimiser" else ()
-        return [*plugins.items(self.word), *families]
+        beside = {"optimiser": "optimiser family", "reader": "time reader"}.get(self.word)
+        return [*plugins.items(self.word), *(plugins.items(beside) if beside else ())]
 
 
 def model(item: Model | Family) -> dict[str, Any]:
@@ -128,14 +130,14 @@ def dataset(item: DataSet) -> dict[str, Any]:
     }
 
 
-def reader(item: Reader) -> dict[str, Any]:
-    """Describe a reader."""
-    return {
-        "name": item.name,
-        "summary": item.summary,
-        "signals": item.signals is not None,
-        "writes": item.text is not None,
-    }
+def reader(item: Reader | TimeReader) -> dict[str, Any]:
+    """Describe a reader: of sweeps, of signals that become points of a sweep, or of tests in time."""
+    if isinstance(item, TimeReader):
+        told = {"holds": "tests in time", "signals": False, "writes": False}
+    else:
+        signals = item.signals is not None
+        told = {"holds": "signals" if signals else "sweeps", "signals": signals, "writes": item.text is not None}
+    return {"name": item.name, "summary": item.summary, **told}
 
 
 def objective(item: Objective) -> dict[str, Any]:
@@ -176,7 +178,7 @@ KINDS = {
     "optimisers": KindOfCard("optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser),
     "effects": KindOfCard("effect", ("name", "plane", "needs", "summary"), effect),
     "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "where", "summary"), dataset),
-    "readers": KindOfCard("reader", ("name", "signals", "writes", "summary"), reader),
+    "readers": KindOfCard("reader", ("name", "holds", "writes", "summary"), reader),
     "objectives": KindOfCard("objective", ("name", "summary"), objective),
     "writers": KindOfCard("writer", ("name", "suffix", "summary"), writer),
 }
