@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement import CONDITIONS, HELD, KELVIN, Measurement, Units
+from springpot.measurement import CONDITIONS, HELD, KELVIN, Measurement, Moduli, Units
 from springpot.rheology import Complex, Points, Real
 
 from .uncertainty import Uncertainty
@@ -40,7 +40,7 @@ BEYOND = 1.001
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(Moduli):
     """What a fitted model says of a test, with a band; its columns are named as those of a `Measurement`.
 
     Attributes
@@ -76,29 +76,6 @@ class Prediction:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "conditions", dict(self.conditions))
-
-    def __len__(self) -> int:
-        return len(self.omega)
-
-    @property
-    def frequency(self) -> Real:
-        """Frequency f = omega / 2 pi in Hz, shape (n,)."""
-        return self.omega / (2.0 * np.pi)
-
-    @property
-    def storage(self) -> Real:
-        """Storage modulus K', shape (n,)."""
-        return self.stiffness.real
-
-    @property
-    def loss(self) -> Real:
-        """Loss modulus K'', shape (n,)."""
-        return self.stiffness.imag
-
-    @property
-    def magnitude(self) -> Real:
-        """|K|, shape (n,)."""
-        return np.abs(self.stiffness)
 
     @property
     def loss_factor(self) -> Real:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -19,37 +19,49 @@ BLOCK = 7000
 """Points times frequencies evaluated at once: arrays of about 100 kB stay in the cache."""
 
 
-class Searched(Protocol):
-    """What an optimiser can be let loose upon: an objective in a box, with exact derivatives."""
+class Searched(ABC):
+    """What an optimiser can be let loose upon: an objective in a box, with exact derivatives.
 
-    @property
-    def space(self) -> SearchSpace:
-        """The box, and the map from it to the model's parameters."""
+    Attributes
+    ----------
+    space : SearchSpace
+        The box, and the map from it to the model's parameters.
+    """
+
+    space: SearchSpace
 
     @property
     def dimension(self) -> int:
         """Number d of searched parameters."""
+        return len(self.space.parameters)
 
     @property
     def lower(self) -> Real:
         """Lower corner (d,) of the box."""
+        return self.space.lower
 
     @property
     def upper(self) -> Real:
         """Upper corner (d,) of the box."""
+        return self.space.upper
 
+    @abstractmethod
     def evaluate(self, x: Real) -> Real:
         """Objective (...) at search points (..., d)."""
 
+    @abstractmethod
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., m), whose squares add up to the objective, and their derivative (..., m, d)."""
 
     def gradient(self, x: Real) -> tuple[Real, Real]:
-        """Objective (...) and its gradient (..., d)."""
+        """Objective (...) and its exact gradient (..., d)."""
+        residual, jacobian = self.residuals_and_jacobian(x)
+        slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
+        return np.sum(residual * residual, axis=-1), slope
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(Searched):
     """Minimise the objective over the box; eq. (44) to (47) of the paper in general form.
 
     Parameters
@@ -96,21 +108,6 @@ class Problem:
         """The objective's weights for these data."""
         return self.objective.weights(self.measurement)
 
-    @property
-    def dimension(self) -> int:
-        """Number of searched parameters."""
-        return len(self.space.parameters)
-
-    @property
-    def lower(self) -> Real:
-        """Lower corner of the box."""
-        return self.space.lower
-
-    @property
-    def upper(self) -> Real:
-        """Upper corner of the box."""
-        return self.space.upper
-
     def residuals(self, x: Real) -> Real:
         """Weighted residuals (..., 2n) at search points (..., d)."""
         stiffness = self.model.network.respond(self.space.theta(x), self.measurement.points).value
@@ -143,9 +140,3 @@ class Problem:
         by_theta = self.objective.derivative(response.by_theta, response.value, self.weights)
         by_x = np.matmul(np.swapaxes(by_theta, -1, -2), self.space.jacobian(x))
         return residual, by_x
-
-    def gradient(self, x: Real) -> tuple[Real, Real]:
-        """Objective (...) and its exact gradient (..., d)."""
-        residual, jacobian = self.residuals_and_jacobian(x)
-        slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
-        return np.sum(residual * residual, axis=-1), slope

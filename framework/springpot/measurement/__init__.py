@@ -12,6 +12,7 @@ from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
 from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
+from .moduli import Moduli
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
 from .question import OpenQuestion, Question
@@ -63,6 +64,7 @@ __all__ = [
     "Loading",
     "MODULUS_UNITS",
     "Measurement",
+    "Moduli",
     "OpenQuestion",
     "PRESSURE_UNITS",
     "Part",

@@ -19,6 +19,7 @@ from springpot.plain import plain
 from springpot.rheology import HELD, Complex, Points, Real
 
 from .display import html_of
+from .moduli import Moduli
 from .units import Units
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ _KINDS = {"f": "real numbers", "c": "numbers", "i": "whole numbers", "U": "words
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement:
+class Measurement(Moduli):
     """Measured complex stiffness (or modulus) with its conditions.
 
     Parameters
@@ -196,29 +197,6 @@ class Measurement:
             self.reference,
         )
         return Measurement, (self.omega, self.stiffness, self.sd, *plain)
-
-    def __len__(self) -> int:
-        return len(self.omega)
-
-    @property
-    def frequency(self) -> Real:
-        """Frequency f = omega / 2 pi in Hz."""
-        return self.omega / (2.0 * np.pi)
-
-    @property
-    def storage(self) -> Real:
-        """Storage modulus K'."""
-        return self.stiffness.real
-
-    @property
-    def loss(self) -> Real:
-        """Loss modulus K''."""
-        return self.stiffness.imag
-
-    @cached_property
-    def magnitude(self) -> Real:
-        """|K|."""
-        return np.abs(self.stiffness)
 
     @cached_property
     def reference_temperature(self) -> float:

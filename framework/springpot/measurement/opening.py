@@ -6,21 +6,21 @@ Of a file, ``#`` chooses a part and ``?`` says what it leaves open: ``FILE#2?fre
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from springpot.errors import DataError, SpringpotError
+from springpot.errors import DataError
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
 from .naming import file_and_choice, is_file, short, temperature_offer
-from .question import OpenQuestion
 from .reader import Choice, Part, Reader
+from .recognition import guarded, surest
 from .selection import conditions, select
 from .signals import Signals, measurement_from_signals
 
@@ -139,30 +139,20 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
     DataError
         If none recognises it.
     """
-    head = read_head(path)
     known = list(readers)
-    scored = [(_confidence(reader, head), -i, reader) for i, reader in enumerate(known)]
-    best = max(scored, default=(0.0, 0, None), key=lambda entry: entry[:2])
-    if best[2] is None or not best[0] > 0:
+    best, sure = surest(known, read_head(path))
+    if best is None or not sure > 0:
         names = ", ".join(reader.name for reader in known) or "none"
         markup = read_head(path).lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
         hint = "HTML or XML, save it as .xlsx or CSV" if markup else "it takes columns with names above numbers"
         raise DataError(f"{path}: no reader recognises this file: {hint} (readers: {names})")
-    return best[2]
-
-
-def _confidence(reader: Reader, head: bytes) -> float:
-    try:
-        return float(reader.recognises(head))
-    except Exception:
-        # A reader that stumbles over a foreign format simply does not recognise it.
-        return 0.0
+    return best
 
 
 def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
-        found = _guarded(reader, path, lambda: reader.read(path, choice))
+        found = guarded(reader, path, lambda: reader.read(path, choice))
         offer = {} if "temperature" in found.conditions else temperature_offer(path)
         return replace(found, provenance={**found.provenance, **offer}) if offer else found
 
@@ -191,34 +181,7 @@ def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
 
 def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
     list_parts = reader.parts
-    return () if list_parts is None else tuple(_guarded(reader, path, lambda: list_parts(path)))
-
-
-def _guarded(reader: Reader, path: Path, action: Callable[[], T]) -> T:
-    """What a reader gives; its errors name the file, which readers need not do."""
-    try:
-        return action()
-    except OpenQuestion as error:
-        raise error.worded(_about(path, str(error))) from None
-    except DataError as error:
-        raise DataError(_about(path, str(error))) from None
-    except (SpringpotError, MemoryError):
-        raise
-    except Exception as error:
-        first = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
-
-
-def _about(path: Path, message: str) -> str:
-    """An error as a user sees it: which file, and what to type instead of ``FILE``."""
-    if str(path) in message:
-        return message
-    for own in (path.name, path.stem):
-        # Signals and measurements name themselves; once is enough.
-        message = message.removeprefix(f"{own}: ")
-    sign = ", " if message.startswith(("line ", "column ")) else ": "
-    hinted = message.replace("'FILE", f"'{path}")
-    return f"{path}{sign}{hinted}"
+    return () if list_parts is None else tuple(guarded(reader, path, lambda: list_parts(path)))
 
 
 def signals_to_measurement(
@@ -273,4 +236,4 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
             f"if they are, say which by name or number: '{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]'"
         )
         raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}")
-    return _guarded(reader, path, lambda: load(path, choice))
+    return guarded(reader, path, lambda: load(path, choice))

@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from springpot.errors import DataError, SpringpotError
-
 from .budget import within_budget
 from .naming import file_and_choice, is_file
 from .opening import read_head
 from .reader import Choice
+from .recognition import guarded, surest
 from .timetest import TimeTest
 
 SURE = 0.5
@@ -63,23 +62,7 @@ def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeT
 
 
 def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[TimeTest, ...]:
-    head = read_head(path)
-    scored = [(_confidence(reader, head), -i, reader) for i, reader in enumerate(readers)]
-    best = max(scored, key=lambda entry: entry[:2], default=None)
-    if best is None or best[0] < SURE:
+    best, sure = surest(readers, read_head(path))
+    if best is None or sure < SURE:
         return ()
-    try:
-        return tuple(best[2].read(path, choice))
-    except (SpringpotError, MemoryError):
-        raise
-    except Exception as error:
-        first = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: the reader '{best[2].name}' failed: {type(error).__name__}: {first}") from error
-
-
-def _confidence(reader: TimeReader, head: bytes) -> float:
-    try:
-        return float(reader.recognises(head))
-    except Exception:
-        # A reader that stumbles over a foreign layout simply does not recognise it.
-        return 0.0
+    return guarded(best, path, lambda: tuple(best.read(path, choice)))

@@ -223,18 +223,7 @@ class TimeTest:
         name, provenance
             As in `TimeTest`.
         """
-        force, displacement = _split(unit)
-        return cls(
-            np.asarray(time, dtype=float),
-            np.asarray(modulus, dtype=float),
-            Loading.step(1.0, rise),
-            "displacement",
-            displacement,
-            force,
-            name=name,
-            provenance=provenance or {},
-            **_warm(temperature),
-        )
+        return cls._after_step(time, modulus, "displacement", unit, rise, temperature, name, provenance)
 
     @classmethod
     def of_compliance(
@@ -249,12 +238,27 @@ class TimeTest:
         provenance: Mapping[str, str] | None = None,
     ) -> TimeTest:
         """A test of which the creep compliance was noted, in 1 over `unit`; see `of_relaxation`."""
+        return cls._after_step(time, compliance, "force", unit, rise, temperature, name, provenance)
+
+    @classmethod
+    def _after_step(
+        cls,
+        time: ArrayLike,
+        response: ArrayLike,
+        control: str,
+        unit: str,
+        rise: float,
+        temperature: float | ArrayLike | None,
+        name: str,
+        provenance: Mapping[str, str] | None,
+    ) -> TimeTest:
+        """The answer to one unit of what was imposed."""
         force, displacement = _split(unit)
         return cls(
             np.asarray(time, dtype=float),
-            np.asarray(compliance, dtype=float),
+            np.asarray(response, dtype=float),
             Loading.step(1.0, rise),
-            "force",
+            control,
             displacement,
             force,
             name=name,

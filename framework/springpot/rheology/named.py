@@ -30,24 +30,7 @@ T = TypeVar("T")
 class NamedNetwork:
     """A network with a name, possibly grown by effects; see `Model`.
 
-    Parameters
-    ----------
-    base : str
-        Canonical name of the model without effects.
-    material : Node
-        Its network of elements.
-    summary : str
-        One sentence on what it describes.
-    citation : str
-        Source of the equation (DOI where there is one).
-    aliases : tuple of str
-        Names that other tools use.
-    search : SearchForm or None
-        The published search parameters, where they differ from the elements'.
-    effects : tuple of Effect
-        Effects that joined, in the order in which they were added.
-    drawing : str
-        The network as text, where it is not drawn from the network itself.
+    Its parameters are those of `Model`.
     """
 
     base: str

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import SearchSpace, box_of
+from springpot.identification import Searched, box_of
 from springpot.rheology import Model, Real
 
 from .parts import InTimePart, Part
@@ -16,7 +16,7 @@ FASTEST = 10.0
 """By how much the stiffness of the shortest time may exceed what was measured: glass lies beyond it."""
 
 
-class InTimeProblem:
+class InTimeProblem(Searched):
     """Minimise the residuals of tests over their noise.
 
     Parameters
@@ -34,22 +34,7 @@ class InTimeProblem:
     def __init__(self, model: Model, parts: Sequence[Part], reference: float, size: float, reach: float) -> None:
         self.model, self.parts, self.reference = model, list(parts), reference
         slowest = min(_slowest(part) for part in parts)
-        self.space: SearchSpace = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
-
-    @property
-    def dimension(self) -> int:
-        """Number of searched parameters."""
-        return len(self.space.parameters)
-
-    @property
-    def lower(self) -> Real:
-        """Lower corner of the box."""
-        return self.space.lower
-
-    @property
-    def upper(self) -> Real:
-        """Upper corner of the box."""
-        return self.space.upper
+        self.space = box_of(model, FASTEST * size, max(1.0, 1.0 / slowest), reach)
 
     def evaluate(self, x: Real) -> Real:
         """Sum of squares (...) at search points (..., d); endless where the model cannot be followed."""
@@ -64,12 +49,6 @@ class InTimeProblem:
         value = np.stack([residual for residual, _ in found]).reshape(*x.shape[:-1], -1)
         slopes = np.stack([by_x for _, by_x in found])
         return value, slopes.reshape(*value.shape, x.shape[-1])
-
-    def gradient(self, x: Real) -> tuple[Real, Real]:
-        """Sum of squares (...) and its gradient (..., d)."""
-        residual, jacobian = self.residuals_and_jacobian(x)
-        slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
-        return np.sum(residual * residual, axis=-1), slope
 
     def _one(self, x: Real) -> tuple[Real, Real]:
         theta = self.space.theta(x)

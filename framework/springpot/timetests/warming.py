@@ -16,25 +16,8 @@ def warming(
 ) -> Traced:
     """The response of a model to the loading of a test whose temperature moved.
 
-    Parameters
-    ----------
-    model : Model
-        Whatever a temperature moves in it is a shift.
-    theta : ndarray, shape (p,)
-        Its parameters, in the units of the test.
-    test : TimeTest
-        With its `warmth`, straight between samples and held before and after them.
-    reference : float or None
-        Temperature in kelvin at which shifts are one; the mean of the test by default.
-    at : ndarray, shape (m,), or None
-        Rising times in s; those of the test by default.
-    tolerance : float
-        Relative error of K.
-
-    Returns
-    -------
-    Traced
-        Response (m,) and its derivatives (m, p).
+    Parameters and returns are those of `predicted`; the temperature is straight between samples and held before and
+    after them, and the reference is its mean by default.
 
     Raises
     ------

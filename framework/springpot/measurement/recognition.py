@@ -1,0 +1,80 @@
+"""Which of the installed readers a file is for, and what becomes of their errors: of sweeps and of tests in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from springpot.errors import DataError, SpringpotError
+
+from .question import OpenQuestion
+
+T = TypeVar("T")
+
+
+class Recognising(Protocol):
+    """Any reader: it has a name, and tells how sure it is of the first bytes of a file."""
+
+    @property
+    def name(self) -> str:
+        """Shown to users."""
+
+    @property
+    def recognises(self) -> Callable[[bytes], float]:
+        """From the first bytes to a confidence between 0 and 1."""
+
+
+R = TypeVar("R", bound=Recognising)
+
+
+def surest(readers: Iterable[R], head: bytes) -> tuple[R | None, float]:
+    """The reader that is surest of the first bytes of a file, and how sure; of equals the first."""
+    best: R | None = None
+    most = -1.0
+    for reader in readers:
+        sure = _confidence(reader, head)
+        if sure > most:
+            best, most = reader, sure
+    return best, most
+
+
+def _confidence(reader: Recognising, head: bytes) -> float:
+    try:
+        return float(reader.recognises(head))
+    except Exception:
+        # A reader that stumbles over a foreign format simply does not recognise it.
+        return 0.0
+
+
+def guarded(reader: Recognising, path: Path, action: Callable[[], T]) -> T:
+    """What a reader gives; its errors name the file, which readers need not do.
+
+    Raises
+    ------
+    DataError
+        In one line, whatever the reader raised.
+    """
+    try:
+        return action()
+    except OpenQuestion as error:
+        raise error.worded(_about(path, str(error))) from None
+    except DataError as error:
+        raise DataError(_about(path, str(error))) from None
+    except (SpringpotError, MemoryError):
+        raise
+    except Exception as error:
+        first = (str(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
+
+
+def _about(path: Path, message: str) -> str:
+    """An error as a user sees it: which file, and what to type instead of ``FILE``."""
+    if str(path) in message:
+        return message
+    for own in (path.name, path.stem):
+        # Signals and measurements name themselves; once is enough.
+        message = message.removeprefix(f"{own}: ")
+    sign = ", " if message.startswith(("line ", "column ")) else ": "
+    hinted = message.replace("'FILE", f"'{path}")
+    return f"{path}{sign}{hinted}"
