@@ -143,9 +143,10 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
     if len(temperatures) > 1 and swept:
         return f"next: springpot mastercurve {quote(spec)}"
-    if "note parts" in result["provenance"]:
+    if "note parts" in result["provenance"] and swept:
         used = next(part for part in result["parts"] if part["usable"])
-        return f"next: springpot compare {quote(spec)}'#{used['number']}'"
+        chosen = f"{spec}#{used['number']}"
+        return f"next: springpot compare {quote(chosen)}"
     return f"next: springpot compare {quote(spec)}"
 
 

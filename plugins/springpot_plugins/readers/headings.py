@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from springpot.measurement import normal_unit
+
 from .grid import COMMENT
-from .titles import Heading, heading, is_unit
+from .titles import UNITS, Heading, heading, is_unit
 
 _MOST_JOINED = 200
 """Words above a table that are tried in pairs; each joining looks at all of them again."""
@@ -21,10 +23,26 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
     titles += [""] * (len(units) - len(titles))
     for row in between:
         if (found := units_in(row)) and len(found) <= len(units):
-            units[: len(found)] = found
+            units = _beside_titles(found, titles)
         elif len(row) == len(titles):
             titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
     return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | None]:
+    """The units under their titles: a column without one, such as a counter, leaves no gap between blanks."""
+    spare = [None] * (len(titles) - len(units))
+    from_left, from_right = [*units, *spare], [*spare, *units]
+    fits = [
+        sum(_fits(title, unit) for title, unit in zip(titles, each, strict=True)) for each in (from_left, from_right)
+    ]
+    return from_right if fits[1] > fits[0] else from_left
+
+
+def _fits(title: str, unit: str | None) -> bool:
+    """Whether this is a unit of what the title names."""
+    known = UNITS.get(heading(title).role or "")
+    return bool(unit) and known is not None and normal_unit(str(unit)) in known
 
 
 def _in_two_rows(titles: list[str], below: Sequence[str]) -> list[str]:

@@ -26,7 +26,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("frequence", "frequenz", "messfrequenz", "frecuencia", "frequenza", "frequencia"),
     ),
     "storage": (
-        *("storage", "storagemodulus", "g'", "gp", "gprime", "storageshearmodulus", "shearstoragemodulus"),
+        *("storage", "storagemodulus", "m'", "g'", "gp", "gprime", "storageshearmodulus", "shearstoragemodulus"),
         *(
             "elasticshearmodulus",
             "shearmodulus(elasticcomponent)",
@@ -56,7 +56,17 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("modulodistoccaggio", "modulodearmazenamento"),
     ),
     "loss": (
-        *("loss", "lossmodulus", "g''", "gpp", "gdoubleprime", "gdprime", "lossshearmodulus", "shearlossmodulus"),
+        *(
+            "loss",
+            "lossmodulus",
+            "m''",
+            "g''",
+            "gpp",
+            "gdoubleprime",
+            "gdprime",
+            "lossshearmodulus",
+            "shearlossmodulus",
+        ),
         *("viscousmodulus", "viscousshearmodulus", "shearmodulus(viscouscomponent)", "lossstiffness", "k''", "kpp"),
         *("e''", "epp", "edoubleprime", "eloss", "gloss", "lossyoungsmodulus", "img*", "im(g*)", "kdoubleprime"),
         *(
@@ -76,7 +86,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "magnitude": (
         *("dynamischesteifigkeit", "dynsteifigkeit", "kdyn", "dynstiffness", "dynamicspringrate"),
         *("rigiditedynamique", "rigidezdinamica", "rigidezzadinamica"),
-        *("magnitude", "complexmodulus", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
+        *("magnitude", "complexmodulus", "|m*|", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
         *("shearmodulus(complexcomponent)", "|k|", "|k*|", "k*", "|g|", "|e|", "dynamicmodulus", "dynamicstiffness"),
         *("absg*", "abse*", "complexstiffness", "|complexmodulus|", "modulecomplexe", "komplexermodul"),
         *("komplexerschubmodul", "betragkomplexermodul", "modulocomplejo", "modulocomplesso", "modulocomplexo"),
@@ -134,7 +144,17 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("g''sd", "g''std", "gppsd", "gppstd", "lossstandarddeviation", "sdloss"),
     ),
     "temperature": (
-        *("temperature", "temp", "sampletemperature", "temperatur", "probentemperatur", "temperatura", "teta", "ϑ"),
+        *(
+            "temperature",
+            "temp",
+            "ts",
+            "sampletemperature",
+            "temperatur",
+            "probentemperatur",
+            "temperatura",
+            "teta",
+            "ϑ",
+        ),
         *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
     ),
     "amplitude": (
