@@ -159,4 +159,9 @@ def test_discover_is_for_tests_in_time_too(springpot, relaxed):
     assert "fractional-kelvin + series-spring" in told.out
     assert "x floor" in told.out
     springpot("discover", relaxed, "-m", "maxwell", "--auto", "--fix", "k=1").is_one_line("for sweeps")
-    springpot("discover", relaxed, "--auto").is_one_line("give --model")
+
+
+def test_without_a_model_any_material_is_judged(springpot, relaxed):
+    told = springpot("diagnose", relaxed)
+    assert told.code == 0, told.err
+    assert told.out.startswith("material: adequate")

@@ -103,13 +103,11 @@ def compare(tests: Sequence[Test], models: Sequence[Model], figure: Path | None,
 
 def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:
     """``springpot diagnose`` of tests in time: what is missing, from the raw signals."""
-    from springpot.errors import ModelError
+    from springpot.diagnosis.material import any_material
     from springpot.registry import plugins
     from springpot.timetests import diagnose as diagnose_in_time
 
-    if model is None:
-        raise ModelError("tests in time are judged by a model: give --model, such as fractional-zener")
-    found = diagnose_in_time(tests, model, plugins().items("effect"))
+    found = diagnose_in_time(tests, model or any_material(), plugins().items("effect"))
     emit(found, as_json, lambda: _show_diagnosis(found))
 
 
@@ -122,7 +120,8 @@ def discover(
     given: Sequence[str],
 ) -> None:
     """``springpot discover`` from tests in time."""
-    from springpot.errors import ModelError, OptionError
+    from springpot.diagnosis.material import any_material
+    from springpot.errors import OptionError
     from springpot.registry import plugins
     from springpot.report.fits import climbed_in_time_text
     from springpot.timetests import discover as discover_in_time
@@ -131,10 +130,10 @@ def discover(
 
     if given:
         raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
-    if model is None:
-        raise ModelError("tests in time are judged by a model: give --model, such as fractional-zener")
     with Waiting() as waiting:
-        found = discover_in_time(tests, model, list(plugins().items("effect")), accept, waiting.told)
+        found = discover_in_time(
+            tests, model or any_material(), list(plugins().items("effect")), accept, waiting.told
+        )
     if figure is not None:
         from springpot.report.timetests import figure_tests
 

@@ -22,6 +22,8 @@ from .parts import InTimePart, Part
 SLOWER, FASTER = 1.0, 0.5
 """Decades beyond the times of the tests: what relaxes more slowly is a spring there, and of what is gone before the
 first sample, but for a few per cent, any amount could have been."""
+WITHIN = 3.0
+"""Rates over one a step at which relaxation beside a straight motion is still told from a dashpot."""
 STEPS = 60
 """A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
 STILL = 1e-7
@@ -165,7 +167,9 @@ class _Search:
 def _seen(part: Part) -> tuple[float, float]:
     """Angular frequencies between which a part tells something."""
     if isinstance(part, InTimePart):
-        return part.test.seen
+        slowest, fastest = part.test.seen
+        # Within a step of a record the motion is straight, and that tells of what relaxes in it.
+        return slowest, fastest if part.test.kind in ("relaxation", "creep") else WITHIN * fastest
     return float(part.test.omega.min()), float(part.test.omega.max())
 
 
