@@ -11,7 +11,9 @@ import pytest
 pytest.importorskip("starlette", reason="the extra 'workbench' is not installed")
 pytest.importorskip("uvicorn", reason="the extra 'workbench' is not installed")
 
+import springpot
 from springpot.web import Workbench
+from springpot.web.datatext import measured_in
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 
@@ -22,6 +24,14 @@ def damper() -> bytes:
     found = re.search(r"^```csv damper.csv\n(.*?)^```$", README.read_text(encoding="utf-8"), re.M | re.S)
     assert found is not None
     return found[1].encode()
+
+
+@pytest.fixture(scope="session")
+def named(damper: bytes) -> Iterator[Workbench]:
+    """A workbench opened from Python on a measurement and a model; who closes it is the last to use it."""
+    running = springpot.workbench(measured_in("damper.csv", damper)[0], "fractional-maxwell", browser=False)
+    yield running
+    running.close()
 
 
 @pytest.fixture(scope="session")

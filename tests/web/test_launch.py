@@ -15,20 +15,18 @@ import pytest
 from client import ask, head, raw, token_of
 from test_state import a_session
 
-import springpot
 from springpot.errors import OptionError
 from springpot.web import Workbench, serve
 from springpot.web.datatext import measured_in, text_of
-from springpot.web.tasks import begin, understand
+from springpot.web.tasks import begin, perform, understand
 
 STARTS = [sys.executable, "-c"]
 BARE = "import numpy"
 WHOLE = "from springpot.web import Workbench; import numpy; Workbench()"
 
 
-def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Path, damper: bytes):
-    (tmp_path / "damper.csv").write_bytes(damper)
-    command = [sys.executable, "-m", "springpot", "workbench", "damper.csv", "--no-browser"]
+def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Path):
+    command = [sys.executable, "-m", "springpot", "workbench", "--no-browser"]
     running = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert running.stdout is not None
     assert running.stdout.readline().startswith("springpot workbench: http://127.0.0.1:")
@@ -39,26 +37,35 @@ def test_the_command_prints_its_address_first_and_ends_with_ctrl_c(tmp_path: Pat
     assert "Traceback" not in err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["dampr.csv"], "springpot: 'dampr.csv': there is no such file or data set: did you mean damper.csv?"),
-        (["bad.csv"], "springpot: bad.csv: "),
-        (
-            ["damper.csv", "--model", "fractional-maxwel"],
-            "springpot: unknown model 'fractional-maxwel': did you mean",
-        ),
-    ],
-)
-def test_what_cannot_be_used_ends_it_in_one_line(tmp_path: Path, damper: bytes, arguments: list[str], says: str):
-    (tmp_path / "damper.csv").write_bytes(damper)
+def test_data_that_cannot_be_used_end_it_in_one_line(tmp_path: Path):
     (tmp_path / "bad.csv").write_text("hello\nworld\n", encoding="utf-8")
-    command = [sys.executable, "-m", "springpot", "workbench", *arguments, "--no-browser"]
+    command = [sys.executable, "-m", "springpot", "workbench", "bad.csv", "--no-browser"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert ended.returncode == 2
     assert ended.stdout == ""
-    assert ended.stderr.startswith(says)
+    assert ended.stderr.startswith("springpot: bad.csv: ")
     assert ended.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("spec", "model", "says"),
+    [
+        ("dampr.csv", "", "'dampr.csv': there is no such file or data set: did you mean damper.csv?"),
+        ("no-such-set", "", "neither a file nor a registered data set"),
+        ("damper.csv", "fractional-maxwel", "unknown model 'fractional-maxwel': did you mean fractional-maxwell"),
+        ("", "kelvin + nonsense", "unknown effect 'nonsense'"),
+        ("broken.json", "", "this is no session"),
+    ],
+)
+def test_what_cannot_be_used_is_said_as_by_any_command(
+    tmp_path: Path, damper: bytes, monkeypatch: pytest.MonkeyPatch, spec: str, model: str, says: str
+):
+    monkeypatch.chdir(tmp_path)
+    Path("damper.csv").write_bytes(damper)
+    Path("broken.json").write_text('{"schema": "springpot.session/1"}', encoding="utf-8")
+    told = perform("begin", {"spec": spec, "model": model}, print)
+    assert says in told["error"]
+    assert told["fault"] is False
 
 
 def test_a_file_that_only_asks_is_asked_about_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -94,7 +101,7 @@ def test_ctrl_c_is_heard_even_where_python_would_swallow_it():
 def test_it_starts_little_later_than_numpy_alone():
     def least(program: str) -> float:
         took = []
-        for _ in range(3):
+        for _ in range(2):
             begun = time.perf_counter()
             subprocess.run([*STARTS, program], check=True)
             took.append(time.perf_counter() - begun)
@@ -103,19 +110,18 @@ def test_it_starts_little_later_than_numpy_alone():
     assert least(WHOLE) < 5 * least(BARE)
 
 
-def test_python_opens_it_on_a_measurement_and_goes_on(damper: bytes):
-    measurement = measured_in("damper.csv", damper)[0]
-    bench = springpot.workbench(measurement, "fractional-maxwell", browser=False)
-    try:
-        begun = ask(bench, "/api/start", method="GET")
-        assert begun["model"] == "fractional-maxwell"
-        assert begun["data"]["result"]["text"] == text_of(measurement)
-        assert bench.address in bench._repr_html_().replace("&amp;", "&")
-        other = Workbench()
-        assert token_of(other) != token_of(bench)
-        assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(other)))[0] == 401
-    finally:
-        bench.close()
+def test_python_opens_it_on_a_measurement_and_goes_on(named: Workbench, damper: bytes):
+    begun = ask(named, "/api/start", method="GET")
+    assert begun["model"] == "fractional-maxwell"
+    assert begun["data"]["result"]["text"] == text_of(measured_in("damper.csv", damper)[0])
+    assert named.address in named._repr_html_().replace("&amp;", "&")
+
+
+def test_every_run_has_a_token_of_its_own(bench: Workbench):
+    other = Workbench()
+    assert token_of(other) != token_of(bench)
+    assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(other)))[0] == 401
+    other.close()
 
 
 def test_a_port_that_is_taken_is_told(bench: Workbench):

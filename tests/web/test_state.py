@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
+import runpy
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import springpot
+from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
 from springpot.report.interactive.answers import proposed_points
@@ -40,8 +40,13 @@ def state(data: Measurement) -> State:
 
 
 @pytest.fixture(scope="module")
-def first(state: State, data: Measurement) -> dict:
-    return json.loads(to_json(answer(state, data, lambda stage: None)))
+def ladder(state: State, data: Measurement) -> Ladder:
+    return ladder_of(state, data)
+
+
+@pytest.fixture(scope="module")
+def first(state: State, ladder: Ladder, data: Measurement) -> dict:
+    return json.loads(to_json(answer(state, ladder, data)))
 
 
 def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
@@ -59,6 +64,7 @@ def test_a_key_is_that_of_its_state_and_of_no_other(state: State):
 ANYTHING = st.none() | st.integers() | st.floats() | st.text() | st.lists(st.text() | st.integers())
 
 
+@settings(max_examples=50)
 @given(st.dictionaries(st.sampled_from(["data", "model", "accepted", "excluded", "seed"]), ANYTHING))
 def test_a_state_takes_nothing_that_is_none(anything: dict[str, object]):
     try:
@@ -162,17 +168,39 @@ def test_rounding_keeps_six_digits_and_tells_what_is_no_number(values: list[floa
             assert shown == pytest.approx(value, rel=1e-5)
 
 
-def test_the_exported_script_gives_the_numbers_of_the_page(damper: bytes, data: Measurement, tmp_path: Path):
-    (tmp_path / "damper.csv").write_bytes(damper)
+def test_the_exported_script_gives_the_numbers_of_the_page(
+    damper: bytes,
+    data: Measurement,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
+    monkeypatch.chdir(tmp_path)
+    Path("damper.csv").write_bytes(damper)
     state = State(digest_of(text_of(data)), MODEL, ("inertia",), (0, 3, 4))
-    (tmp_path / "again.py").write_text(leaving.script(state, "damper.csv"), encoding="utf-8")
-    out = subprocess.run(
-        [sys.executable, "again.py"], cwd=tmp_path, capture_output=True, text=True, check=True
-    ).stdout
-    for step in ladder_of(state, data).steps:
+    Path("again.py").write_text(leaving.script(state, "damper.csv"), encoding="utf-8")
+    runpy.run_path("again.py", run_name="__main__")
+    out = capsys.readouterr().out
+    steps = ladder_of(state, data).steps
+    for step in steps:
         assert f"{step.model}: error {step.relative_rms:.6%}, noise floor {step.noise_floor:.6%}" in out
-    value = ladder_of(state, data).steps[-1].parameters["inertia.m"]
+    value = steps[-1].parameters["inertia.m"]
     assert f"inertia.m = {value.value:.6g} [{value.low:.6g}, {value.high:.6g}] kg" in out
+
+
+def test_new_data_where_it_was_proposed_break_the_tie(ladder: Ladder, data: Measurement, rng: np.random.Generator):
+    before = ladder.diagnosis
+    assert set(before.next_experiment.separates) == {"inertia", "specimen-inertia"}
+    assert set(before.classes[0]) == {"inertia", "specimen-inertia"}
+    few = {"omega": before.next_experiment.action["omega"][::4]}
+    points = proposed_points(few, data)
+    grown = springpot.parse_model(f"{MODEL} + inertia")
+    exact = grown.stiffness(grown.theta(**{"k": 400e3, "c": 60e3, "alpha": 0.55, "inertia.m": 0.6}), points)
+    noise = 0.005 * (rng.normal(size=len(exact)) + 1j * rng.normal(size=len(exact)))
+    measured = Measurement(points.omega, exact * (1 + noise) / 1e3, units=data.units, name="next")
+    after = springpot.discover(joined(data, measured), MODEL, accept=[]).diagnosis
+    assert after.best.effect == "inertia"
+    assert after.best.probability > 0.99
 
 
 def test_a_name_cannot_break_out_of_the_script(state: State):
@@ -193,8 +221,8 @@ def test_the_command_line_is_that_of_the_state(state: State):
     assert leaving.source_of("damper.csv", State("x", MODEL, (), tuple(range(0, 90, 2))), False) == "damper-used.csv"
 
 
-def test_curves_leave_with_units_in_their_header(state: State, data: Measurement):
-    lines = leaving.curves_csv(ladder_of(state, data), data).splitlines()
+def test_curves_leave_with_units_in_their_header(ladder: Ladder, data: Measurement):
+    lines = leaving.curves_csv(ladder, data).splitlines()
     columns = lines[0].split(",")
     assert columns[2:6] == ["frequency [Hz]", "omega [rad/s]", "data storage [kN/m]", "data loss [kN/m]"]
     row = lines[1].split(",")
@@ -203,8 +231,8 @@ def test_curves_leave_with_units_in_their_header(state: State, data: Measurement
     assert {line.split(",")[0] for line in lines[1:]} == {"point", "curve"}
 
 
-def test_the_plan_opens_as_data_once_it_is_filled_in(state: State, data: Measurement):
-    plan = leaving.plan_csv(ladder_of(state, data), data)
+def test_the_plan_opens_as_data_once_it_is_filled_in(ladder: Ladder, data: Measurement):
+    plan = leaving.plan_csv(ladder, data)
     filled = "".join(f"{line[:-1]}5,3\n" if line[0].isdigit() else f"{line}\n" for line in plan.splitlines())
     assert len(measured_in("plan.csv", filled.encode())[0]) == 20
 
@@ -259,6 +287,14 @@ def test_a_broken_session_is_refused_in_one_line(data: Measurement, key: str, va
     with pytest.raises(DataError) as error:
         session_of(json.dumps(a_session(data) | {key: value}).encode())
     assert "\n" not in str(error.value)
+
+
+def test_rivals_are_curves_where_only_the_frequency_moves(first: dict):
+    frequency = first["next"]["frequency"]
+    proposed = np.array(first["next"]["action"]["omega"]) / (2 * np.pi)
+    assert len(frequency) > 5 * len(proposed)
+    assert (frequency[0], frequency[-1]) == pytest.approx((proposed.min(), proposed.max()), rel=1e-5)
+    assert all(len(rival["storage"]) == len(frequency) for rival in first["next"]["rivals"])
 
 
 def test_signals_of_several_frequencies_are_one_measurement():

@@ -19,33 +19,32 @@ Told = Callable[[str], None]
 
 
 def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> Ladder:
-    """The ladder of a state; the same bits for the same state and data."""
-    used = kept(measurement, state.excluded)
-    return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told)
-
-
-def answer(state: State, measurement: Measurement, told: Told) -> dict[str, Any]:
-    """Schema ``springpot.workbench/1``: the discovery, and K of the model and of every candidate.
-
-    Parameters
-    ----------
-    state : State
-        What is asked.
-    measurement : Measurement
-        The data, all rows.
-    told : callable
-        Told in a few words what is being done.
-
-    Returns
-    -------
-    dict
-        ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
+    """The ladder of a state; the same bits for the same state and data.
 
     Raises
     ------
     SpringpotError
         If a name is unknown, or if model and data do not fit each other.
     """
-    ladder = ladder_of(state, measurement, told)
-    told("drawing what each effect would change")
+    used = kept(measurement, state.excluded)
+    return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told)
+
+
+def answer(state: State, ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
+    """Schema ``springpot.workbench/1``: the discovery, and K of the model and of every candidate.
+
+    Parameters
+    ----------
+    state : State
+        What is asked.
+    ladder : Ladder
+        Its ladder, see `ladder_of`.
+    measurement : Measurement
+        The data, all rows.
+
+    Returns
+    -------
+    dict
+        ``schema``, ``state``, its ``key``, and all that `springpot.report.interactive.drawn` gives.
+    """
     return {"schema": SCHEMA, "state": state.to_dict(), "key": state.key, **drawn(ladder, measurement)}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -32,7 +31,7 @@ class Hand:
     bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
-def hand_of(model: Model, given: Mapping[str, Any]) -> Hand:
+def hand_of(model: Model, given: object) -> Hand:
     """What a page sent, which may be anything.
 
     Raises
@@ -42,7 +41,7 @@ def hand_of(model: Model, given: Mapping[str, Any]) -> Hand:
     """
     hand = Hand({})
     for name in model.names:
-        said = given.get(name)
+        said = given.get(name) if isinstance(given, Mapping) else None
         if not isinstance(said, Mapping):
             raise ModelError(f"{model.name}: the parameter {name} has no value")
         value = _number(said.get("value"), np.nan)

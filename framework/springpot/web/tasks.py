@@ -207,8 +207,11 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
 
 
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """See `springpot.web.answers.answer`."""
-    return answer(State.of(state), _measured(text), told)
+    """See `springpot.web.answers.answer`; its ladder is kept for what one leaves with."""
+    asked = State.of(state)
+    ladder = _ladder(asked, text, told)
+    told("drawing what each effect would change")
+    return answer(asked, ladder, _measured(text))
 
 
 def curve(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, Any]) -> dict[str, Any]:

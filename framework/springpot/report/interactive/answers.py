@@ -17,6 +17,8 @@ from .scene import PageScene, relative_error, rounded
 
 DRAWABLE = {"omega", "amplitude", "temperature", "repeats"}
 """What an experiment may change for its rivals to be drawn."""
+ON_A_RIVAL = 160
+"""Points of a rival's curve: as many as the picture has columns of three pixels."""
 
 
 def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
@@ -109,11 +111,11 @@ def _preview(scene: PageScene, used: Measurement, one: Grown) -> dict[str, Any]:
 
 
 def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict[str, Any] | None:
-    """The proposed points, and what the two rivals predict there; None where nothing is proposed."""
+    """The proposed experiment, and what the two rivals predict along it; None where nothing is proposed."""
     proposed = case.diagnosis.next_experiment
     if proposed is None or not proposed.action.get("omega"):
         return None
-    points = proposed_points(proposed.action, measurement)
+    points = _along(proposed_points(proposed.action, measurement), proposed.action)
     floor = case.diagnosis.error.noise_floor
     rivals = []
     for name in proposed.separates:
@@ -122,6 +124,16 @@ def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict
             rivals.append({"effect": name, **_band(grown[name].model, grown[name].theta, points, floor)})
     told = {key: list(values) for key, values in proposed.action.items()}
     return {"action": told, "frequency": rounded(points.omega / (2 * np.pi)), "rivals": rivals}
+
+
+def _along(points: Points, action: dict[str, list[float]]) -> Points:
+    """Where only the frequency moves: points close enough for a curve, on which a resonance is seen as one."""
+    if set(action) != {"omega"}:
+        return points
+    rows = np.zeros(ON_A_RIVAL, dtype=int)
+    whole = points.mapped(lambda column: column[rows])
+    log_omega = np.linspace(points.log_omega.min(), points.log_omega.max(), ON_A_RIVAL)
+    return replace(whole, log_omega=log_omega)
 
 
 def proposed_points(action: dict[str, list[float]], measurement: Measurement) -> Points:

@@ -130,7 +130,7 @@ export class Data {
     const shown = data.scene.rows.length;
     if (shown < data.scene.count) facts.push(`${shown} of them drawn`);
     return [
-      h("p", { id: "facts" }, facts.filter(Boolean).join(", "), out ? h("span", {}, `; ${out} left out `,
+      h("p", { id: "facts", title: "rows of the table; sweeps are rows of one temperature, amplitude and step" }, facts.filter(Boolean).join(", "), out ? h("span", {}, `; ${out} left out `,
         h("button", { type: "button", id: "take-back", onclick: () => this.app.leaveOut([]) }, "Take back all")) : ""),
       h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "What was understood of the data" },
         h("table", {}, h("thead", {}, h("tr", {}, ...["column", "from", "to", "unit"].map((word) => h("th", { scope: "col" }, word)))), h("tbody", {}, ...rows))),
@@ -144,9 +144,10 @@ export class Data {
     const groups = [...data.levels, ...data.runs.filter((run) => data.levels.every((level) => level.rows.join() !== run.rows.join()))];
     if (!groups.length) return null;
     const out = new Set(this.app.state.excluded);
-    return h("details", {}, h("summary", {}, "Choose rows"), ...groups.map((group) => {
+    const open = (event) => { this.choosing = event.target.open; };
+    return h("details", { open: this.choosing, ontoggle: open }, h("summary", { id: "choose-rows" }, "Choose rows"), ...groups.map((group, i) => {
       const left = group.rows.filter((row) => out.has(row)).length;
-      const box = h("input", { type: "checkbox", checked: left < group.rows.length, onchange: () => {
+      const box = h("input", { type: "checkbox", id: `rows-${i}`, checked: left < group.rows.length, onchange: () => {
         const next = new Set(this.app.state.excluded);
         for (const row of group.rows) if (box.checked) next.delete(row); else next.add(row);
         this.app.leaveOut([...next].sort((a, b) => a - b));

@@ -13,28 +13,43 @@ const FILES = [
   ["command", "Command line", "gives the same answer", "text/plain"],
   ["session", "Session", "springpot workbench FILE.json opens it again", "application/json"],
 ];
+const COPIED = new Set(["script", "command"]);
 const PLOTS = [["plot-view", "view"], ["plot-residual", "residual"], ["plot-ladder", "ladder"]];
 
 export function leaveDialog(app) {
   const dialog = byId("leave-dialog");
   const says = h("p", { class: "error", role: "alert" });
   const shown = h("pre", { id: "command-line", tabindex: "0" });
+  const done = h("p", { class: "quiet", role: "status", id: "done" });
   const away = async (action) => {
     says.textContent = "";
+    done.textContent = "";
     try {
-      await action();
+      const { name, link } = await action();
+      put(done, link || document.createTextNode(`${name} is saved.`));
+      link?.focus();
     } catch (error) {
       says.textContent = error.message;
     }
   };
+  const saved = (name, content, type) => ({ name, link: download(name, content, type) });
+  const copy = (kind, what) => h("button", { type: "button", "data-copy": kind, "aria-label": `copy the ${what}`, onclick: async () => {
+    try {
+      await navigator.clipboard.writeText((await app.textOf(kind)).text);
+      done.textContent = `The ${what} is on the clipboard.`;
+    } catch (error) {
+      says.textContent = error.message;
+    }
+  } }, "Copy");
   const files = FILES.map(([kind, name, what, type]) => h("li", {},
-    h("button", { type: "button", "data-leave": kind, onclick: () => away(() => app.leaveWith(kind, type)) }, name), ` ${what}`));
+    h("button", { type: "button", "data-leave": kind, onclick: () => away(() => app.leaveWith(kind, type)) }, name), " ",
+    COPIED.has(kind) ? copy(kind, name.toLowerCase()) : null, ` ${what}`));
   const plots = PLOTS.filter(([id]) => byId(id) && !byId(id).hasAttribute("hidden") && byId(id).childElementCount).map(([id, name]) => h("li", {}, `${name}: `,
-    h("button", { type: "button", "data-leave": `${id}-svg`, onclick: () => away(() => download(`${app.stem}-${name}.svg`, standalone(byId(id)), "image/svg+xml")) }, `${name} as SVG`), " ",
-    h("button", { type: "button", "data-leave": `${id}-png`, onclick: () => away(async () => download(`${app.stem}-${name}.png`, await asPng(byId(id)))) }, `${name} as PNG`)));
+    h("button", { type: "button", "data-leave": `${id}-svg`, onclick: () => away(() => saved(`${app.stem}-${name}.svg`, standalone(byId(id)), "image/svg+xml")) }, `${name} as SVG`), " ",
+    h("button", { type: "button", "data-leave": `${id}-png`, onclick: () => away(async () => saved(`${app.stem}-${name}.png`, await asPng(byId(id)))) }, `${name} as PNG`)));
   put(dialog, h("h2", { id: "leave-title" }, "Leave with it"), h("ul", { class: "files" }, ...files),
-    h("h3", {}, "Plots"), h("ul", { class: "files" }, ...plots), h("h3", {}, "The same on the command line"), shown, says,
+    h("h3", {}, "Plots"), h("ul", { class: "files" }, ...plots), h("h3", {}, "The same on the command line"), shown, done, says,
     h("p", {}, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.showModal();
-  away(async () => { shown.textContent = (await app.textOf("command")).text; });
+  app.textOf("command").then(({ text }) => { shown.textContent = text; }, (error) => { says.textContent = error.message; });
 }

@@ -84,7 +84,11 @@ class App {
     enable(byId("undo"), this.history.canUndo ? "" : "there is nothing to undo");
     enable(byId("redo"), this.history.canRedo ? "" : "there is nothing to redo");
     enable(byId("leave"), answer ? "" : "there is nothing to leave with yet");
+    // Panels make their elements anew: what had the focus has it still.
+    const focused = document.activeElement?.id;
     for (const panel of this.panels) panel.render();
+    this.compare.fill();
+    if (focused && document.activeElement === document.body) byId(focused)?.focus();
   }
 
   save() {
@@ -239,6 +243,7 @@ class App {
     byId("work").hidden = false;
     document.body.setAttribute("aria-busy", "true");
     told();
+    this.render();
     try {
       return await action({ signal: control.signal, told: (text) => { stage = text; told(); } });
     } catch (error) {
@@ -358,17 +363,18 @@ class App {
     return api.ask("leave", { state: this.state, kind });
   }
 
+  // The file's name, and a link where the browser wants one more click.
   async leaveWith(kind, type = "text/csv") {
-    if (kind === "json") {
-      download(`${this.stem}.json`, JSON.stringify(this.answer.discovery, null, 2), type);
-    } else if (kind === "session") {
-      const { text, source, joined } = this.data;
-      const session = { schema: "springpot.session/1", data: { source, joined, text }, ...this.sessionOfTheseData(), view: this.looks };
-      download(`${this.stem}-session.json`, JSON.stringify(session), type);
-    } else {
-      const found = await this.textOf(kind);
-      download(found.name, found.text, type);
-    }
+    const { name, text } = await this.fileOf(kind);
+    return { name, link: download(name, text, type) };
+  }
+
+  async fileOf(kind) {
+    if (kind === "json") return { name: `${this.stem}.json`, text: JSON.stringify(this.answer.discovery, null, 2) };
+    if (kind !== "session") return this.textOf(kind);
+    const { text, source, joined } = this.data;
+    const session = { schema: "springpot.session/1", data: { source, joined, text }, ...this.sessionOfTheseData(), view: this.looks };
+    return { name: `${this.stem}-session.json`, text: JSON.stringify(session) };
   }
 
   // Of the history only what was done with the data that are open: a session file holds one set.
@@ -389,6 +395,7 @@ class App {
     const saved = sessionStorage.getItem(SAVED);
     api.installed().then((found) => {
       this.installed = found;
+      this.model.complete();
       this.model.list();
       this.render();
     }).catch((error) => { this.refused = error.message; this.render(); });

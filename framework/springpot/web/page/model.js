@@ -22,7 +22,7 @@ export class ModelPanel {
       h("form", { onsubmit: (event) => { event.preventDefault(); if (usable(this.judge)) app.judge(this.input.value.trim()); } },
         h("label", { for: "expression" }, "Expression"), this.input, this.options, this.judge,
         h("p", { id: "expression-says", class: "quiet" }, "Left empty, any linear passive material is judged.")),
-      h("details", { id: "all-models" }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
+      h("details", { id: "all-models", ontoggle: () => this.list() }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
       this.rank, this.ranked, this.table);
   }
 
@@ -41,9 +41,10 @@ export class ModelPanel {
     for (const item of this.models.children) item.hidden = !item.dataset.text.includes(wanted);
   }
 
+  // The drawings of all models cost more than the rest of the page: they are made when somebody looks for them.
   list() {
     const { installed } = this.app;
-    this.complete();
+    if (!installed || !byId("all-models").open || this.models.childElementCount) return;
     put(this.models, installed.models.map((model) => h("li", { "data-text": [model.name, ...model.aliases, model.summary].join(" ").toLowerCase() },
       h("button", { type: "button", onclick: () => this.app.judge(model.name.replace(/-N$/, "-3")) },
         h("span", { class: "name" }, model.name),
@@ -53,6 +54,7 @@ export class ModelPanel {
 
   openSearch() {
     byId("all-models").open = true;
+    this.list();
     this.search.focus();
   }
 

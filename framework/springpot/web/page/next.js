@@ -20,10 +20,10 @@ export class Next {
     const box = h("input", { type: "checkbox", id: "show-plan", checked: Boolean(looks.plan), disabled: !drawable,
       onchange: () => this.app.look({ plan: box.checked ? 1 : 0 }) });
     put(this.parent,
-      h("p", {}, proposed.says),
-      h("p", { class: "quiet" }, `${proposed.separates.join(" or ")}: ${number(proposed.expected_separation_sigma, 2)} σ apart`),
-      h("label", { class: "check" }, box, drawable ? " draw both rivals there, with their bands" : " rivals cannot be drawn for another specimen"),
-      h("p", {}, h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),
-        " ", h("button", { type: "button", onclick: () => this.app.openMore() }, "Add its data")));
+      h("p", { title: `${proposed.separates.join(" and ")} part by ${number(proposed.expected_separation_sigma, 2)} standard deviations of the noise` }, proposed.says),
+      h("p", { class: "bar" },
+        h("label", { class: "check" }, box, drawable ? " draw both rivals there" : " rivals cannot be drawn for another specimen"),
+        h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV"),
+        h("button", { type: "button", onclick: () => this.app.openMore() }, "Add its data")));
   }
 }

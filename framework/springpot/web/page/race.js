@@ -55,7 +55,7 @@ export class Race {
   async take(name) {
     try {
       const found = await ask("race", { name, report: true });
-      download(found.name, found.text, "text/html");
+      put(this.report, download(found.name, found.text, "text/html"));
     } catch (error) {
       put(this.report, h("p", { class: "error" }, error.message));
     }

@@ -13,6 +13,9 @@ const STEPS = [
   "Leave with a report, a script, the numbers; or measure what decides between the rivals.",
 ];
 const NARROW = 500; // px below which a plot is that of a phone
+const HEIGHTS = { phone: [250, 165], desk: [300, 158] }; // px of the picture and of the residual below it
+const LEAST = 170; // px between which the picture grows and shrinks with the window
+const MOST = 480;
 
 // One sentence of what the answer is, above the picture.
 export function verdict({ discovery }) {
@@ -45,6 +48,7 @@ export class Compare {
     put(parent, this.intro, this.bar, this.key, this.frames, this.readout, this.places);
     for (const plot of [this.main, this.residual]) this.listen(plot);
     new ResizeObserver(() => this.resized()).observe(this.frames);
+    window.addEventListener("resize", () => this.fill());
   }
 
   resized() {
@@ -65,18 +69,21 @@ export class Compare {
     this.view.value = looks.view;
     this.plane.value = looks.plane;
     const phone = this.width < NARROW;
-    const tall = phone ? 250 : Math.max(215, Math.min(440, window.innerHeight - 555));
+    const [tall, low] = phone ? HEIGHTS.phone : [this.tall || HEIGHTS.desk[0], HEIGHTS.desk[1]];
     const master = looks.view === "master-curve" && this.app.hasMaster;
     const view = looks.view === "master-curve" && !master ? "storage-loss" : looks.view;
     const shown = answer && answer.state.data === state.data ? answer : null;
     const spec = master ? this.app.masterSpec() : viewSpec(view, scene, excluded, shown?.model);
     this.main.title = master ? "Master curve" : VIEWS[view].name;
-    this.main.draw(this.planned(spec, master), this.width, tall);
+    this.planned(spec, master);
+    this.main.draw(spec, this.width, tall);
     const residual = Boolean(shown) && looks.plane !== "none";
     this.residual.svg.toggleAttribute("hidden", !residual);
     if (residual) {
       this.residual.title = `${PLANES[looks.plane].name}, residual of ${shown.discovery.diagnosis.model}`;
-      this.residual.draw(planeSpec(looks.plane, scene, excluded, shown), this.width, phone ? 165 : 158);
+      const below = planeSpec(looks.plane, scene, excluded, shown);
+      if (spec.upright && !master) [below.x.min, below.x.max] = [spec.x.min, spec.x.max];
+      this.residual.draw(below, this.width, low);
     }
     const places = shown ? shown.discovery.diagnosis.where : [];
     put(this.places, places.slice(0, 3).map((place) => h("li", {}, place.plane === looks.plane ? place.says : `${place.says} (${place.plane} plane)`)));
@@ -86,10 +93,22 @@ export class Compare {
     this.selected(this.chosen);
   }
 
+  // On a desk all stands on one screen: the picture gets the height that the words around it leave.
+  fill() {
+    const column = this.parent.closest(".column");
+    if (this.app.fixed || !this.main.spec || this.width < NARROW || !column?.clientHeight) return;
+    const top = column.getBoundingClientRect().top - column.scrollTop;
+    const left = column.clientHeight - (column.lastElementChild.getBoundingClientRect().bottom - top);
+    const tall = Math.max(LEAST, Math.min(MOST, Math.floor((this.tall || HEIGHTS.desk[0]) + left)));
+    if (tall === this.tall) return;
+    this.tall = tall;
+    this.render();
+  }
+
   // Where the rivals of the next experiment part, with bands of what would be measured.
   planned(spec, master) {
     const next = this.app.looks.plan ? this.app.answer?.next : null;
-    if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return spec;
+    if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return;
     const view = VIEWS[this.app.looks.view];
     const xs = next.frequency;
     const all = [];
@@ -110,7 +129,6 @@ export class Compare {
     if (all.some((y) => y <= 0)) spec.y.log = false;
     const seen = all.map((y) => Math.max(-1.2 * most, Math.min(1.6 * most, y)));
     [spec.y.min, spec.y.max] = range([...measured, ...seen], spec.y.log, 0.06);
-    return spec;
   }
 
   drawBeside() {

@@ -42,11 +42,15 @@ export function enable(button, why) {
 
 export const usable = (button) => button.getAttribute("aria-disabled") !== "true";
 
+// Saves a file at once. What took longer than a browser remembers the click for (some seconds) it may refuse to save:
+// then the link itself is given back, to be clicked once more.
 export function download(name, content, type) {
   const blob = content instanceof Blob ? content : new Blob([content], { type: type || "text/plain" });
-  const link = h("a", { href: URL.createObjectURL(blob), download: name });
+  const link = h("a", { href: URL.createObjectURL(blob), download: name }, `Save ${name}`);
+  if (navigator.userActivation && !navigator.userActivation.isActive) return link;
   document.body.append(link);
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  return null;
 }

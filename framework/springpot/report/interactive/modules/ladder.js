@@ -43,12 +43,12 @@ export class Ladder {
     const told = percent(step.relative_rms);
     const whole = `${step.model}: ${told}, ${times(step.relative_rms, step.noise_floor)}`;
     return h("li", { class: present ? "last" : "" },
-      h("button", { type: "button", class: "rung", "aria-current": present ? "step" : null,
+      h("button", { type: "button", id: `rung-${i}`, class: "rung", "aria-current": present ? "step" : null,
         title: present ? `${whole} (the present rung)` : `${whole}; go to this rung`, onclick: () => this.app.goTo(i) },
       h("span", { class: "name" }, label), h("span", { class: "told" }, told)),
-      this.app.fixed ? null : h("button", { type: "button", class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
+      this.app.fixed ? null : h("button", { type: "button", id: `branch-${i}`, class: "small", "aria-label": `branch from ${name}`, title: "another way from here, held beside this one",
         onclick: () => this.app.fork(i) }, "branch"),
-      i && !this.app.fixed ? h("button", { type: "button", class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
+      i && !this.app.fixed ? h("button", { type: "button", id: `remove-${i}`, class: "small", "aria-label": `remove ${name}`, title: "leave this effect out, keep the others",
         onclick: () => this.app.remove(i - 1) }, "×") : null,
       alike.length ? h("span", { class: "alike quiet" }, `or ${alike.join(", ")}`) : null);
   }
