@@ -43,6 +43,21 @@ def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path)
     assert answer == springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
 
 
+def test_a_steady_state_balances_force_and_energy(springpot, frame, tmp_path):
+    """What the dampers take in a cycle is pi times force, way and the sine between them: no more than pi F X."""
+    picture = tmp_path / "steady.png"
+    told = springpot("simulate", frame, "--frequency", "0.5,4,20", "--figure", picture)
+    assert told.code == 0, told.err
+    assert "drift 2 [mm]" in told.out
+    assert picture.stat().st_size > 5_000
+    answer = springpot("simulate", frame, "--frequency", "0.5,4,20", "--json").json
+    assert [point["frequency"] for point in answer["points"]] == pytest.approx([0.5, 4, 20])
+    for point in answer["points"]:
+        [force], [energy], way = point["force"], point["energy"], point["drift"][0]
+        assert 0.1 * 3.14159 * force * way < energy < 3.14160 * force * way
+    springpot("simulate", frame).is_one_line("give a --record or a --frequency")
+
+
 SLIDING = """model = "fractional-maxwell + friction"
 unit = "kN/mm"
 parameters = {k = 4, c = 0.6, alpha = 0.5, "friction.F" = %g}"""
@@ -59,6 +74,8 @@ def test_friction_in_a_damper_is_followed(springpot, write):
     held, free = simulated(2e4), simulated(1e-3)
     assert held["storeys"][0]["drift"] < 0.1 * free["storeys"][0]["drift"]
     assert held["modes"] == free["modes"]
+    path = write(FRAME.replace('fit = "fit.json"', SLIDING % 2e4), "sliding.toml")
+    springpot("simulate", path, "--frequency", "1").is_one_line("'friction' has no steady state")
 
 
 @pytest.mark.parametrize(

@@ -8,24 +8,34 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .common import FILE, emit, json_option
+from .predict import numbers
 
 if TYPE_CHECKING:
-    from springpot.structure import Simulation
+    from springpot.structure import Simulation, Steady
 
 
 @click.command("simulate", epilog="Example: springpot simulate frame.toml --record artificial:3.0 --figure drift.png")
 @click.argument("structure", type=FILE, metavar="STRUCTURE.toml")
-@click.option("--record", metavar="FILE", required=True, help="CSV of time and acceleration, or artificial:PEAK.")
+@click.option("--record", metavar="FILE", help="CSV of time and acceleration, or artificial:PEAK.")
+@click.option("--frequency", "-f", metavar="HZ", help="Steady state instead: numbers with commas, or 0.5..10.")
 @click.option("--draws", type=click.IntRange(min=0), default=40, show_default=True, help="Of uncertain parameters.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all random numbers.")
 @click.option("--figure", type=FILE, metavar="FILE", help="Draw drifts, loops and energy (.png, .svg or .pdf).")
 @json_option
-def command(structure: Path, record: str, draws: int, seed: int, figure: Path | None, as_json: bool) -> None:
+def command(
+    structure: Path,
+    record: str | None,
+    frequency: str | None,
+    draws: int,
+    seed: int,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
     """Drift, force, energy and damping of a frame or oscillator whose dampers were identified.
 
     STRUCTURE.toml has [structure] with mass [kg], stiffness [N/m] and damping, and a [[damper]] for each kind with
     fit = 'FIT.json' (of 'springpot identify --json') or a model with parameters. The band of the drift carries what
-    is not known of the dampers.
+    is not known of the dampers. With --frequency the ground shakes with 1 m/s^2 at each frequency instead.
     """
     import numpy as np
 
@@ -35,6 +45,11 @@ def command(structure: Path, record: str, draws: int, seed: int, figure: Path | 
 
     if figure is not None:
         check_figure_path(figure)
+    if (record is None) == (frequency is None):
+        raise click.UsageError("give a --record or a --frequency", click.get_current_context())
+    if record is None:
+        _steady(structure, str(frequency), figure, as_json)
+        return
     rng = np.random.default_rng(seed)
     found = simulate(read_structure(structure), read_record(record, rng), rng, draws)
     if figure is not None:
@@ -42,6 +57,54 @@ def command(structure: Path, record: str, draws: int, seed: int, figure: Path | 
 
         figure_motion(found, figure)
     emit(described(found), as_json, lambda: _show(found, figure))
+
+
+def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool) -> None:
+    """The steady state at each frequency in Hz."""
+    import numpy as np
+
+    from springpot.simulating import read_structure
+    from springpot.structure import steady_of
+
+    found = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
+    if figure is not None:
+        from springpot.report.structure import figure_steady
+
+        figure_steady(found, figure)
+    emit(described_steady(found), as_json, lambda: _show_steady(found, figure))
+
+
+def described_steady(found: Steady) -> dict[str, Any]:
+    """As plain data, schema ``springpot.steady-state/1``: amplitudes at 1 m/s^2 of the ground, energies a cycle."""
+    import numpy as np
+
+    columns = np.abs(found.drift), np.abs(found.force), found.energy
+    rows = zip(found.omega.tolist(), *(column.tolist() for column in columns), strict=True)
+    return {
+        "schema": "springpot.steady-state/1",
+        "points": [
+            {"frequency": omega / (2.0 * np.pi), "drift": drift, "force": force, "energy": energy}
+            for omega, drift, force, energy in rows
+        ],
+    }
+
+
+def _show_steady(found: Steady, figure: Path | None) -> None:
+    from springpot.report.numbers import number
+    from springpot.report.text import Table
+
+    storeys, dampers = range(1, len(found.frame) + 1), range(1, len(found.frame.dampers) + 1)
+    headers = ["f [Hz]", *(f"drift {i} [mm]" for i in storeys)]
+    headers += [f"force {i} [kN]" for i in dampers] + [f"energy {i} [kJ]" for i in dampers]
+    rows = []
+    for point in described_steady(found)["points"]:
+        cells = [point["frequency"], *(1e3 * drift for drift in point["drift"])]
+        cells += [*(1e-3 * force for force in point["force"]), *(1e-3 * energy for energy in point["energy"])]
+        rows.append([number(cell) for cell in cells])
+    print("amplitudes at 1 m/s^2 of the ground, and what each kind of damper takes in a cycle\n")
+    Table(tuple(headers), rows, frozenset(headers)).show()
+    if figure is not None:
+        print(f"\nfigure      {figure}")
 
 
 def described(found: Simulation) -> dict[str, Any]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from springpot.structure import Simulation
+import numpy as np
 
-from .canvas import COLOURS, QUIET, blank, save
+from springpot.structure import Simulation, Steady
+
+from .canvas import COLOURS, QUIET, blank, logarithmic, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,6 +52,39 @@ def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
             energies.plot(time, 1e-3 * each, color=COLOURS[i], label=name)
         energies.set(xlabel="t [s]", ylabel="energy [kJ]")
         energies.legend()
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def figure_steady(found: Steady, path: str | Path | None = None) -> Figure:
+    """Drift of each storey and force of each damper over the frequency of the ground.
+
+    Parameters
+    ----------
+    found : Steady
+        The steady state.
+    path : str or Path, optional
+        Where to write it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    frequency = found.omega / (2.0 * np.pi)
+    with blank(9.0, 3.6) as figure:
+        drifts, forces = figure.subplots(1, 2)
+        for i, drift in enumerate(np.abs(found.drift).T):
+            drifts.plot(frequency, 1e3 * drift, color=COLOURS[i % len(COLOURS)], label=f"storey {i + 1}")
+        for i, force in enumerate(np.abs(found.force).T):
+            forces.plot(frequency, 1e-3 * force, color=COLOURS[i % len(COLOURS)], label=f"damper {i + 1}")
+        drifts.set(xlabel="f [Hz]", ylabel="drift [mm] at 1 m/s$^2$")
+        forces.set(xlabel="f [Hz]", ylabel="force [kN] at 1 m/s$^2$")
+        for axes in (drifts, forces):
+            logarithmic(axes, "x")
+            logarithmic(axes, "y")
+        drifts.legend()
         if path is not None:
             save(figure, path)
     return figure

@@ -87,6 +87,67 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
     raise ModelError("a mode of the frame was not found: its dampers are far stiffer than its storeys")
 
 
+@dataclass(frozen=True, eq=False)
+class Steady:
+    """A frame that the ground shakes with one amplitude at each of some frequencies.
+
+    Attributes
+    ----------
+    frame : Frame
+        The frame.
+    omega : ndarray, shape (w,)
+        In rad/s.
+    displacement : ndarray of complex, shape (w, n)
+        Amplitudes of the floors relative to the ground, in m.
+    """
+
+    frame: Frame
+    omega: Real
+    displacement: Complex
+
+    @property
+    def drift(self) -> Complex:
+        """Amplitudes (w, n) of the storeys in m."""
+        drift: Complex = self.displacement @ self.frame.drifts.T
+        return drift
+
+    @property
+    def force(self) -> Complex:
+        """Amplitudes (w, d) of the forces of each entry of dampers together, in N."""
+        return self._stiffness * self._way
+
+    @property
+    def energy(self) -> Real:
+        """Energy (w, d) in J that each entry of dampers takes in a cycle, pi K'' X^2."""
+        taken: Real = np.pi * self._stiffness.imag * np.abs(self._way) ** 2
+        return taken
+
+    @property
+    def _stiffness(self) -> Complex:
+        s = np.asarray(1j * self.omega, dtype=np.complex128)
+        found = [damper.stiffness(s)[0] for damper in self.frame.dampers]
+        return np.array(found, dtype=complex).reshape(len(found), len(self.omega)).T
+
+    @property
+    def _way(self) -> Complex:
+        return self.drift[:, [damper.storey - 1 for damper in self.frame.dampers]]
+
+
+def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
+    """The steady state of a frame; see `steady_state`.
+
+    Raises
+    ------
+    ModelError
+        If a damper is not linear: then it depends on the amplitude, and no sinusoid stays one.
+    """
+    for damper in frame.dampers:
+        for effect, _ in damper.beside:
+            raise ModelError(f"'{effect.name}' has no steady state at any amplitude: give a record, or leave it out")
+    omega = np.atleast_1d(np.asarray(omega, dtype=float))
+    return Steady(frame, omega, steady_state(frame, omega, acceleration))
+
+
 def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Complex:
     """Amplitudes of the floors relative to the ground, which shakes with that amplitude of acceleration.
 
