@@ -34,7 +34,8 @@ soak: $(READY)  ## the long tests: more seeds and sizes, and all that can be bro
 solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[solvers]' --constraint constraints.txt
 
-site: $(READY)  ## the documentation as a site, in build/site/
+site: $(READY)  ## the documentation as a site with its gallery, in build/site/
+	$(BIN)/python docs/make_gallery.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 clean:  ## remove the environment and whatever tools left behind
