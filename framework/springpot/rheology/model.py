@@ -15,7 +15,8 @@ from .points import Real
 from .spectrum import Spectrum, spectrum_of
 
 
-@dataclass(frozen=True, eq=False)
+# It shows itself as the network below does, which is shorter than all its fields.
+@dataclass(frozen=True, eq=False, repr=False)
 class Model(NamedNetwork):
     """A rheological model, possibly grown by effects.
 
