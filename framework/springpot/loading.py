@@ -18,7 +18,8 @@ from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, uncertainty_of
-from springpot.registry import parse_model, plugins
+from springpot.measurement import material_of
+from springpot.registry import parse_model, parse_timed, plugins
 from springpot.rheology import Model
 from springpot.timetests import Known
 
@@ -320,7 +321,7 @@ def _comparison(answer: dict[str, Any]) -> KeptComparison:
 
 
 def _fit_in_time(answer: dict[str, Any]) -> KeptTimeFit:
-    known = Known.read(answer, parse_model(str(answer["model"])))
+    known = Known.read(answer, material_of(parse_timed(str(answer["model"]))))
     return KeptTimeFit(**{each.name: getattr(known, each.name) for each in fields(known)}, kept=answer)
 
 

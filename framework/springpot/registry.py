@@ -17,7 +17,7 @@ from springpot import hooks
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
 from springpot.identification import Optimiser
-from springpot.measurement import Measurement, Part, TimeTest, opening
+from springpot.measurement import Measurement, Part, Timed, TimeEffect, TimeTest, grown, opening
 from springpot.measurement import open_in_time as in_time_by
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
@@ -252,6 +252,60 @@ def parse_model(expression: str) -> Model:
     for name in parts[1:]:
         model = model.taking(found.effect(name))
     return model
+
+
+def parse_timed(expression: str) -> Model | Timed:
+    """The model of tests in time that an expression such as ``fractional-zener + force-drift`` names.
+
+    Raises
+    ------
+    ModelError
+        As `parse_model`; a name is that of an effect of either kind.
+    """
+    first, *names = [part.strip() for part in expression.split("+")]
+    shelf = plugins().shelves["time effect"]
+    mine = [name for name in names if name and shelf.find(name) is not None]
+    ordinary = [name for name in names if name not in mine]
+    try:
+        model: Model | Timed = parse_model(" + ".join([first, *ordinary]))
+    except ModelError:
+        if shelf.find(first) is not None:
+            raise ModelError(f"'{first}' is an effect: write MODEL + {first}") from None
+        raise
+    for name in mine:
+        model = grown(model, plugins().find("time effect", name))
+    return model
+
+
+def for_sweeps(model: Model | Timed) -> Model:
+    """A model for tests at frequencies.
+
+    Raises
+    ------
+    ModelError
+        If it has an effect of tests in time, which no sweep can have.
+    """
+    if isinstance(model, Timed):
+        name = model.time_effects[0].name
+        raise ModelError(f"'{name}' is an effect of tests in time: these data are a sweep; leave it out")
+    return model
+
+
+def effect_in_time(name: str) -> Effect | TimeEffect:
+    """The effect called `name`, of either kind.
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    found: TimeEffect | None = plugins().shelves["time effect"].find(name)
+    return plugins().effect(name) if found is None else found
+
+
+def library_in_time() -> list[Effect | TimeEffect]:
+    """All installed effects of either kind."""
+    return [*plugins().items("effect"), *plugins().items("time effect")]
 
 
 def open_measurement(spec: str | Path) -> Measurement:

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 from springpot.errors import PluginError
 from springpot.hooks import Chapter
 from springpot.identification import Objective, Optimiser, OptimiserFamily
-from springpot.measurement import DataSet, Reader, TimeReader
+from springpot.measurement import DataSet, Reader, TimeEffect, TimeReader
 from springpot.rheology import Effect, Model, Writer
 from springpot.rheology.family import Family
 
@@ -181,6 +181,7 @@ KINDS: dict[str, Kind[Any]] = {
     for kind in (
         Kind[Any]("model", "springpot_models", lambda x: isinstance(x, Model | Family), _model_name),
         Kind[Any]("effect", "springpot_effects", lambda x: isinstance(x, Effect)),
+        Kind[Any]("time effect", "springpot_time_effects", lambda x: isinstance(x, TimeEffect)),
         Kind[Any]("optimiser", "springpot_optimisers", _is_optimiser),
         Kind[Any]("optimiser family", "springpot_optimiser_families", lambda x: isinstance(x, OptimiserFamily)),
         Kind[Any]("objective", "springpot_objectives", lambda x: isinstance(x, Objective)),

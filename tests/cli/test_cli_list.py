@@ -10,6 +10,7 @@ KEYS = {
     "effects": {
         "name", "aliases", "summary", "equation", "plane", "layer", "needs", "parameters", "citation", "approximate",
     },
+    "time-effects": {"name", "aliases", "summary", "signature", "stage", "imposed", "parameters", "citation"},
     "optimisers": {"name", "summary", "citation", "global", "gradient", "batched", "stochastic", "options"},
     "datasets": {
         "name", "kind", "points", "licence", "where", "summary", "citation", "doi", "origin", "test", "columns",

@@ -109,7 +109,7 @@ def test_diagnose_judges_the_raw_signal(springpot, relaxed):
     answer = springpot("diagnose", relaxed, "-m", "fractional-maxwell", "--json").json
     assert answer["schema"] == "springpot.diagnosis-in-time/1"
     assert answer["verdict"] == "adequate"
-    springpot("diagnose", relaxed).is_one_line("give --model")
+    assert springpot("diagnose", relaxed, "--json").json["model"] == "material"
 
 
 def test_any_optimiser_may_search(springpot, relaxed, fit):

@@ -48,7 +48,7 @@ def test_what_is_missing_is_named_with_its_size(effect, values):
     assert best.over_floor < 1.25
     [first, *_] = best.parameters.values()
     if effect == "cubic-stiffness":
-        assert "where the motion turns" in found.where
+        assert any("where the motion turns" in place.says for place in found.where)
     # N/mm s^2 are 1,000 kg.
     assert first["value"] == pytest.approx(values[0] * (1e3 if first["unit"] == "kg" else 1.0), rel=0.1)
 
@@ -59,5 +59,5 @@ def test_what_no_effect_explains_is_called_unexplained():
     test = TimeTest.of_history(T, X, odd.response + bump, "mm", "N")
     found = diagnose(test, MODEL, library())
     assert found.verdict in ("unexplained", "effect-missing")
-    assert max(each.over_floor for each in found.candidates[:1]) > 1.5
-    assert "missed most from 1" in found.where
+    assert found.verdict == "unexplained"
+    assert any("missed most from 10" in place.says for place in found.where)

@@ -38,19 +38,19 @@ def command(
     simplest that follows the data as well as any material does comes first. Tests in time serve as well as sweeps.
     """
     from springpot.diagnosis import Ranking
-    from springpot.registry import parse_model
+    from springpot.registry import for_sweeps, parse_timed
     from springpot.report.answers import comparison_text
     from springpot.report.canvas import check_figure_path
     from springpot.report.ranking import ranked_text
 
     if figure is not None:
         check_figure_path(figure)
-    expressions = [parse_model(model) for model in dict.fromkeys(models)]
+    expressions = [parse_timed(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         timetests.compare(tests, expressions, figure, as_json)
         return
-    found = _compared(opened(data, geometry), expressions, seed or 0)
+    found = _compared(opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0)
     if figure is not None:
         from springpot.report.residuals import figure_compared
 

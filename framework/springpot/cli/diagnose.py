@@ -54,14 +54,15 @@ def command(
     JSON for each. One that cannot be used is named on stderr, and the others are still answered. Tests in time are
     judged together, on their raw signals.
     """
-    from springpot.registry import parse_model
+    from springpot.registry import for_sweeps, parse_timed
 
-    expression = None if model is None else parse_model(model)
+    expression = None if model is None else parse_timed(model)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, expression, as_json)
         return 0
-    arguments = {"model": expression, "seed": seed or 0, **known_from(options)}
+    judged = None if expression is None else for_sweeps(expression)
+    arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
     lines = as_json and len(data) > 1
     worst = 0
     for i, name in enumerate(data):

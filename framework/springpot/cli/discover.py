@@ -70,7 +70,7 @@ def command(
 
     Ctrl-C ends with the answer of the last step that was reached.
     """
-    from springpot.registry import parse_model, plugins
+    from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
     from springpot.report.answers import ladder_text
     from springpot.report.canvas import check_figure_path
     from springpot.report.html import check_report_path, write_report
@@ -84,17 +84,18 @@ def command(
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-    expression = None if model is None else parse_model(model)
-    effects = [plugins().effect(name) for name in accept]
+    expression = None if model is None else parse_timed(model)
+    effects = [effect_in_time(name) for name in accept]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
         given = [name for name in ("fix", "bounds", "exclude") if options[name]] + ["report"] * (report is not None)
         timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
         return 0
     measurement = opened(data, geometry)
-    wanted = None if auto else effects
+    wanted = None if auto else [plugins().effect(name) for name in accept]
+    judged = None if expression is None else for_sweeps(expression)
     again = again_with(data, model, accept, auto, seed, geometry, options)
-    ladder, code = _climbed(measurement, expression, accept=wanted, seed=seed or 0, **known_from(options))
+    ladder, code = _climbed(measurement, judged, accept=wanted, seed=seed or 0, **known_from(options))
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:

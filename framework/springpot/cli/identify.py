@@ -83,14 +83,14 @@ def command(
     """
     from springpot.constraints import values_of
     from springpot.measurement import joined
-    from springpot.registry import parse_model
+    from springpot.registry import for_sweeps, parse_timed
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
         check_figure_path(figure)
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
-    expression = parse_model(model)
+    expression = parse_timed(model)
     tests = _tests_in_time(data, geometry)
     if tests is not None:
         for name in ("fix", "bounds", "exclude", "start"):
@@ -98,14 +98,15 @@ def command(
                 raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
         timetests.identify(tests, data, model, figure, as_json, options)
         return 0
+    judged = for_sweeps(expression)
     arguments = {**options, **known_from(options), "start": values_of(options["start"])}
     if len(data) > 1 and not joint:
         if figure is not None:
             advice = "--figure draws one fit: name one DATA, or give --joint"
             raise click.UsageError(advice, click.get_current_context())
-        return _each(data, expression, geometry, arguments, as_csv, as_json)
+        return _each(data, judged, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
-    found = _fitted(joined(measured) if len(measured) > 1 else measured[0], expression, arguments)
+    found = _fitted(joined(measured) if len(measured) > 1 else measured[0], judged, arguments)
     if figure is not None:
         found.plot(figure)
     if as_csv:

@@ -9,7 +9,7 @@ import click
 
 from .common import emit, json_option
 
-KINDS = ("models", "optimisers", "effects", "datasets", "readers", "objectives", "writers")
+KINDS = ("models", "optimisers", "effects", "time-effects", "datasets", "readers", "objectives", "writers")
 
 
 @click.command("list", epilog="Example: springpot list models fractional-zener")
@@ -22,8 +22,8 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
 
     Of a library of optimisers, such as optimagic-NAME, its name lists what it has.
 
-    KIND is models, optimisers, effects, datasets, readers, objectives or writers. Plugins that could not be loaded
-    are listed with their distribution and the reason.
+    KIND is models, optimisers, effects, time-effects, datasets, readers, objectives or writers. Plugins that could
+    not be loaded are listed with their distribution and the reason.
     """
     from springpot.registry import plugins
     from springpot.report import cards

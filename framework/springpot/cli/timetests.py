@@ -10,7 +10,7 @@ from .common import emit, note_to_stderr, opened, quoted, window
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
-    from springpot.measurement import TimeTest
+    from springpot.measurement import Timed, TimeEffect, TimeTest
     from springpot.rheology import Effect, Model
     from springpot.timetests import Known, Test, TestPrediction, TimeDiagnosis, TimeIdentification
 
@@ -52,7 +52,7 @@ def identify(
     """``springpot identify`` of the tests in time that DATA name, alone or beside sweeps."""
     from springpot.constraints import optimiser_of
     from springpot.errors import OptionError
-    from springpot.registry import parse_model
+    from springpot.registry import parse_timed
     from springpot.timetests import identify as identify_in_time
 
     for name, usual in (("objective", None), ("intervals", "jacobian")):
@@ -60,7 +60,7 @@ def identify(
             raise OptionError(f"--{name} is for sweeps: residuals of tests in time are counted in their noise")
     named = options["optimiser"]
     search = {name: options[name] for name in ("budget", "restarts", "seed")}
-    found = identify_in_time(tests, parse_model(expression), optimiser=named and optimiser_of(named), **search)
+    found = identify_in_time(tests, parse_timed(expression), optimiser=named and optimiser_of(named), **search)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -80,7 +80,7 @@ def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], e
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
 
 
-def compare(tests: Sequence[Test], models: Sequence[Model], figure: Path | None, as_json: bool) -> None:
+def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path | None, as_json: bool) -> None:
     """``springpot compare`` of models of tests in time; without any, all installed ones that have a fixed size."""
     from springpot.registry import plugins
     from springpot.report.fits import compared_in_time_text
@@ -101,20 +101,20 @@ def compare(tests: Sequence[Test], models: Sequence[Model], figure: Path | None,
         print(f"\nwritten: {figure}")
 
 
-def diagnose(tests: Sequence[Test], model: Model | None, as_json: bool) -> None:
+def diagnose(tests: Sequence[Test], model: Model | Timed | None, as_json: bool) -> None:
     """``springpot diagnose`` of tests in time: what is missing, from the raw signals."""
     from springpot.diagnosis.material import any_material
-    from springpot.registry import plugins
+    from springpot.registry import library_in_time
     from springpot.timetests import diagnose as diagnose_in_time
 
-    found = diagnose_in_time(tests, model or any_material(), plugins().items("effect"))
+    found = diagnose_in_time(tests, model or any_material(), library_in_time())
     emit(found, as_json, lambda: _show_diagnosis(found))
 
 
 def discover(
     tests: Sequence[Test],
-    model: Model | None,
-    accept: Sequence[Effect] | None,
+    model: Model | Timed | None,
+    accept: Sequence[Effect | TimeEffect] | None,
     figure: Path | None,
     as_json: bool,
     given: Sequence[str],
@@ -122,7 +122,7 @@ def discover(
     """``springpot discover`` from tests in time."""
     from springpot.diagnosis.material import any_material
     from springpot.errors import OptionError
-    from springpot.registry import plugins
+    from springpot.registry import library_in_time
     from springpot.report.fits import climbed_in_time_text
     from springpot.timetests import discover as discover_in_time
 
@@ -131,9 +131,7 @@ def discover(
     if given:
         raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
     with Waiting() as waiting:
-        found = discover_in_time(
-            tests, model or any_material(), list(plugins().items("effect")), accept, waiting.told
-        )
+        found = discover_in_time(tests, model or any_material(), library_in_time(), accept, waiting.told)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -148,6 +146,10 @@ def _show_diagnosis(found: TimeDiagnosis) -> None:
     from springpot.report.text import Table
 
     print(f"{found.base.model.name}: {found.verdict}\n{found.says}\n")
+    for place in found.where:
+        print(f"where: {place.says}")
+    if found.where:
+        print()
     rows = [
         [
             each.effect,
@@ -162,8 +164,11 @@ def _show_diagnosis(found: TimeDiagnosis) -> None:
         for each in found.candidates
     ]
     Table(("effect", "verdict", "delta BIC", "x floor after", "parameters"), rows, frozenset({"delta BIC"})).show()
-    for name in found.missing:
-        print(f"\n{name}: {next(each.says for each in found.candidates if each.effect == name)}")
+    for each in found.candidates:
+        if each.effect in found.missing:
+            print(f"\n{each.effect}: {each.says}")
+    for names in found.classes:
+        print(f"\nthese tests cannot tell apart: {', '.join(names)}")
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:

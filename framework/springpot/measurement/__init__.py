@@ -20,6 +20,8 @@ from .reader import Choice, Part, Reader
 from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
 from .sweeps import Sweep, distinct_log_omega, frequency_numbers, sweeps_of, temperatures_differ
+from .timed import Timed, grown, material_of
+from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import Loading, TimeTest
@@ -77,6 +79,13 @@ __all__ = [
     "Spread",
     "TEMPERATURE_UNITS",
     "TIME_UNITS",
+    "Answered",
+    "Record",
+    "Stage",
+    "TimeEffect",
+    "Timed",
+    "grown",
+    "material_of",
     "TORQUE_UNITS",
     "TimeReader",
     "TimeTest",

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
@@ -64,29 +65,32 @@ class SignalNoise:
         return float(np.sqrt(np.mean(self.sd**2)))
 
 
-def noise_of(test: TimeTest) -> SignalNoise:
+def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     """The noise of a test's response.
 
     Parameters
     ----------
-    test : TimeTest
-        The test.
+        test : TimeTest
+            The test.
+        misfit : ndarray, shape (n,), optional
+            What a good model leaves of the response, in which corners of the signal are no scatter any more.
 
     Returns
     -------
-    SignalNoise
-        White noise only: what drifts slowly is no scatter, and stays in the residual.
+        SignalNoise
+            White noise only: what drifts slowly is no scatter, and stays in the residual.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from springpot.measurement import TimeTest, noise_of
-    >>> t = np.geomspace(0.1, 100.0, 400)
-    >>> scatter = np.random.default_rng(1).normal(size=400)
-    >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
-    0.02
+        >>> import numpy as np
+    from numpy.typing import NDArray
+        >>> from springpot.measurement import TimeTest, noise_of
+        >>> t = np.geomspace(0.1, 100.0, 400)
+        >>> scatter = np.random.default_rng(1).normal(size=400)
+        >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
+        0.02
     """
-    level = _smooth(np.abs(test.response))
+    level = size = _smooth(np.abs(test.response))
     largest = float(np.abs(test.response).max())
     if len(test) < FEWEST:
         absolute = 0.1 * ASSUMED * largest
@@ -94,10 +98,22 @@ def noise_of(test: TimeTest) -> SignalNoise:
     clock = test.time - test.start
     if test.kind in ("relaxation", "creep") and clock[0] > 0.0:
         clock = np.log(clock)
-    scatter = _scatter(clock, test.response)
-    absolute, relative = _two_parts(scatter, level[ORDER // 2 : len(level) - ORDER // 2])
+    scatter = _scatter(clock, test.response if misfit is None else misfit)
+    level = level[ORDER // 2 : len(level) - ORDER // 2]
+    smooth = _without_jumps(test)
+    if misfit is None and np.count_nonzero(smooth) >= FEWEST:
+        scatter, level = scatter[smooth], level[smooth]
+    absolute, relative = _two_parts(scatter, level)
     absolute = max(absolute, LEAST * largest)
-    return SignalNoise(np.hypot(relative * level, absolute), absolute, relative, True)
+    return SignalNoise(np.hypot(relative * size, absolute), absolute, relative, True)
+
+
+def _without_jumps(test: TimeTest) -> NDArray[np.bool_]:
+    """Which windows of five samples (n - 4,) see no jump of what was imposed."""
+    first, last = test.time[: len(test) - ORDER, None], test.time[ORDER:, None]
+    when = test.loading.jumps[0]
+    smooth: NDArray[np.bool_] = ~np.any((when > first) & (when <= last), axis=1)
+    return smooth
 
 
 def _smooth(size: Real) -> Real:

@@ -400,7 +400,7 @@ class TimeTest:
         clock = self.time - self.start
         shortest = float(np.min(clock[clock > 0.0], initial=self.duration))
         if self.kind not in ("relaxation", "creep"):
-            shortest = float(np.median(np.diff(self.time)))
+            return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
         return 1.0 / self.duration, 1.0 / max(shortest, self.rise, 1e-300)
 
     @cached_property

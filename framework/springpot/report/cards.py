@@ -7,7 +7,7 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 from springpot.identification import Objective, Optimiser, OptimiserFamily
-from springpot.measurement import TimeReader, Units
+from springpot.measurement import TimeEffect, TimeReader, Units
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
 from springpot.registry import Registry
@@ -85,6 +85,20 @@ def effect(item: Effect) -> dict[str, Any]:
         "parameters": parameters(item.element.parameters),
         "citation": item.citation,
         "approximate": item.approximate,
+    }
+
+
+def time_effect(item: TimeEffect) -> dict[str, Any]:
+    """Describe an effect of tests in time."""
+    return {
+        "name": item.name,
+        "aliases": list(item.aliases),
+        "summary": item.summary,
+        "signature": item.signature,
+        "stage": item.stage.value,
+        "imposed": list(item.controls),
+        "parameters": parameters(item.parameters),
+        "citation": item.citation,
     }
 
 
@@ -177,6 +191,7 @@ KINDS = {
     "models": KindOfCard("model", ("name", "parameters", "summary"), model),
     "optimisers": KindOfCard("optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser),
     "effects": KindOfCard("effect", ("name", "plane", "needs", "summary"), effect),
+    "time-effects": KindOfCard("time effect", ("name", "stage", "imposed", "summary"), time_effect),
     "datasets": KindOfCard("data set", ("name", "kind", "points", "licence", "where", "summary"), dataset),
     "readers": KindOfCard("reader", ("name", "holds", "writes", "summary"), reader),
     "objectives": KindOfCard("objective", ("name", "summary"), objective),

@@ -9,6 +9,7 @@ from math import inf, log
 from typing import TYPE_CHECKING, Any
 
 from springpot.identification import Identification, Value
+from springpot.measurement import material_of
 from springpot.rheology.drawing import drawing_of
 
 from .numbers import number, percent, seconds, told_range
@@ -74,7 +75,7 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
     lines += [f"note        {note}" for note in found.notes]
     parts = [
         wrapped(f"{found.model.name} fitted to {names} ({count}{points} points)", width),
-        indented(drawing_of(found.model)),
+        indented(drawing_of(material_of(found.model))),
         parameters_text("parameter", values),
         _tests(found, width),
         "\n".join(wrapped(line, width, " " * 12) for line in lines),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.measurement import Measurement, TimeTest
+from springpot.measurement import Measurement, TimeTest, material_of
 from springpot.rheology import Real
-from springpot.timetests import Test, TestPrediction, TimeIdentification, predicted
+from springpot.timetests import Test, TestPrediction, TimeIdentification, recorded
 from springpot.timetests.parts import InTimePart, parts_of_specimen
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
@@ -67,7 +67,7 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
         axes.plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured")
         for colour, fit in zip(COLOURS, fits, strict=False):
-            drawn = predicted(fit.model, fit.theta, test, fit.reference, clock).value
+            drawn = recorded(fit.model, fit.theta, test, fit.reference, clock).value
             axes.plot(clock, drawn, color=colour, label=fit.model.name)
         axes.set_xlabel("t [s]")
         if scale == "log":
@@ -103,7 +103,10 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
 def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]) -> None:
     order = np.argsort(sweep.omega)
     unit = sweep.units.stiffness
-    computed = [fit.model.stiffness(fit.theta, sweep.points) for fit in fits]
+    computed = []
+    for fit in fits:
+        material = material_of(fit.model)
+        computed.append(material.stiffness(fit.theta[: len(material.parameters)], sweep.points))
     for axes, name, of in ((row[0], "storage", np.real), (row[1], "loss", np.imag)):
         axes.plot(sweep.frequency, of(sweep.stiffness), ".", color=QUIET, label="measured")
         for colour, fit, k in zip(COLOURS, fits, computed, strict=False):

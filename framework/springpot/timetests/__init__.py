@@ -1,22 +1,27 @@
 """Tests in time: what a model answers, identification, prediction of one test from another."""
 
+from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .compare import TimeComparison, compare
-from .diagnosis import TimeCandidate, TimeDiagnosis, diagnose
+from .diagnosis import diagnose
 from .discover import TimeLadder, TimeStep, discover
 from .identify import identify
 from .parts import Test
 from .predicted import predicted
 from .prediction import Known, TestPrediction, predict_test
+from .recorded import recorded
 from .result import PartResult, TimeIdentification
+from .where import Place
 
 __all__ = [
     "Known",
     "PartResult",
+    "Place",
     "Test",
     "TestPrediction",
     "TimeCandidate",
     "TimeComparison",
     "TimeDiagnosis",
+    "TimeError",
     "TimeIdentification",
     "TimeLadder",
     "TimeStep",
@@ -26,4 +31,5 @@ __all__ = [
     "identify",
     "predict_test",
     "predicted",
+    "recorded",
 ]

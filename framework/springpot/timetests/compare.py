@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, SpringpotError
+from springpot.measurement import Timed
 from springpot.rheology import Model
 
 from .identify import identify
@@ -64,7 +65,7 @@ class TimeComparison:
 
 
 def compare(
-    tests: Sequence[Test], models: Sequence[Model], progress: Callable[[str], None] | None = None
+    tests: Sequence[Test], models: Sequence[Model | Timed], progress: Callable[[str], None] | None = None
 ) -> TimeComparison:
     """Judge models of tests in time, each fitted to all of them together.
 
@@ -72,7 +73,7 @@ def compare(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    models : sequence of Model
+    models : sequence of Model or Timed
         Those that have no law in time, or lack a condition, are named as left out.
     progress : callable, optional
         Told in a few words what is being done.

@@ -1,144 +1,100 @@
-"""Which effect is missing from a model of tests in time: each that has a law there is tried on the raw signal.
+"""Which effect is missing from a model of tests in time: all are looked at at once, and the leading few are fitted.
 
 Harmonics hide what happens within a cycle; the record does not. The error of the model stands beside the noise of the
-signal, every candidate is judged by how far the error falls for its parameters, and those that fall alike are one
-class.
+record, every effect is judged by how far the error falls for its parameters, and those that fall alike are one class.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.measurement import TimeTest
-from springpot.rheology import Effect, Model, Real
+from springpot.identification import is_material
+from springpot.measurement import Timed, TimeTest, grown, material_of, noise_of
+from springpot.rheology import Model, Real
 
+from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .identify import Search, identify
-from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of
-from .result import TimeIdentification, sampled_scatter
+from .judging import ALIKE, HINT, PLAINLY, Left, delta_bic, independent
+from .parts import InTimePart, Part, SweepPart, Test, parts_of_specimen
+from .quick import QuickPart, UnfollowedError
+from .result import TimeIdentification
+from .scatter import Scatter
+from .score import AnyEffect, Promise, Scan
+from .where import places, worst_first
 
-SCHEMA = "springpot.diagnosis-in-time/1"
-PLAINLY = 10.0
-"""Difference of the Bayesian information criterion that is very strong evidence (Kass & Raftery 1995,
-doi:10.1080/01621459.1995.10476572)."""
-ALIKE = 6.0
-"""Difference within which two effects cannot be told from one another (the same scale: strong evidence)."""
-REFITTED = 6
-"""Effects that are fitted in full; the others fell behind by a linear step already."""
-SHARE = 0.185
-"""Share of the samples that tell the noise floor: half of the differences' 0.37, for neighbours share samples."""
-SURE = 4.0
-"""Standard deviations of the floor by which the error must exceed it before something is missing."""
-PIECES = 12
-"""Parts of a record among which the place of the largest misfit is sought."""
-
-
-@dataclass(frozen=True)
-class TimeCandidate:
-    """One effect, added to the model.
-
-    Attributes
-    ----------
-    effect : str
-        Its name.
-    delta_bic : float
-        By how much the Bayesian information criterion falls; above 10 is very strong evidence.
-    over_floor : float
-        Error after it was added, over the noise floor: of the worst test.
-    parameters : dict
-        Those of the effect, as printed.
-    verdict : str
-        ``missing``, ``cannot-tell`` or ``absent``.
-    says : str
-        Its physics.
-    """
-
-    effect: str
-    delta_bic: float
-    over_floor: float
-    parameters: dict[str, dict[str, Any]]
-    verdict: str
-    says: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return {
-            "effect": self.effect,
-            "delta_bic": self.delta_bic,
-            "over_floor": self.over_floor,
-            "parameters": self.parameters,
-            "verdict": self.verdict,
-            "says": self.says,
-        }
+LEADING = 9
+"""Effects that are fitted, nearly: the others fell behind by a linear step already."""
+FEWEST = 3
+"""Effects that are fitted even where nothing promises much, so that the answer says how little they would help."""
+HOPE = 4.0
+"""Drop of the sum of squares, over the noise, below which an effect is not worth a fit: two standard deviations."""
+STARTS = 2
+"""Places in the parameters of an effect from which its fit begins."""
+EXACT = 5
+"""Effects that are fitted exactly, of those that are near the best: the rest can be no more than absent."""
+MARGIN = 12.0
+"""Difference of the Bayesian information criterion within which an effect is near the best: twice that of a class."""
+UNEVEN = 1.5
+"""Ratio of the largest to the smallest noise of a record from which its shape matters."""
+COSTLY = 0.5
+"""Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
+TWINS = 0.995
+"""Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
+they would need a hundred times the evidence that finds them."""
 
 
 @dataclass(frozen=True, eq=False)
-class TimeDiagnosis:
-    """What is missing from a model of tests in time.
+class Tried:
+    """An effect, what is left with it, and how much likelier it makes the tests.
 
     Attributes
     ----------
-    base : TimeIdentification
-        The model without further effects.
-    verdict : str
-        ``adequate``, ``effect-missing`` or ``unexplained``.
-    candidates : tuple of TimeCandidate
-        Best first.
-    where : str
-        In which part of which test the model fails most.
+    effect : Effect or TimeEffect
+        The effect.
+    model : Model or Timed
+        The model with it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    left : Left
+        What is left of the tests.
+    delta : float
+        By how much the Bayesian information criterion falls.
+    fit : TimeIdentification or None
+        The exact fit, where there is one.
     """
 
-    base: TimeIdentification
-    verdict: str
-    candidates: tuple[TimeCandidate, ...]
-    where: str
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """The effects that may be missing, which these tests cannot tell apart; empty where nothing is."""
-        return tuple(each.effect for each in self.candidates if each.verdict in ("missing", "cannot-tell"))
-
-    @property
-    def says(self) -> str:
-        """One sentence."""
-        ratio = max(test.ratio for test in self.base.tests)
-        size = f"the error is {ratio:.2g} x the noise floor of the signal"
-        if self.verdict == "adequate":
-            return f"{size}: nothing is missing that these tests could show"
-        if self.verdict == "unexplained":
-            return f"{size}, and no known effect explains it; {self.where}"
-        best = self.candidates[0]
-        return f"{size}; missing is {' or '.join(self.missing)}: {best.over_floor:.2g} x with it; {self.where}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.diagnosis-in-time/1``."""
-        return {
-            "schema": SCHEMA,
-            "model": self.base.model.name,
-            "tests": [test.to_dict() for test in self.base.tests],
-            "verdict": self.verdict,
-            "where": self.where,
-            "candidates": [candidate.to_dict() for candidate in self.candidates],
-            "says": self.says,
-        }
+    effect: AnyEffect
+    model: Model | Timed
+    theta: Real
+    left: Left
+    delta: float
+    fit: TimeIdentification | None = None
 
 
-def diagnose(tests: Sequence[Test] | Test, model: Model, effects: Iterable[Effect]) -> TimeDiagnosis:
+def diagnose(
+    tests: Sequence[Test] | Test,
+    model: Model | Timed,
+    effects: Iterable[AnyEffect],
+    *,
+    base: TimeIdentification | None = None,
+) -> TimeDiagnosis:
     """Find which effect is missing from a model of tests in time.
 
     Parameters
     ----------
     tests : TimeTest, Measurement, or a sequence of them
         Of one specimen, at least one in time.
-    model : Model
+    model : Model or Timed
         The model to be judged.
-    effects : iterable of Effect
+    effects : iterable of Effect or TimeEffect
         What may be missing. Those without a law in time, or whose conditions the tests lack, are passed over; the
-        six that promise most are fitted.
+        seven that promise most are fitted.
+    base : TimeIdentification, optional
+        The fit of the model, where it is known already.
 
     Returns
     -------
@@ -149,139 +105,286 @@ def diagnose(tests: Sequence[Test] | Test, model: Model, effects: Iterable[Effec
     ------
     SpringpotError
         If the model itself does not fit the tests.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> from springpot.timetests import diagnose
+    >>> model, t = springpot.parse_model("fractional-maxwell"), np.geomspace(0.01, 100.0, 80)
+    >>> exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.2 * t
+    >>> noise = np.random.default_rng(1).normal(size=80)
+    >>> test = springpot.TimeTest.of_relaxation(t, exact + noise, "kPa")
+    >>> diagnose(test, model, springpot.plugins().items("time effect")).missing
+    ('force-drift',)
     """
     given = [tests] if isinstance(tests, TimeTest) or not isinstance(tests, Sequence) else list(tests)
-    base = identify(given, model)
-    promising = _promising(given, base, effects)
-    fits: list[tuple[Effect, TimeIdentification]] = []
-    for effect in promising:
+    library = list(effects)
+    found = _judged(given, model, library, base, None)
+    noise = _noise_beside(parts_of_specimen(given), found)
+    return found if noise is None else _judged(given, model, library, None, noise)
+
+
+def _noise_beside(parts: Sequence[Part], found: TimeDiagnosis) -> list[Real | None] | None:
+    """The noise of each test as the best model shows it, where the signal told another; None where it did not.
+
+    Corners that friction, stops or a release make in a signal look like noise that grows with it.
+    """
+    fit = found.best_fit
+    noise: list[Real | None] = []
+    for part in parts:
+        if not isinstance(part, InTimePart) or part.sd.max() < UNEVEN * part.sd.min():
+            noise.append(None)
+            continue
+        misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
+        better = noise_of(part.test, misfit).sd
+        share = better / part.sd
+        noise.append(better if share.max() > UNEVEN * share.min() else None)
+    return noise if any(each is not None for each in noise) else None
+
+
+def _judged(
+    given: Sequence[Test],
+    model: Model | Timed,
+    effects: Sequence[AnyEffect],
+    base: TimeIdentification | None,
+    known: Sequence[Real | None] | None,
+) -> TimeDiagnosis:
+    """The diagnosis with a certain noise."""
+    base = identify(given, model, noise=known) if base is None else base
+    parts = parts_of_specimen(given, known)
+    quick = [part if isinstance(part, SweepPart) else QuickPart.of(part) for part in parts]
+    before = Left.by(base.model, base.theta, base.reference, parts)
+    promises = Scan(base, quick).promises(effects)
+    leading = _leading(promises, before)
+    if is_material(material_of(base.model)):
+        tried = _of_material(given, parts, base, leading, known)
+    else:
+        tried = _exactly(given, parts, base, _nearly(base, quick, leading, before), before, known)
+    best = min((each.left for each in tried), key=_plain_bic, default=before)
+    noise = _noise(before, best)
+    judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
+    return _answer(parts, base, before, sorted(judged, key=lambda each: -each.delta), noise, promises)
+
+
+def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
+    """The promises of the effects that are worth a fit."""
+    scatter = before.scatters[0]
+    unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
+    count = np.log(independent(before.residuals, before.scatters))
+
+    def hope(found: list[Promise]) -> float:
+        return float(found[0].drop / unit - len(found[0].values) * count)
+
+    ranked = sorted(promises.values(), key=hope, reverse=True)
+    worth = [found for found in ranked[:LEADING] if found[0].drop / unit > HOPE]
+    return worth if len(worth) >= FEWEST else ranked[:FEWEST]
+
+
+def _of_material(
+    tests: Sequence[Test],
+    parts: Sequence[Part],
+    base: TimeIdentification,
+    leading: Sequence[list[Promise]],
+    known: Sequence[Real | None] | None,
+) -> list[Tried]:
+    """The leading effects beside any material, whose spectrum is found anew with each."""
+    tried = []
+    for promises in leading:
+        effect = promises[0].effect
+        model = grown(base.model, effect)
         try:
-            fits.append((effect, identify(given, model + effect, seeds=_grown(base, effect), thorough=False)))
+            fit = identify(tests, model, seeds=[_grown(base.theta, base, promises[0], model)], noise=known)
         except SpringpotError:
             continue
-    count = _independent(given, min((fit for _, fit in fits), key=_power, default=base))
-    best = min(_power(base), *(_power(fit) for _, fit in fits)) if fits else _power(base)
-    points = sum(test.points for test in base.tests)
-    scale = max(1.0, best / points) * points / count
-    ranked = sorted(
-        (
-            ((_power(base) - _power(fit)) / scale - len(effect.element.parameters) * np.log(count), effect, fit)
-            for effect, fit in fits
-        ),
-        key=lambda each: -each[0],
-    )
-    off = any(test.ratio > 1.0 + SURE / np.sqrt(2.0 * SHARE * max(test.points, 2)) for test in base.tests)
-    found = bool(ranked) and ranked[0][0] > PLAINLY and off
-    candidates = tuple(_candidate(each, ranked[0][0], found) for each in ranked)
-    verdict = "effect-missing" if found else "unexplained" if off else "adequate"
-    return TimeDiagnosis(base, verdict, candidates, _where(given, base))
+        left = Left.by(fit.model, fit.theta, fit.reference, parts)
+        tried.append(Tried(effect, fit.model, fit.theta, left, 0.0, fit))
+    return tried
 
 
-def _promising(tests: Sequence[Test], base: TimeIdentification, effects: Iterable[Effect]) -> list[Effect]:
-    """The effects that are worth a fit: those whose linear step from next to nothing lets the error fall most."""
-    parts = parts_of_specimen(tests)
-    own = {effect.name for effect in base.model.effects}
-    hopes: list[tuple[float, Effect]] = []
-    for effect in effects:
-        if effect.name in own or effect.by_levels:
+def _nearly(
+    base: TimeIdentification, quick: Sequence[Part], leading: Sequence[list[Promise]], before: Left
+) -> list[Tried]:
+    """The leading effects fitted by fixed exponentials; those that swing by the exact response, if they lead."""
+    tried = []
+    best = max((found[0].drop for found in leading), default=0.0)
+    for promises in leading:
+        effect = promises[0].effect
+        model = grown(base.model, effect)
+        seeds = [_grown(promise.theta, base, promise, model) for promise in promises[:STARTS]]
+        seeds.append(_grown(base.theta, base, promises[0], model))
+        search = Search(model, quick, base.reference, seeds, thorough=False)
+        # Without the effect a parameter may have gone where nothing tells the way back.
+        starts = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        try:
+            u, _ = search.near(quick, starts)
+            left = Left.by(model, search.theta(u), base.reference, quick)
+        except UnfollowedError:
+            if promises[0].drop < COSTLY * best or not before.misfit:
+                continue
+            parts = [part.exact if isinstance(part, QuickPart) else part for part in quick]
+            try:
+                u, _ = search.near(parts, starts[:2])
+                left = Left.by(model, search.theta(u), base.reference, parts)
+            except SpringpotError:
+                continue
+        except SpringpotError:
+            # It has no law in time for such a test.
             continue
-        left = [_after_step(base, effect, seed, parts) for seed in _grown(base, effect)]
-        if np.isfinite(min(left)):
-            hopes.append((min(left), effect))
-    return [effect for _, effect in sorted(hopes, key=lambda each: each[0])[:REFITTED]]
+        tried.append(Tried(effect, model, search.theta(u), left, 0.0))
+    return tried
 
 
-def _after_step(base: TimeIdentification, effect: Effect, theta: Real, parts: Sequence[Part]) -> float:
-    """Sum of squares that a linear step from theta would leave; endless where the effect has no law in time."""
-    search = Search(base.model + effect, parts, base.reference)
-    try:
-        with np.errstate(all="ignore"):
-            value, slopes = search.residual(parts, search.coordinates.u(theta, search.size), coarse=True)
-    except SpringpotError:
-        # It has no law in time, or none for a step that takes no time.
-        return np.inf
-    if not (np.all(np.isfinite(value)) and np.all(np.isfinite(slopes))):
-        return np.inf
-    solution = np.linalg.lstsq(slopes.T, value, rcond=1e-10)[0]
-    return float(np.sum((value - slopes.T @ solution) ** 2))
+def _exactly(
+    tests: Sequence[Test],
+    parts: Sequence[Part],
+    base: TimeIdentification,
+    nearly: Sequence[Tried],
+    before: Left,
+    known: Sequence[Real | None] | None,
+) -> list[Tried]:
+    """The best of them fitted exactly, and the others as they are."""
+    noise = _noise(before, min((each.left for each in nearly), key=_plain_bic, default=before))
+    rated = sorted(nearly, key=lambda each: -_delta(before, each, noise, base))
+    if not rated:
+        return []
+    best = rated[0]
+    near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
+    tried = []
+    for i, each in enumerate(rated):
+        if i not in near:
+            tried.append(each)
+            continue
+        try:
+            fit = identify(tests, each.model, seeds=[each.theta], thorough=False, noise=known, near=True)
+        except SpringpotError:
+            continue
+        left = Left.by(fit.model, fit.theta, fit.reference, parts)
+        tried.append(replace(each, theta=fit.theta, left=left, fit=fit))
+    return tried
 
 
-def _power(fit: TimeIdentification) -> float:
-    """Sum of squares of the residuals over their noise."""
-    return sum(test.points * test.ratio**2 for test in fit.tests)
+def _near(each: Tried, best: Tried, before: Left, noise: Sequence[Scatter], base: TimeIdentification) -> bool:
+    """Whether a nearly fitted effect may be in the class of the best."""
+    worse = each.left.squares(noise) - best.left.squares(noise)
+    apart = _delta(before, best, noise, base) - _delta(before, each, noise, base)
+    return min(worse, apart) <= MARGIN
 
 
-def _grown(base: TimeIdentification, effect: Effect) -> list[Real]:
-    """A start at the fit without the effect, of which there is a little."""
-    grown = base.model + effect
-    known = dict(zip(base.model.names, base.theta.tolist(), strict=True))
-    typical = float(np.exp(np.mean(np.log(np.maximum(np.abs(base.theta), 1e-300)))))
-    new = [parameter for parameter in grown.parameters if parameter.name not in known]
-    starts = []
-    for share in (1e-3, 1e-1):
-        values = known | {p.name: _small(p.lower, p.upper, share * typical) for p in new}
-        starts.append(grown.vector(values))
-    return starts
+def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdentification) -> float:
+    return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
 
 
-def _small(lower: float, upper: float, value: float) -> float:
-    if np.isfinite(lower) and np.isfinite(upper):
-        return float(lower + 0.5 * (upper - lower))
-    return float(np.clip(value, lower, upper))
+def _grown(theta: Real, base: TimeIdentification, promise: Promise, model: Model | Timed) -> Real:
+    """A start: parameters of the model without the effect, and as much of it as it promises."""
+    known = dict(zip(base.model.names, theta.tolist(), strict=True))
+    new = [parameter for parameter in model.parameters if parameter.name not in known]
+    for parameter, value in zip(new, promise.values, strict=True):
+        known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
+    return model.vector(known)
 
 
-def _independent(tests: Sequence[Test], fit: TimeIdentification) -> float:
-    """How many samples there are, those whose misses are alike counted once."""
-    parts = parts_of_specimen(tests)
-    search = Search(fit.model, parts, fit.reference)
-    u = search.coordinates.u(fit.theta, search.size)
-    whole = 0.0
-    for part in parts:
-        value, _ = search.residual([part], u)
-        power = max(float(np.mean(value**2)), 1e-300)
-        whole += len(value) * power / max(sampled_scatter(value, part), power)
-    return max(whole, 2.0)
+def _plain_bic(left: Left) -> float:
+    """Of a fit by itself: the size of its noise is read from what it leaves."""
+    power = sum(float(np.sum(value**2)) for value in left.residuals)
+    points = sum(len(value) for value in left.residuals)
+    return float(points * np.log(max(power, 1e-300) / points) + left.count * np.log(points))
 
 
-def _candidate(each: tuple[float, Effect, TimeIdentification], best: float, found: bool) -> TimeCandidate:
-    delta, effect, fit = each
-    alike = found and delta > PLAINLY and best - delta <= ALIKE
-    verdict = "absent" if not alike else "missing" if delta == best else "cannot-tell"
-    names = {name for name in fit.model.names if name.partition(".")[0] == effect.name}
-    parameters = {name: entry for name, entry in fit.parameters.items() if name in names}
+def _noise(before: Left, best: Left) -> list[Scatter]:
+    """The noise of each test: read where the least else is left."""
+    pairs = zip(before.residuals, best.residuals, before.scatters, best.scatters, strict=True)
+    return [s if np.sum(z**2) <= np.sum(y**2) else r for y, z, r, s in pairs]
+
+
+def _answer(
+    parts: Sequence[Part],
+    base: TimeIdentification,
+    before: Left,
+    tried: Sequence[Tried],
+    noise: Sequence[Scatter],
+    promises: dict[str, list[Promise]],
+) -> TimeDiagnosis:
+    found = bool(tried) and tried[0].delta > PLAINLY
+    rest = tried[0].left.misfit if found else before.misfit
+    alike = _class(tried, promises, noise) if found else []
+    verdict = "effect-missing" if found and not rest else "unexplained" if rest else "adequate"
+    if verdict == "adequate" and tried and tried[0].delta > HINT:
+        verdict = "inconclusive"
+    chances = _chances(tried)
+    candidates = tuple(
+        _candidate(each, chance, alike, noise, first=each is tried[0])
+        for each, chance in zip(tried, chances, strict=True)
+    )
+    error = TimeError.of(parts, before, noise)
+    located = [
+        place
+        for part, value, scatter in zip(parts, before.residuals, noise, strict=True)
+        if isinstance(part, InTimePart)
+        for place in places(part.test, value / scatter.size)
+    ]
+    where = worst_first(located) if verdict != "adequate" else ()
+    fits = [each.fit for each in tried if each.fit is not None and each.effect.name in alike[:1]]
+    return TimeDiagnosis(
+        base, verdict, candidates, where, error, _classes(promises, tried, alike), fits[0] if fits else base
+    )
+
+
+def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
+    """The best effect and those that these tests cannot tell from it."""
+    best = tried[0]
+    names = [each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)]
+    fitted = {each.effect.name for each in tried}
+    return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
+
+
+def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
+    """Whether an effect explains the tests as well as the best one: more parameters do not exclude it."""
+    worse = each.left.squares(noise) - best.left.squares(noise)
+    return min(worse, best.delta - each.delta) <= ALIKE
+
+
+def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
+    """Effects that add the same to a record as one does."""
+    own = promises[name][0].direction
+    found = []
+    for other, others in promises.items():
+        if other != name and abs(float(own @ others[0].direction)) > TWINS:
+            found.append(other)
+    return found
+
+
+def _classes(
+    promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
+) -> tuple[tuple[str, ...], ...]:
+    """Effects that are one to these tests: the class of the best, and the twins of the others that were fitted."""
+    classes = [tuple(alike)] if len(alike) > 1 else []
+    taken = set(alike)
+    for each in tried:
+        name = each.effect.name
+        twins = [] if name in taken else [other for other in _twins(name, promises) if other not in taken]
+        if twins:
+            classes.append((name, *twins))
+            taken |= {name, *twins}
+    return tuple(classes)
+
+
+def _chances(tried: Sequence[Tried]) -> list[float]:
+    """Probability of each effect, against nothing missing too."""
+    if not tried:
+        return []
+    logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
+    weights = np.exp(logs - logs.max())
+    return [float(weight) for weight in weights[1:] / weights.sum()]
+
+
+def _candidate(
+    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], *, first: bool
+) -> TimeCandidate:
+    name = each.effect.name
+    verdict = "absent" if name not in alike else "missing" if first and len(alike) == 1 else "cannot-tell"
+    known = {} if each.fit is None else each.fit.parameters
+    parameters = {own: entry for own, entry in known.items() if own.rpartition(".")[0].split("#")[0] == name}
+    others = tuple(other for other in alike if other != name) if name in alike else ()
     return TimeCandidate(
-        effect.name, float(delta), max(test.ratio for test in fit.tests), parameters, verdict, effect.summary
+        name, others, chance, each.delta, each.left.over(noise), parameters, verdict, each.effect.summary, each.effect
     )
-
-
-def _where(tests: Sequence[Test], base: TimeIdentification) -> str:
-    """The part of a record in which the model misses most, and what happens there."""
-    reference = reference_of(tests)
-    worst: tuple[float, str] = (0.0, "it fails nowhere in particular")
-    for part in parts_of_specimen(tests):
-        if not isinstance(part, InTimePart):
-            continue
-        value = part.residual(base.model, base.theta, reference).value
-        pieces = [piece for piece in np.array_split(np.arange(len(value)), PIECES) if len(piece)]
-        sizes = [float(np.sqrt(np.mean(value[piece] ** 2))) for piece in pieces]
-        k = int(np.argmax(sizes))
-        test, piece = part.test, pieces[k]
-        first, last = float(test.time[piece[0]]), float(test.time[piece[-1]])
-        size = f"{sizes[k]:.2g} x the noise"
-        says = f"{test.name} is missed most from {first:.3g} to {last:.3g} s ({size}){_manner(test, value)}"
-        worst = max(worst, (sizes[k], says))
-    return worst[1]
-
-
-def _manner(test: TimeTest, value: Real) -> str:
-    """Whether a record is missed where its motion turns, or where it is fast."""
-    if test.kind != "history":
-        return ""
-    rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
-    slow = rate < 0.3 * np.percentile(rate, 95)
-    if not slow.any() or slow.all():
-        return ""
-    turning, moving = (float(np.mean(value[rows] ** 2)) for rows in (slow, ~slow))
-    if turning > 2.0 * moving:
-        return ", where the motion turns"
-    return ", where the motion is fast" if moving > 2.0 * turning else ""

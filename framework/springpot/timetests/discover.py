@@ -6,12 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from springpot.rheology import Effect, Model
+from springpot.measurement import Timed, grown
+from springpot.rheology import Model
 
-from .diagnosis import TimeDiagnosis, diagnose
+from .answer import TimeDiagnosis
+from .diagnosis import diagnose
 from .identify import identify
 from .parts import Test
 from .result import TimeIdentification
+from .score import AnyEffect
 
 SCHEMA = "springpot.discovery-in-time/1"
 MOST = 6
@@ -70,7 +73,7 @@ class TimeLadder:
     diagnosis: TimeDiagnosis
 
     @property
-    def model(self) -> Model:
+    def model(self) -> Model | Timed:
         """The model of the last rung."""
         return self.steps[-1].fit.model
 
@@ -92,9 +95,9 @@ class TimeLadder:
 
 def discover(
     tests: Sequence[Test],
-    model: Model,
-    effects: Sequence[Effect],
-    accept: Sequence[Effect] | None = None,
+    model: Model | Timed,
+    effects: Sequence[AnyEffect],
+    accept: Sequence[AnyEffect] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> TimeLadder:
     """Add missing effects one by one.
@@ -103,11 +106,11 @@ def discover(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    model : Model
+    model : Model or Timed
         Where to begin.
-    effects : sequence of Effect
+    effects : sequence of Effect or TimeEffect
         What may be missing.
-    accept : sequence of Effect, optional
+    accept : sequence of Effect or TimeEffect, optional
         Effects to add, in this order; without it the evidence decides.
     progress : callable, optional
         Told in a few words what is being done.
@@ -131,7 +134,7 @@ def discover(
         told(f"fitting {model.name}")
         steps = [TimeStep(identify(tests, model), None)]
         for effect in accept:
-            model = model + effect
+            model = grown(model, effect)
             told(f"fitting {model.name}")
             steps.append(TimeStep(identify(tests, model), effect.name))
         told(f"judging {model.name}")
@@ -142,8 +145,9 @@ def discover(
     steps = [TimeStep(found.base, None)]
     while found.missing and len(steps) <= MOST:
         first, *others = found.missing
-        model = model + known[first]
+        model = grown(model, known[first])
         told(f"judging {model.name}")
-        found = diagnose(tests, model, effects)
+        base = found.best_fit if found.best_fit.model.name == model.name else None
+        found = diagnose(tests, model, effects, base=base)
         steps.append(TimeStep(found.base, first, tuple(others)))
     return TimeLadder(tuple(steps), found)

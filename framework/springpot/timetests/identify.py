@@ -19,20 +19,24 @@ from springpot.identification import (
 )
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows
-from springpot.measurement import Measurement, TimeTest, Units
+from springpot.measurement import Measurement, Timed, TimeTest, Units, material_of
 from springpot.rheology import Model, Real
 
 from .material import spectral
 from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests
+from .quick import QuickPart, UnfollowedError
 from .result import PartResult, TimeIdentification, sampled_scatter
 from .searched import InTimeProblem
 from .start import start_of
+from .tries import Scales, tries_of
 
 NATIVE = "native"
 BUDGET = 2000
 """Evaluations of an optimiser: each takes some milliseconds, so that this is a matter of ten seconds."""
-QUICK = 25
+QUICK = 20
 """Steps with some of the samples."""
+AT_LEISURE = 60
+"""Steps of the best start where each costs next to nothing."""
 LAST = 30
 """Steps with all of them."""
 LEAST_INFORMATION = 1e-12
@@ -44,13 +48,17 @@ EDGE = 0.05
 """Share of its range by which a parameter with two ends begins away from them."""
 DOUBTFUL = 1.5
 """Error over the noise from which other starts are tried too."""
+TRIED = 6
+"""Places in the parameters of effects of time tests from which a search begins."""
 FLAT = 1e-10
 """A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
+ROUGHLY = 1e-5
+"""The same of the first part of a search, which the last part goes on from."""
 
 
 def identify(
     tests: Sequence[Test] | Test,
-    model: Model,
+    model: Model | Timed,
     *,
     seeds: Sequence[Real] = (),
     thorough: bool = True,
@@ -58,6 +66,8 @@ def identify(
     budget: int | None = None,
     restarts: int | None = None,
     seed: int | None = None,
+    noise: Sequence[Real | None] | None = None,
+    near: bool = False,
 ) -> TimeIdentification:
     """Identify the parameters of a model from tests of one specimen, each weighed by its own noise.
 
@@ -65,8 +75,8 @@ def identify(
     ----------
     tests : TimeTest, Measurement, or a sequence of them
         At least one in time.
-    model : Model
-        Any model whose parts have a meaning in time.
+    model : Model or Timed
+        Any model whose parts have a meaning in time, with effects of the tests themselves or without.
     seeds : sequence of ndarray, shape (p,)
         Further starts, in the units of the first test in time.
     thorough : bool
@@ -75,6 +85,10 @@ def identify(
         Another way to the same minimum, in the box of the native solver's problem; each test weighs as there.
     budget, restarts, seed : int, optional
         Of the optimiser: evaluations of each run, number of runs, and of the generator.
+    noise : sequence of ndarray, shape (n,), or None, optional
+        Standard deviation of each sample of each test, where it is known better than the signal itself tells.
+    near : bool
+        Whether the only seed is so near that a few exact steps end the search.
 
     Returns
     -------
@@ -105,12 +119,15 @@ def identify(
     if not given:
         raise ModelError("there is no test to identify a model from")
     require_tests(model, given)
-    parts = parts_of_specimen(given)
+    parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
-    if is_material(model):
+    if isinstance(model, Timed) and is_material(model.material):
+        raise ModelError(f"{model.name}: any material could have done what a test did; name a model")
+    if not isinstance(model, Timed) and is_material(model):
         return _of_material(model, parts, reference, began)
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
-    u, evaluations, converged = search.solved(parts, search.starts())
+    starts = search.starts()
+    u, evaluations, converged = search.ended(parts, starts[0], 0) if near else search.solved(parts, starts)
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
         scales = []
@@ -125,6 +142,8 @@ def identify(
     found = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
     if optimiser is None or optimiser.name == NATIVE:
         return found
+    if isinstance(model, Timed):
+        raise ModelError(f"{model.name}: effects of a test are fitted by the native solver; leave the optimiser out")
     problem = InTimeProblem(model, parts, reference, *search.sizes)
     best, notes = best_run(problem, optimiser, budget or BUDGET, restarts, seed)
     u = search.coordinates.u(best.theta.copy(), search.size)
@@ -167,7 +186,7 @@ class Search:
 
     Parameters
     ----------
-    model : Model
+    model : Model or Timed
         What is fitted.
     parts : sequence of Part
         To what.
@@ -181,7 +200,7 @@ class Search:
 
     def __init__(
         self,
-        model: Model,
+        model: Model | Timed,
         parts: Sequence[Part],
         reference: float,
         seeds: Sequence[Real] = (),
@@ -203,15 +222,40 @@ class Search:
             return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
-        found = start_of(self.model, [part.test for part in in_time], [part.sd for part in in_time], sweeps)
-        begin = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in (*self.seeds, *found)]
-        return [self._inside(u) for u in begin] or self.natural()
+        material = material_of(self.model)
+        found = start_of(material, [part.apparent for part in in_time], sweeps)
+        whole = [theta for each in found for theta in self._with_effects(each, in_time)]
+        begin = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in (*self.seeds, *whole)]
+        return [self.inside(u) for u in begin] or self.natural()
+
+    def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
+        """Starts with parameters of the material, and those of each effect of the tests where it does most good."""
+        if not isinstance(self.model, Timed):
+            return [material]
+        theta = [np.asarray(material, dtype=float)]
+        scales = Scales.of(self.parts)
+        for effect in self.model.time_effects:
+            mine = [part.test for part in in_time if effect.is_for(part.test)]
+            if not mine:
+                raise ModelError(
+                    f"{in_time[0].test.name}: '{effect.name}' cannot be seen in such a test: leave it out"
+                )
+            places = [np.array(place) for place in tries_of(effect, mine[0], scales)]
+            theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
+            theta = sorted(theta, key=lambda each: self._misfit(each))
+        return theta[:TRIED]
+
+    def _misfit(self, theta: Real) -> float:
+        """Sum of squares at a start that may lack the parameters of the last effects."""
+        if len(theta) < len(self.model.parameters):
+            return 0.0
+        return float(np.sum(self._guarded(self.parts, self.coordinates.u(theta, self.size), True)[0] ** 2))
 
     def natural(self) -> list[Real]:
         """Starts at the natural sizes, for each of a few orders."""
-        return [self._inside(np.where(self.coordinates.log, 0.0, order)) for order in ORDERS]
+        return [self.inside(np.where(self.coordinates.log, 0.0, order)) for order in ORDERS]
 
-    def _inside(self, u: Real) -> Real:
+    def inside(self, u: Real) -> Real:
         """A start away from the ends, where nothing would tell the way back."""
         low, high = (bound[0] for bound in self.coordinates.bounds())
         ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
@@ -235,14 +279,38 @@ class Search:
 
     def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         """The best search point (p,), evaluations spent, and whether the search came to rest."""
+        return self.ended(parts, *self.near(parts, starts))
+
+    def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
+        """The same from a point near the best one, where `spent` evaluations have led."""
+        last = self._descend(parts, near[None], False, LAST, 1e-6)
+        return last.u[0], spent + last.evaluations, bool(last.converged[0])
+
+    def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
+        """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
+        quick = [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]
+        try:
+            # With these a start costs next to nothing.
+            u, spent, rests = self._near(quick, [*starts, *(self.natural() if self.thorough else [])])
+            if rests:
+                return u, spent
+            last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
+            return last.u[0], spent + last.evaluations
+        except UnfollowedError:
+            if quick == list(parts):
+                raise
+            return self._near(parts, starts)[:2]
+
+    def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
-        found, spent = quick.u[int(np.argmin(quick.cost))], quick.evaluations
+        best = int(np.argmin(quick.cost))
+        found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
             more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
-            found, spent = more.u[int(np.argmin(more.cost))], spent + more.evaluations
-        last = self._descend(parts, found[None], False, LAST, 1e-6)
-        return last.u[0], spent + last.evaluations, bool(last.converged[0])
+            best = int(np.argmin(more.cost))
+            found, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
+        return found, spent, rests
 
     def _descend(
         self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
@@ -260,7 +328,7 @@ class Search:
             np.broadcast_to(high, shape),
             iterations=iterations,
             damping=damping,
-            flat=FLAT,
+            flat=ROUGHLY if coarse else FLAT,
         )
 
     def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:

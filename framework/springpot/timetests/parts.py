@@ -18,14 +18,18 @@ from springpot.measurement import (
     MODULUS_UNITS,
     PRESSURE_UNITS,
     Measurement,
+    Timed,
     TimeTest,
     Units,
+    material_of,
     noise_of,
     relative_scatter,
 )
 from springpot.rheology import Complex, Model, Real
 
-from .predicted import TOLERANCE, predicted
+from .predicted import TOLERANCE
+from .recorded import recorded
+from .start import apparent
 
 Test: TypeAlias = TimeTest | Measurement
 COARSE = 60
@@ -49,15 +53,23 @@ class InTimePart:
         The test.
     scale : float
         By how much its noise is taken to be larger than its scatter says.
+    noise : ndarray, shape (n,), optional
+        Standard deviation of each sample, where it is known better than the signal itself tells.
     """
 
     test: TimeTest
     scale: float = 1.0
+    noise: Real | None = None
 
     @cached_property
     def sd(self) -> Real:
         """Standard deviation of each sample."""
-        return noise_of(self.test).sd
+        return noise_of(self.test).sd if self.noise is None else self.noise
+
+    @cached_property
+    def apparent(self) -> Measurement | None:
+        """The sweep that the test amounts to; None where no sum of exponentials follows it."""
+        return apparent(self.test, self.sd)
 
     def count(self, coarse: bool = False) -> int:
         """How many numbers it gives."""
@@ -68,10 +80,10 @@ class InTimePart:
         """Logarithm of the angular frequency in the middle of what it saw."""
         return float(np.mean(np.log(self.test.seen)))
 
-    def residual(self, model: Model, theta: Real, reference: float, coarse: bool = False) -> Residual:
+    def residual(self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
         rows = self._thin() if coarse else np.arange(len(self.test))
-        found = predicted(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
+        found = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
         weight = 1.0 / (self.scale * self.sd[rows])
         # At the very instant of a step the answer may be endless, and no instrument reads it.
         seen = ~np.isin(self.test.time[rows], self.test.loading.jumps[0])
@@ -119,14 +131,18 @@ class SweepPart:
         """Mean logarithm of the angular frequencies."""
         return float(np.mean(np.log(self.test.omega)))
 
-    def residual(self, model: Model, theta: Real, reference: float, coarse: bool = False) -> Residual:
+    def residual(self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise: first K', then K''."""
         at = replace(self.test, reference=reference).points
-        missed = model.stiffness(theta, at) - self.test.stiffness
-        slopes = model.jacobian(theta, at)
+        own = material_of(model)
+        count = len(own.parameters)
+        missed = own.stiffness(theta[:count], at) - self.test.stiffness
+        slopes = own.jacobian(theta[:count], at)
         weight = 1.0 / (self.scale * np.concatenate([self.sd.real, self.sd.imag]))
         value = np.concatenate([missed.real, missed.imag]) * weight
-        return Residual(value, np.concatenate([slopes.real, slopes.imag]) * weight[:, None])
+        by_theta = np.zeros((len(value), len(theta)))
+        by_theta[:, :count] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
+        return Residual(value, by_theta)
 
     def with_scale(self, scale: float) -> SweepPart:
         """The same with larger noise."""
@@ -136,8 +152,8 @@ class SweepPart:
 Part: TypeAlias = InTimePart | SweepPart
 
 
-def parts_of_specimen(tests: Sequence[Test]) -> list[Part]:
-    """Tests in common units, as parts.
+def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None = None) -> list[Part]:
+    """Tests in common units, as parts; with the noise (n,) of each in these units, where it is known.
 
     Raises
     ------
@@ -147,9 +163,9 @@ def parts_of_specimen(tests: Sequence[Test]) -> list[Part]:
     in_time = next((test for test in tests if isinstance(test, TimeTest)), None)
     units = tests[0].units if in_time is None else in_time.units
     parts: list[Part] = []
-    for test in tests:
+    for i, test in enumerate(tests):
         if isinstance(test, TimeTest):
-            parts.append(InTimePart(test.in_units(units)))
+            parts.append(InTimePart(test.in_units(units), noise=None if noise is None else noise[i]))
         else:
             parts.append(SweepPart(_in_units(test, units)))
     return parts
@@ -168,7 +184,7 @@ def reference_of(tests: Sequence[Test]) -> float:
     return float(np.sort(known)[(len(known) - 1) // 2]) if known else 293.15
 
 
-def require_tests(model: Model, tests: Sequence[Test]) -> None:
+def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
     """Check that a model has what it needs of every test.
 
     Raises
@@ -178,7 +194,7 @@ def require_tests(model: Model, tests: Sequence[Test]) -> None:
     """
     for test in tests:
         if isinstance(test, Measurement):
-            require_conditions(model, test)
+            require_conditions(material_of(model), test)
         elif "temperature" in model.needs and test.temperature is None:
             raise DataError(
                 f"{test.name}: {model.name} needs a temperature: open it as '{test.name}?temperature=25[degC]'"

@@ -26,7 +26,7 @@ def predicted(
     Parameters
     ----------
     model : Model
-        Any model whose parts have a meaning in time.
+        Any model whose parts have a meaning in time; for effects of the test itself see `recorded`.
     theta : ndarray, shape (p,)
         Its parameters, in the units of the test.
     test : TimeTest
@@ -50,27 +50,41 @@ def predicted(
     """
     if test.warmth is not None and "temperature" in model.needs:
         return warming(model, theta, test, reference, at, tolerance)
-    t = test.time if at is None else at
+    inside = specimen(model, theta, test, reference, tolerance)
+    return answer(inside, test.loading, test.time if at is None else at, test.control)
+
+
+def specimen(
+    model: Model, theta: Real, test: TimeTest, reference: float | None, tolerance: float = TOLERANCE
+) -> InTime:
+    """A model with its parameters at the temperature of a test."""
     kelvin = test.kelvin
     away = kelvin if reference is None else reference
-    inside = model.in_time(
+    return model.in_time(
         theta, temperature=kelvin, reference_temperature=293.15 if away is None else away, tolerance=tolerance
     )
+
+
+def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
+    """The response to a loading at the times t, with jumps and all."""
     value, by_theta = np.zeros(len(t)), np.zeros((len(t), len(inside.theta)))
-    for when, size in zip(*test.loading.jumps, strict=True):
-        since = t - when
+    when, sizes = loading.jumps
+    if len(when):
+        since = t[:, None] - when
         after = since >= 0.0
-        one = inside.relaxation(since[after]) if test.control == "displacement" else inside.creep(since[after])
-        value[after] += size * one.value
-        by_theta[after] += size * one.by_theta
-    smooth = test.loading.smooth
+        # All jumps at once: the spectrum of the material is read once.
+        one = (inside.relaxation if control == "displacement" else inside.creep)(since[after])
+        rows, which = np.nonzero(after)
+        np.add.at(value, rows, sizes[which] * one.value)
+        np.add.at(by_theta, rows, sizes[which, None] * one.by_theta)
+    smooth = loading.smooth
     if smooth is not None:
-        rest = _answer(inside, smooth, t, test.control)
+        rest = _to_smooth(inside, smooth, t, control)
         value, by_theta = value + rest.value, by_theta + rest.by_theta
     return Traced(value, by_theta)
 
 
-def _answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
+def _to_smooth(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     """The response to a loading without jumps at the times t, which need not be its knots."""
     if len(t) == len(loading.time) and np.array_equal(t, loading.time):
         return _respond(inside, t, loading.value, control)

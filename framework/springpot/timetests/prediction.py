@@ -19,6 +19,7 @@ from springpot.measurement import (
     Measurement,
     TimeTest,
     Units,
+    material_of,
     noise_of,
 )
 from springpot.rheology import Continuum, Model, Points, Real
@@ -76,10 +77,12 @@ class Known:
         """From a fit to tests in time, or to a sweep."""
         if isinstance(found, TimeIdentification):
             points = sum(test.points for test in found.tests)
-            turn = found.slopes
+            # What a test did itself, such as a drift, does not go into another one.
+            material = material_of(found.model)
+            turn = found.slopes[: len(material.parameters)]
             return cls(
-                found.model,
-                found.theta,
+                material,
+                found.theta[: len(material.parameters)],
                 turn @ found.covariance @ turn.T,
                 found.units,
                 found.reference,
@@ -104,14 +107,15 @@ class Known:
     @classmethod
     def read(cls, answer: dict[str, Any], model: Model) -> Known:
         """From the JSON of an identification from tests in time."""
-        kept = answer["kept"]
+        kept, count = answer["kept"], len(model.parameters)
         if "rates" in kept:
             model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
+            count = len(model.parameters)
         points = sum(int(test["points"]) for test in answer["tests"])
         return cls(
             model,
-            np.array(kept["theta"], dtype=float),
-            np.array(kept["covariance"], dtype=float),
+            np.array(kept["theta"], dtype=float)[:count],
+            np.array(kept["covariance"], dtype=float)[:count, :count],
             Units(**kept["units"]),
             float(kept["reference"]),
             float(answer["relative_rms"]),

@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of, student
-from springpot.measurement import TimeTest, Units
+from springpot.measurement import Timed, TimeTest, Units, material_of
 from springpot.rheology import Continuum, Model, Real
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class PartResult:
     seen: tuple[float, float] = (0.0, np.inf)
 
     @classmethod
-    def of(cls, part: Part, model: Model, theta: Real, reference: float, alone: float) -> PartResult:
+    def of(cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float) -> PartResult:
         """Judge one part at theta."""
         plain = part.with_scale(1.0)
         weighted = plain.residual(model, theta, reference).value
@@ -115,7 +115,7 @@ class TimeIdentification:
 
     Attributes
     ----------
-    model : Model
+    model : Model or Timed
         What was fitted.
     theta : ndarray, shape (p,)
         The parameters, in the units of the first test in time.
@@ -143,7 +143,7 @@ class TimeIdentification:
         What went wrong on the way.
     """
 
-    model: Model
+    model: Model | Timed
     theta: Real
     covariance: Real
     coordinates: Coordinates
@@ -269,7 +269,7 @@ class TimeIdentification:
                 "units": asdict(self.units),
                 "reference": self.reference,
                 "seen": list(self.seen),
-                **({"rates": list(lines.rates)} if isinstance(lines := self.model.material, Continuum) else {}),
+                **_rates(material_of(self.model)),
             },
             "evaluations": self.evaluations,
             "seconds": self.seconds,
@@ -292,3 +292,8 @@ class TimeIdentification:
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _rates(model: Model) -> dict[str, Any]:
+    """Those of the lines of any material; of another model nothing."""
+    return {"rates": list(model.material.rates)} if isinstance(model.material, Continuum) else {}

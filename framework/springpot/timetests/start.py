@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import SpringpotError
 from springpot.identification import fit
-from springpot.measurement import Measurement, TimeTest
+from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.rheology import Complex, Model, Real
 from springpot.rheology.recursion import Modes, driven
 
@@ -21,19 +21,15 @@ MOST = 400
 """Samples that the sum is fitted to."""
 
 
-def start_of(
-    model: Model, tests: Sequence[TimeTest], noise: Sequence[Real], sweeps: Sequence[Measurement]
-) -> list[Real]:
+def start_of(model: Model, made: Sequence[Measurement | None], sweeps: Sequence[Measurement]) -> list[Real]:
     """Parameters near those that fit tests in time, from sweeps that say about the same.
 
     Parameters
     ----------
     model : Model
         What is to be fitted.
-    tests : sequence of TimeTest
-        In the same units.
-    noise : sequence of ndarray
-        Standard deviation of each sample of each test.
+    made : sequence of Measurement or None
+        The sweeps that tests in time amount to, in the same units; see `apparent`.
     sweeps : sequence of Measurement
         Tests at frequencies, in these units too.
 
@@ -42,7 +38,6 @@ def start_of(
     list of ndarray, shape (p,)
         Starts, best first; none where no sweep can be made.
     """
-    made = [apparent(test, sd) for test, sd in zip(tests, noise, strict=True)]
     together = [each for each in (*made, *(_bare(sweep) for sweep in sweeps)) if each is not None]
     starts = []
     for data in [_stacked(together)] if together else []:
@@ -68,7 +63,9 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     longest = max(test.duration, 3.0 * shortest)
     decades = np.log10(longest / shortest) + 2.0
     times = np.geomspace(0.3 * shortest, 3.0 * longest, max(3, int(PER_DECADE * decades)))
-    columns = _answers(test, times)[picked] / sd[picked, None]
+    columns = (
+        np.delete(answers_of(test.loading, test.control, times, test.time), 2, axis=1)[picked] / sd[picked, None]
+    )
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     try:
@@ -92,33 +89,48 @@ def _picked(count: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(count, MOST)).astype(int))
 
 
-def _answers(test: TimeTest, times: Real) -> Real:
-    """The responses (n, 2 + m) of a spring, a dashpot and an exponential of each time, all of amount one."""
-    t, loading = test.time, test.loading
-    faded: Modes = np.zeros((len(t), len(times)))
-    followed, moving = np.zeros(len(t)), np.zeros(len(t))
+def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real | None = None) -> Real:
+    """The responses (n, 3 + m) of a spring, a dashpot, a mass and an exponential of each time, all of amount one.
+
+    Under a force they are compliances, and a mass has no part in them. With a `mix` (3 + m, c) of amounts the answer
+    is that of the c mixtures (n, c), which takes less time than each alone.
+    """
+    whole = np.eye(3 + len(times)) if mix is None else mix
+    one = whole[3:]
+    faded: Modes = np.zeros((len(t), whole.shape[1]))
+    followed, moving, pushed = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     for when, size in zip(*loading.jumps, strict=True):
         since = np.maximum(t - when, 0.0)
         after = t >= when
-        faded += size * after[:, None] * np.exp(-since[:, None] / times)
+        faded += (size * after[:, None] * np.exp(-since[:, None] / times)) @ one
         followed += size * after
-        moving += size * since * (test.control == "force")
+        moving += size * since * (control == "force")
     if loading.smooth is not None:
         grid = np.union1d(loading.smooth.time, t)
         imposed = np.interp(grid, loading.smooth.time, loading.smooth.value)
-        one = np.eye(len(times))
         steps, changes = np.diff(grid, prepend=grid[0]), np.diff(imposed, prepend=imposed[0])
         place = np.searchsorted(grid, t)
         faded = faded + driven(1.0 / times, steps, changes, one, 0.0 * one)[place]
         followed += imposed[place]
-        if test.control == "force":
+        if control == "force":
             mean = 0.5 * (imposed[1:] + imposed[:-1])
             moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
         else:
             moving += np.gradient(imposed, grid)[place]
+            pushed += _bent(imposed, grid)[place]
     # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.
-    modes = faded if test.control == "displacement" else followed[:, None] - faded
-    return np.column_stack([followed, moving, modes])
+    modes = faded if control == "displacement" else np.outer(followed, one.sum(axis=0)) - faded
+    found: Real = np.column_stack([followed, moving, pushed]) @ whole[:3] + modes.real
+    return found
+
+
+def _bent(x: Real, t: Real) -> Real:
+    """Second derivative, as a mass feels it; at the ends that of the next sample."""
+    if len(t) < 3:
+        return np.zeros(len(t))
+    slope, step = np.diff(x) / np.diff(t), np.diff(t)
+    inner = 2.0 * np.diff(slope) / (step[1:] + step[:-1])
+    return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
 def _sum_at(omega: Real, times: Real, amounts: Real, control: str) -> Complex:

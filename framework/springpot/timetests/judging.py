@@ -1,0 +1,88 @@
+"""How likely each model of a specimen is, where the size of the noise is not known and neighbours may be alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.measurement import Measurement, Timed
+from springpot.rheology import Model, Real
+
+from .parts import InTimePart, Part
+from .scatter import Scatter, scatter_of
+
+PLAINLY = 10.0
+"""Difference of the Bayesian information criterion that is very strong evidence (Kass & Raftery 1995,
+doi:10.1080/01621459.1995.10476572)."""
+HINT = 6.0
+"""The same where it is strong evidence: neither proof nor nothing."""
+ALIKE = 6.0
+"""Difference within which two effects cannot be told from one another (the same scale)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What a fit leaves of each test.
+
+    Attributes
+    ----------
+    count : int
+        Parameters of the model.
+    residuals : tuple of ndarray
+        Of each test over the noise of its signal.
+    scatters : tuple of Scatter
+        The noise in them.
+    """
+
+    count: int
+    residuals: tuple[Real, ...]
+    scatters: tuple[Scatter, ...]
+
+    @classmethod
+    def by(cls, model: Model | Timed, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
+        """What a model with these parameters leaves of these tests."""
+        plain = [part.with_scale(1.0) for part in parts]
+        residuals = [part.residual(model, theta, reference).value for part in plain]
+        scatters = [
+            scatter_of(value) if isinstance(part, InTimePart) else _of_sweep(value, part.test)
+            for value, part in zip(residuals, parts, strict=True)
+        ]
+        return cls(len(theta), tuple(residuals), tuple(scatters))
+
+    @property
+    def misfit(self) -> bool:
+        """Whether some test is missed by more than noise."""
+        return any(scatter.misfit for scatter in self.scatters)
+
+    def squares(self, noise: Sequence[Scatter]) -> float:
+        """Sum of squares over that noise, each sample counted for what it adds to its neighbours."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return float(sum(np.sum(scatter.whitened(value) ** 2) for value, scatter in pairs))
+
+    def over(self, noise: Sequence[Scatter]) -> float:
+        """Error over that noise, of the worst test."""
+        pairs = zip(self.residuals, noise, strict=True)
+        return max(float(np.sqrt(np.mean(value**2))) / scatter.size for value, scatter in pairs)
+
+
+def _of_sweep(residual: Real, sweep: Measurement) -> Scatter:
+    """A sweep is too short for a spectrum: its standard deviations are believed."""
+    return Scatter(1.0, 0.0, 0.0, scatter_of(residual[: len(sweep)][:FEW]).local)
+
+
+FEW = 39
+"""Points of a sweep that are judged as a short record is."""
+
+
+def independent(residuals: Sequence[Real], noise: Sequence[Scatter]) -> float:
+    """Number of samples, those counted once whose noise is alike (Bayley & Hammersley 1946, doi:10.2307/2983560)."""
+    pairs = zip(residuals, noise, strict=True)
+    return max(float(sum(len(value) * (1.0 - s.memory) / (1.0 + s.memory) for value, s in pairs)), 2.0)
+
+
+def delta_bic(base: Left, other: Left, noise: Sequence[Scatter], more: int) -> float:
+    """By how much the Bayesian information criterion falls with `more` parameters."""
+    gain = base.squares(noise) - other.squares(noise)
+    return float(gain - more * np.log(independent(base.residuals, noise)))

@@ -1,0 +1,224 @@
+"""What a test records of a model that has effects of time tests: loading, clock and record, stage after stage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.errors import ModelError
+from springpot.measurement import Loading, Record, Stage, Timed, TimeEffect, TimeTest
+from springpot.rheology import InTime, Model, Real, Traced
+
+from .predicted import TOLERANCE, answer, predicted, specimen
+
+STEP = 1e-6
+"""Relative step of the one derivative that is a difference: of what is not linear, by a changed loading."""
+
+
+def recorded(
+    model: Model | Timed,
+    theta: Real,
+    test: TimeTest,
+    reference: float | None = None,
+    at: Real | None = None,
+    tolerance: float = TOLERANCE,
+) -> Traced:
+    """What a test records of a model, with or without effects of time tests; see `predicted`.
+
+    Parameters
+    ----------
+    model : Model or Timed
+        The model.
+    theta : ndarray, shape (p,)
+        Its parameters, in the units of the test.
+    test, reference, at, tolerance
+        As in `predicted`.
+
+    Returns
+    -------
+    Traced
+        What is recorded (m,), and its derivatives (m, p): exact, but where a model that is not linear feels a changed
+        loading. Effects that this test cannot have change nothing in it.
+
+    Raises
+    ------
+    ModelError
+        As in `predicted`; also if something does not go by the clock of its material, such as a mass.
+    """
+    if not isinstance(model, Timed):
+        return predicted(model, theta, test, reference, at, tolerance)
+    if test.warmth is not None and "temperature" in model.needs:
+        raise ModelError(f"{model.name}: effects of the test are not followed where its temperature moves")
+    t = test.time if at is None else at
+    own, placed = model.parts(theta)
+    mine = [(effect, place) for effect, place in placed if effect.is_for(test)]
+    inside = specimen(model.material, own, test, reference, tolerance)
+    found = _answered(inside, mine, theta, test, t)
+    by_theta = np.zeros((len(t), len(theta)))
+    by_theta[:, : len(own)] = found.by_theta[:, : len(own)]
+    for k, index in enumerate(indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)):
+        by_theta[:, index] = found.by_theta[:, len(own) + k]
+    return shown(mine, theta, Record.of(test, t), found.value, by_theta)
+
+
+def shown(
+    mine: Sequence[tuple[TimeEffect, slice]], theta: Real, record: Record, value: Real, by_theta: Real
+) -> Traced:
+    """What is recorded of a response (n,) whose derivatives (n, p) are known."""
+    for effect, place in at_stage(mine, Stage.RESPONSE):
+        found = effect.law(record, value, *theta[place])
+        value, by_theta = found.value, by_theta * found.by_response[:, None]
+        by_theta[:, place] = np.column_stack([np.broadcast_to(column, value.shape) for column in found.by_parameters])
+    return Traced(value, by_theta)
+
+
+def at_stage(mine: Sequence[tuple[TimeEffect, slice]], stage: Stage) -> list[tuple[TimeEffect, slice]]:
+    """The effects of one stage, with the places of their parameters."""
+    return [(effect, place) for effect, place in mine if effect.stage is stage]
+
+
+def indices(mine: Sequence[tuple[TimeEffect, slice]], stage: Stage) -> list[int]:
+    """Where the parameters of the effects of one stage stand in theta."""
+    return [i for _, place in at_stage(mine, stage) for i in range(place.start, place.stop)]
+
+
+def _answered(
+    inside: InTime, mine: Sequence[tuple[TimeEffect, slice]], theta: Real, test: TimeTest, t: Real
+) -> Traced:
+    """What the specimen answers: derivatives by its own parameters, then by those of loading and of clock."""
+    loading, slopes = reached(mine, theta, test, t)
+    clock = Clock(at_stage(mine, Stage.CLOCK), theta, test.start)
+    turned = clock.turned(loading, t) if clock.effects else loading
+    here = clock.at(t) if clock.effects else t
+    found = answer(inside, turned, here, test.control)
+    columns = [found.by_theta]
+    for slope in slopes:
+        moved = clock.turned(slope, t) if clock.effects else slope
+        column = _by_loading(inside, turned, moved, here, test.control)
+        # At the very corner of a ramp the slope of a springpot's answer is endless; no other sample is touched.
+        columns.append(np.where(np.isfinite(column), column, 0.0)[:, None])
+    if clock.effects:
+        columns.append(_by_clock(inside, loading, clock, t, test.control))
+    return Traced(found.value, np.column_stack(columns))
+
+
+def reached(
+    mine: Sequence[tuple[TimeEffect, slice]], theta: Real, test: TimeTest, t: Real
+) -> tuple[Loading, list[Loading]]:
+    """What reached the specimen, and its derivative by each parameter at that stage."""
+    effects = at_stage(mine, Stage.LOADING)
+    if not effects:
+        return test.loading, []
+    loading = dense(test.loading, t)
+    slopes: list[Loading] = []
+    for effect, place in effects:
+        values = theta[place]
+        before = loading
+        loading, own = effect.law(before, *values)
+        # What an inner effect changed goes on through the outer one: by a difference, for few laws are linear.
+        slopes = [_carried(effect, values, before, slope) for slope in slopes]
+        slopes += list(own)
+    return loading, slopes
+
+
+def _carried(effect: TimeEffect, values: Real, before: Loading, slope: Loading) -> Loading:
+    size = STEP * np.abs(before.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
+    times = np.union1d(before.time, slope.time)
+    ends = []
+    for sign in (1.0, -1.0):
+        moved = np.interp(times, before.time, before.value) + sign * size * np.interp(times, slope.time, slope.value)
+        ends.append(effect.law(Loading(times, moved), *values)[0])
+    return Loading(ends[0].time, (ends[0].value - ends[1].value) / (2.0 * size))
+
+
+def dense(loading: Loading, t: Real) -> Loading:
+    """The same loading with a knot at each of the times t, so that a law may bend it between its own knots."""
+    smooth = loading.smooth
+    if smooth is None:
+        return loading
+    times = np.union1d(smooth.time, t)
+    return with_jumps(times, np.interp(times, smooth.time, smooth.value), *loading.jumps)
+
+
+def with_jumps(time: Real, value: Real, when: Real, sizes: Real) -> Loading:
+    """A loading of a smooth part and of jumps."""
+    if not len(when):
+        return Loading(time, value)
+    knots = np.union1d(time, when)
+    followed = np.interp(knots, time, value)
+    before = followed + (knots[:, None] > when).astype(float) @ sizes
+    after = followed + (knots[:, None] >= when).astype(float) @ sizes
+    jumping = np.isin(knots, when)
+    order = np.argsort(np.concatenate([knots, knots[jumping]]), kind="stable")
+    return Loading(np.concatenate([knots, knots[jumping]])[order], np.concatenate([before, after[jumping]])[order])
+
+
+def _by_loading(inside: InTime, loading: Loading, slope: Loading, t: Real, control: str) -> Real:
+    """How the response changes with the loading: that to the change itself, as long as all is linear."""
+    if inside.linear:
+        return answer(inside, slope, t, control).value
+    size = STEP * np.abs(loading.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
+    times = np.union1d(loading.time, slope.time)
+    there, change = (np.interp(times, each.time, each.value) for each in (loading, slope))
+    more, less = (answer(inside, Loading(times, there + sign * size * change), t, control) for sign in (1.0, -1.0))
+    rate: Real = (more.value - less.value) / (2.0 * size)
+    return rate
+
+
+class Clock:
+    """Time by the material's clock, which effects may have turned."""
+
+    def __init__(self, effects: Sequence[tuple[TimeEffect, slice]], theta: Real, start: float) -> None:
+        self.effects, self.theta, self.start = list(effects), theta, start
+
+    def at(self, t: Real) -> Real:
+        """Time (n,) by that clock at the times t."""
+        return self.with_slopes(t)[0]
+
+    def with_slopes(self, t: Real) -> tuple[Real, Real]:
+        """The same, and its derivatives (n, q) by the effects' parameters; before the load moved it is the wall's."""
+        since = t - self.start
+        after = since > 0.0
+        here, slopes = np.maximum(since, 0.0), np.zeros((len(t), 0))
+        for effect, place in self.effects:
+            turned, own = effect.law(here, *self.theta[place])
+            # An inner clock's slopes run at the pace of the outer one.
+            pace = _pace(effect, here, self.theta[place]) if slopes.shape[1] else 1.0
+            columns = np.column_stack([np.broadcast_to(column, t.shape) for column in own])
+            slopes = np.column_stack([slopes * np.reshape(pace, (-1, 1)), columns])
+            here = turned
+        return self.start + np.where(after, here, since), np.where(after[:, None], slopes, 0.0)
+
+    def turned(self, loading: Loading, t: Real) -> Loading:
+        """A loading by that clock."""
+        knots = dense(loading, t)
+        return replace(knots, time=self.at(knots.time))
+
+
+def _pace(effect: TimeEffect, here: Real, values: Real) -> Real:
+    """How fast an outer clock runs, by the inner one."""
+    step = STEP * np.maximum(here, STEP)
+    more, less = (effect.law(here + sign * step, *values)[0] for sign in (1.0, -1.0))
+    pace: Real = (more - less) / (2.0 * step)
+    return pace
+
+
+def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: str) -> Real:
+    """Derivatives (n, q) of the response by the parameters of the clock."""
+    here, moves = clock.with_slopes(t)
+    found = np.zeros(moves.shape)
+    for when, size in zip(*loading.jumps, strict=True):
+        there, moved = clock.with_slopes(np.array([when]))
+        since = here - there
+        after = since > 0.0
+        rate = inside.step_rate(since[after], control)
+        found[after] += size * rate[:, None] * (moves[after] - moved)
+    smooth = loading.smooth
+    if smooth is not None and len(np.union1d(smooth.time, t)) > 1:
+        grid = np.union1d(smooth.time, t)
+        turned, own = clock.with_slopes(grid)
+        whole = inside.by_clock(turned, np.interp(grid, smooth.time, smooth.value), control, own)
+        found += whole[np.searchsorted(grid, t)]
+    return found

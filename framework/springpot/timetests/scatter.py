@@ -1,0 +1,165 @@
+"""What of a residual is noise: white or with a memory of a few samples, and what is too slow to be either.
+
+A model that lacks something leaves a misfit that is smooth over many samples. Noise of a filtered transducer has a
+memory too, of a few samples. So the noise is read from the upper part of the residual's spectrum alone, as an
+autoregression of first order, and what lies above its continuation at low frequencies is misfit. Fitted by Whittle's
+likelihood (Whittle 1953, doi:10.1007/BF02590998): periodogram ordinates are exponential around the spectrum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+FEWEST = 40
+"""Samples below which a spectrum tells nothing: then the noise of the signal is believed, and taken as white."""
+UPPER = 0.25
+"""Share of the highest frequency above which there is noise alone: a misfit spans eight samples or more."""
+TAPER = 0.1
+"""Share of the record at both ends that is faded, so that a slow misfit does not leak into the upper part."""
+MEMORIES = np.linspace(0.0, 0.7, 36)
+"""Correlations of neighbours that are tried: beyond 0.7 what is alike over five samples and more is no noise."""
+GROUPS = 4
+"""Octaves below the upper part, each with a size of its own where there is a misfit."""
+PLAIN = 18.0
+"""Twice the logarithm of the likelihood ratio from which a misfit is plain: of 24,000 simulated records of noise, of
+40 to 1,000 samples with memories from 0 to 0.8, less than 0.3 % exceed it."""
+PARTS = 16
+"""Parts of a record of which each alone may be missed."""
+LOCAL = 1e-3
+"""Chance below which the worst part is missed by more than noise (F test, times the number of parts)."""
+CLIP = 0.37
+"""Efficiency of a median of absolute values."""
+NORMAL = 1.482602218505602
+"""Standard deviation of normal noise over the median of its absolute values."""
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Noise in a residual.
+
+    Attributes
+    ----------
+    size : float
+        Standard deviation, in units of the residual.
+    memory : float
+        Correlation of neighbouring samples; that of samples k apart is its k-th power.
+    excess : float
+        Twice the logarithm by which a misfit beside the noise is likelier than noise alone.
+    local : float
+        Chance that noise alone would miss some part of the record as much as the worst one is.
+    """
+
+    size: float
+    memory: float
+    excess: float
+    local: float
+
+    @property
+    def misfit(self) -> bool:
+        """Whether there is plainly more than noise."""
+        return self.excess > PLAIN or self.local < LOCAL
+
+    def whitened(self, residual: Real) -> Real:
+        """A residual of which noise would leave independent numbers of variance one."""
+        before = np.concatenate([[0.0], residual[:-1]])
+        white = (residual - self.memory * before) / (self.size * np.sqrt(1.0 - self.memory**2))
+        white[:1] = residual[:1] / self.size
+        return np.asarray(white, dtype=float)
+
+
+def scatter_of(residual: Real) -> Scatter:
+    """The noise in a residual over its presumed noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of one test, sample after sample.
+
+    Returns
+    -------
+    Scatter
+        Of few samples: white noise of the presumed size.
+    """
+    n = len(residual)
+    if n < FEWEST:
+        return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, 0.5 * CLIP * n))
+    power, omega = _periodogram(residual)
+    alone = _fitted(power, omega, np.ones(len(omega), dtype=bool))
+    upper = omega > UPPER * np.pi
+    above = _fitted(power, omega, upper)
+    noise = _spectrum(omega, *above)
+    edges = UPPER * np.pi * 0.5 ** np.arange(GROUPS, -1.0, -1.0)
+    edges[0] = 0.0
+    likely = _log_likelihood(power[upper], noise[upper])
+    for low, high in pairwise(edges):
+        band = (omega > low) & (omega <= high)
+        if band.any():
+            # Less than noise there is by chance alone.
+            factor = max(1.0, float(np.mean(power[band] / noise[band])))
+            likely += _log_likelihood(power[band], factor * noise[band])
+    excess = 2.0 * (likely - _log_likelihood(power, _spectrum(omega, *alone)))
+    local = _local(residual, above[1])
+    size, memory = above if excess > PLAIN or local < LOCAL else alone
+    return Scatter(size, memory, float(excess), local)
+
+
+def _periodogram(residual: Real) -> tuple[Real, Real]:
+    n = len(residual)
+    fade = max(1, int(TAPER * n))
+    window = np.ones(n)
+    window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
+    window[-fade:] = window[:fade][::-1]
+    turned = np.fft.rfft((residual - residual.mean()) * window)
+    power = np.abs(turned) ** 2 / np.sum(window**2)
+    return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / n
+
+
+def _spectrum(omega: Real, size: float, memory: float) -> Real:
+    """Of an autoregression whose samples have the standard deviation `size`."""
+    spectrum: Real = size**2 * (1.0 - memory**2) / (1.0 + memory**2 - 2.0 * memory * np.cos(omega))
+    return spectrum
+
+
+def _fitted(power: Real, omega: Real, rows: NDArray[np.bool_]) -> tuple[float, float]:
+    """Size and memory that make the periodogram likeliest at some frequencies."""
+    shapes = np.stack([_spectrum(omega[rows], 1.0, memory) for memory in MEMORIES])
+    squares = np.mean(power[rows] / shapes, axis=1)
+    cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, 1e-300))
+    best = int(np.argmin(cost))
+    return float(np.sqrt(max(squares[best], 1e-300))), float(MEMORIES[best])
+
+
+def _log_likelihood(power: Real, spectrum: Real) -> float:
+    return -float(np.sum(np.log(spectrum) + power / spectrum))
+
+
+def _local(residual: Real, memory: float) -> float:
+    """Chance that noise alone makes the worst part of a record so large, against the usual size of all."""
+    white = residual[1:] - memory * residual[:-1]
+    # A short bump is smooth, and hardly there in what is new with each sample: so both are looked at.
+    alike = (1.0 - memory**2) / (1.0 + memory**2)
+    return min(1.0, 2.0 * _worst(white, 1.0), 2.0 * _worst(residual, alike))
+
+
+def _worst(values: Real, worth: float) -> float:
+    """Chance of the worst part, where each sample is worth that share of an independent one."""
+    usual = NORMAL * float(np.median(np.abs(values)))
+    if usual == 0.0:
+        return 1.0
+    parts = np.array([np.mean(part) for part in np.array_split((values / usual) ** 2, PARTS)])
+    # The usual size is a median, and so as uncertain as that of fewer samples.
+    count = worth * len(values)
+    return PARTS * _chance(float(parts.max()), count / PARTS, CLIP * count)
+
+
+def _chance(ratio: float, above: float, below: float) -> float:
+    """Chance that a ratio of two mean squares of so many samples each is larger (F test)."""
+    from scipy.special import fdtrc
+
+    return float(fdtrc(above, max(below, 1.0), ratio))

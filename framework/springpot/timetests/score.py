@@ -1,0 +1,452 @@
+"""The linearised scan: how far each effect would let the error fall, all of them at once, before any is fitted.
+
+A small amount of an effect changes K by a known amount at all frequencies. Both are sums of the same exponentials,
+and what each exponential answers to the loading of a test is worked out once: the change of the record is a product
+of two matrices. What is not small, such as a stop that is met or not, is tried at a few places as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+
+from springpot.errors import SpringpotError
+from springpot.measurement import KELVIN, Stage, Timed, TimeEffect, grown, material_of
+from springpot.rheology import GRADIENT, Complex, Effect, Model, Points, Real, network_of, sorted_out
+
+from .parts import SweepPart
+from .predicted import TOLERANCE
+from .quick import QuickPart, points_at
+from .recorded import Clock, reached, recorded
+from .result import TimeIdentification
+from .tries import Scales, tries_of
+
+AnyEffect: TypeAlias = Effect | TimeEffect
+
+STEEP = 1.2
+"""Power of omega from which a change of K makes a specimen under a force swing, so that it is never small: dashpots
+have 1, Basset's layer 1.5, a mass 2."""
+NEXT_TO_NOTHING = 1e-6
+"""Of the natural size of an effect, where its share of K is linear."""
+RESONANCES = 6
+"""Sizes at which an effect that makes the specimen swing is tried."""
+KNOWN = 1e-8
+"""Share of the best known direction of the parameters below which one is not known at all."""
+LONGEST = 2.0
+"""Logarithm by which a linear step may change a parameter: beyond a factor of seven nothing is linear."""
+THE_SAME = 0.9999
+"""Cosine from which two places of an effect are one: its size alone differs."""
+ABSORBED = 1e-5
+"""Share of a column that is left when the model has taken its part, below which there is nothing left to see."""
+
+
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """One effect at one place of its parameters.
+
+    Attributes
+    ----------
+    effect : Effect or TimeEffect
+        The effect.
+    values : tuple of float
+        Its parameters, as large as the record asks for.
+    theta : ndarray, shape (p,)
+        Parameters of the model beside it.
+    drop : float
+        By how much the sum of squares would fall.
+    amount : float
+        Of what was tried: far from one, it is no longer the effect that was tried.
+    direction : ndarray, shape (m,)
+        What it adds to the residuals that the model cannot take over, of length one.
+    """
+
+    effect: AnyEffect
+    values: tuple[float, ...]
+    theta: Real
+    drop: float
+    amount: float
+    direction: Real
+
+
+@dataclass(frozen=True, eq=False)
+class Atom:
+    """A column: what an effect adds to the residuals of all tests, for an amount of one.
+
+    Attributes
+    ----------
+    effect : Effect or TimeEffect
+        The effect.
+    values : ndarray, shape (q,)
+        Its parameters at that amount.
+    powers : ndarray, shape (q,)
+        With which power of the amount each of them goes.
+    column : ndarray, shape (m,)
+        The change of the residuals.
+    signed : bool
+        Whether a negative amount makes sense.
+    """
+
+    effect: AnyEffect
+    values: Real
+    powers: Real
+    column: Real
+    signed: bool
+
+    def at(self, amount: float) -> tuple[float, ...]:
+        """Its parameters for an amount."""
+        size = abs(amount) ** self.powers
+        sign = np.where((self.powers != 0.0) & (amount < 0.0), -1.0, 1.0)
+        return tuple((self.values * size * sign).tolist())
+
+
+class Scan:
+    """A fitted model, its tests, and what each of many effects would change.
+
+    Parameters
+    ----------
+    base : TimeIdentification
+        The fit.
+    parts : sequence of Part
+        Its tests.
+    """
+
+    def __init__(self, base: TimeIdentification, parts: Sequence[QuickPart | SweepPart]) -> None:
+        self.base, self.model, self.theta = base, base.model, base.theta
+        self.views = [SweepView(part, base) if isinstance(part, SweepPart) else View(part, base) for part in parts]
+        self.scales = Scales.of(parts)
+        self.residual = np.concatenate([view.residual for view in self.views])
+        slopes = np.concatenate([view.slopes for view in self.views])
+        size = np.linalg.norm(slopes, axis=0)
+        self.size = np.where(size > 0.0, size, 1.0)
+        u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
+        good = s > KNOWN * s.max(initial=0.0)
+        self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
+
+    def promises(self, effects: Iterable[AnyEffect]) -> dict[str, list[Promise]]:
+        """For each effect its promises, the best first; those that make no sense in these tests have none."""
+        atoms: list[Atom] = []
+        own = {effect.name for effect in self.model.effects}
+        for effect in effects:
+            if effect.name in own or (isinstance(effect, Effect) and effect.by_levels):
+                continue
+            try:
+                with np.errstate(all="ignore"):
+                    atoms += self._atoms(effect)
+            except (SpringpotError, ValueError):
+                # It has no law in time, or these tests lack a condition that it needs.
+                continue
+        return self._scored([atom for atom in atoms if np.all(np.isfinite(atom.column))])
+
+    def _scored(self, atoms: Sequence[Atom]) -> dict[str, list[Promise]]:
+        if not atoms:
+            return {}
+        columns = np.column_stack([atom.column for atom in atoms])
+        given = columns
+        whole = np.linalg.norm(columns, axis=0)
+        columns = columns - self.taken @ (self.taken.T @ columns)
+        left = np.linalg.norm(columns, axis=0)
+        missed = self.residual - self.taken @ (self.taken.T @ self.residual)
+        fall = -columns.T @ missed
+        found: dict[str, list[Promise]] = {}
+        for k, atom in enumerate(atoms):
+            if not left[k] > ABSORBED * whole[k]:
+                continue
+            amount = float(fall[k] / left[k] ** 2)
+            drop = amount * float(fall[k]) if amount > 0.0 or atom.signed else 0.0
+            theta = self._stepped(self.residual + amount * given[:, k])
+            promise = Promise(
+                atom.effect, atom.at(amount), theta, drop, _as_tried(atom, amount), columns[:, k] / left[k]
+            )
+            found.setdefault(atom.effect.name, []).append(promise)
+        return {name: _different(each) for name, each in found.items()}
+
+    def _stepped(self, residual: Real) -> Real:
+        """The model's own parameters after the linear step that such a residual asks for."""
+        step = -self._back @ (self.taken.T @ residual)
+        moved = []
+        for parameter, value, change in zip(self.model.parameters, self.theta, step, strict=True):
+            if parameter.scale == "log" and value > 0.0:
+                moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
+            else:
+                moved.append(float(np.clip(value + change, parameter.lower, parameter.upper)))
+        return np.array(moved)
+
+    def _atoms(self, effect: AnyEffect) -> list[Atom]:
+        if isinstance(effect, TimeEffect):
+            return self._of_test(effect)
+        inside, _, signals = sorted_out(material_of(self.model) + effect)
+        if effect.name in {each.effect.name for each in inside}:
+            return self._of_network(effect)
+        return self._of_law(effect, effect.name in {each.effect.name for each in signals})
+
+    # --- effects of the network -------------------------------------------------------------------------------
+
+    def _of_network(self, effect: Effect) -> list[Atom]:
+        size, *shape = effect.element.parameters
+        places = list(product(*(self.scales.values(each) for each in shape)))
+        endless = np.isinf(effect.vanishes_at)
+        little = self.scales.typical(size) * (1.0 / NEXT_TO_NOTHING if endless else NEXT_TO_NOTHING)
+        values = np.array([[little, *place] for place in places])
+        change = _change(material_of(self.model), self.theta, effect, values)
+        scale = -(little**2) if endless else 1.0
+        if any(view.swings(change) for view in self.views):
+            return self._swinging(effect, places)
+        whole = np.concatenate([view.of_change(change, scale) for view in self.views])
+        unit = np.array([1.0 if parameter.unit.stiffness else 0.0 for parameter in effect.element.parameters])
+        unit[0] = 1.0
+        start = values.copy()
+        start[:, 0] = 1.0
+        powers = -unit if endless else unit
+        signed = size.lower < 0.0
+        return [Atom(effect, each, powers, column, signed) for each, column in zip(start, whole.T, strict=True)]
+
+    def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
+        """An effect at the sizes at which it balances the rest at some frequency."""
+        model = material_of(self.model)
+        omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
+        at = points_at(omega, self.views[0].kelvin, self.base.reference)
+        stiffness = np.abs(linear_stiffness(self.base, at))
+        atoms = []
+        for place in places:
+            slope = _change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]]))(at)[0]
+            for size in stiffness / np.abs(slope):
+                values = np.array([size, *place])
+                atoms.append(Atom(effect, values, np.zeros(len(values)), self._as_it_is(effect, values), False))
+        return atoms
+
+    def _as_it_is(self, effect: AnyEffect, values: Real) -> Real:
+        """The change of all residuals for an effect of that size."""
+        model = grown(self.model, effect)
+        known = dict(zip(self.model.names, self.theta.tolist(), strict=True))
+        new = [name for name in model.names if name not in known]
+        theta = model.vector(known | dict(zip(new, values.tolist(), strict=True)))
+        return np.concatenate([view.with_model(model, theta) for view in self.views])
+
+    # --- effects with a law of their own ------------------------------------------------------------------------
+
+    def _of_law(self, effect: Effect, of_signal: bool) -> list[Atom]:
+        """Forces beside the material, and what the measurement chain does to the force."""
+        atoms = []
+        grids = [self.scales.values(each) for each in effect.element.parameters]
+        unit = np.array([float(each.unit.stiffness) for each in effect.element.parameters])
+        if of_signal:
+            grids[0] = [0.0]
+            unit[0] = 1.0
+        else:
+            grids[0] = [self.scales.typical(effect.element.parameters[0])]
+        signed = effect.element.parameters[0].lower < 0.0
+        for place in product(*grids):
+            values = np.array(place)
+            column = np.concatenate([view.of_law(effect, values, of_signal) for view in self.views])
+            start = np.where(values == 0.0, 1.0, values)
+            atoms.append(Atom(effect, start, unit, column, signed))
+        return atoms
+
+    # --- effects of the test --------------------------------------------------------------------------------------
+
+    def _of_test(self, effect: TimeEffect) -> list[Atom]:
+        tests = [view.part.test for view in self.views if isinstance(view, View) and effect.is_for(view.part.test)]
+        if not tests:
+            return []
+        atoms = []
+        for place in tries_of(effect, tests[0], self.scales):
+            values = np.array(place)
+            if effect.stage is Stage.RESPONSE:
+                found = [view.of_record(effect, values) for view in self.views]
+                column = np.concatenate([each for each, _ in found])
+                linear = all(straight for _, straight in found)
+            else:
+                column, linear = np.concatenate([view.of_course(effect, values) for view in self.views]), False
+            powers = np.zeros(len(values))
+            # A limit or a place is what it is; a ramp, a play or a clock are nearly proportional to their size.
+            powers[0] = 1.0 if linear or effect.stage is not Stage.RESPONSE else 0.0
+            atoms.append(Atom(effect, values, powers, column, linear and effect.parameters[0].lower < 0.0))
+        return atoms
+
+
+def _as_tried(atom: Atom, amount: float) -> float:
+    """The amount of what goes by its size alone is always its own."""
+    return 1.0 if atom.powers.any() else abs(amount)
+
+
+def _rating(promise: Promise) -> tuple[float, float]:
+    """The largest drop first, to three digits, and of those the one that was tried as it is wanted."""
+    drop = float(f"{promise.drop:.3g}")
+    return -drop, abs(float(np.log(max(promise.amount, 1e-300))))
+
+
+def _different(promises: list[Promise]) -> list[Promise]:
+    """The best first, without those that are another once more."""
+    kept: list[Promise] = []
+    for promise in sorted(promises, key=_rating):
+        if all(abs(float(promise.direction @ other.direction)) < THE_SAME for other in kept):
+            kept.append(promise)
+    return kept
+
+
+class _Change:
+    """dK by the size of an effect (g, n), for g places of its parameters, at any points."""
+
+    def __init__(self, model: Model, theta: Real, effect: Effect, values: Real) -> None:
+        whole = model + effect
+        known = dict(zip(model.names, theta.tolist(), strict=False))
+        new = [name for name in whole.names if name not in known]
+        # Forces beside the material and what the chain does have no part in K.
+        self.network, places = network_of(whole, sorted_out(whole)[0])
+        names = [whole.names[place] for place in places]
+        self.index = names.index(new[0])
+        self.theta = np.empty((len(values), len(names)))
+        for i, name in enumerate(names):
+            self.theta[:, i] = values[:, new.index(name)] if name in new else known[name]
+
+    def __call__(self, at: Points) -> Complex:
+        return self.network.respond(self.theta, at, GRADIENT).by_theta[:, self.index, :]
+
+
+_change = _Change
+
+
+def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
+    """K of the linear part of a fitted model."""
+    model = material_of(base.model)
+    network, places = network_of(model, sorted_out(model)[0])
+    return network.respond(base.theta[places], at).value
+
+
+class View:
+    """A test in time as the scan sees it: some of its samples, and what fixed exponentials answer there."""
+
+    def __init__(self, part: QuickPart, base: TimeIdentification) -> None:
+        self.part, self.base, self.quick = part, base, part
+        self.t, self.weight = self.quick.t, self.quick.weight
+        answer = recorded(base.model, base.theta, part.test, base.reference, self.t, TOLERANCE)
+        seen = self.quick.seen
+        self.value = np.where(seen, answer.value, 0.0)
+        self.residual = np.where(seen, answer.value - part.test.response[self.quick.rows], 0.0) * self.weight
+        self.slopes = np.where(seen[:, None], answer.by_theta, 0.0) * self.weight[:, None]
+
+    @property
+    def kelvin(self) -> float | None:
+        """The temperature in kelvin."""
+        return self.part.test.kelvin
+
+    @cached_property
+    def stiffness(self) -> Complex:
+        """K at the frequencies of the exponentials."""
+        return linear_stiffness(self.base, points_at(self.quick.omega, self.kelvin, self.base.reference))
+
+    @cached_property
+    def amounts(self) -> Real:
+        """The model itself as amounts of the exponentials (b,)."""
+        wanted = self.stiffness if self.part.test.control == "displacement" else 1.0 / self.stiffness
+        return self.quick.followed(wanted[None])[:, 0]
+
+    def swings(self, change: _Change) -> bool:
+        """Whether a change of K is so steep that a specimen under a force would swing."""
+        if self.part.test.control != "force":
+            return False
+        omega = self.quick.omega[[-4, -3]]
+        sizes = np.abs(change(points_at(omega, self.kelvin, self.base.reference)))
+        steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
+        return bool(np.any(steepness > STEEP))
+
+    def of_change(self, change: _Change, scale: float) -> Real:
+        """Columns (n, g) for a change of K."""
+        by_size = change(points_at(self.quick.omega, self.kelvin, self.base.reference)) * scale
+        if self.part.test.control == "force":
+            by_size = -by_size / self.stiffness**2
+        return (self.quick.answers @ self.quick.followed(by_size)) * self.weight[:, None]
+
+    def of_course(self, effect: TimeEffect, values: Real) -> Real:
+        """The change of the residuals when the loading reaches the specimen otherwise, or its clock is another."""
+        test = self.part.test
+        if not effect.is_for(test):
+            return np.zeros(len(self.t))
+        place = [(effect, slice(0, len(values)))]
+        if effect.stage is Stage.LOADING:
+            loading, _ = reached(place, values, test, self.t)
+            found = self.quick.answers_to(loading, self.t, self.amounts[:, None])
+        else:
+            clock = Clock(place, values, test.start)
+            found = self.quick.answers_to(clock.turned(test.loading, self.t), clock.at(self.t), self.amounts[:, None])
+        return (found[:, 0] - self.quick.answers @ self.amounts) * self.weight
+
+    def with_model(self, model: Model | Timed, theta: Real) -> Real:
+        """The change of the residuals with another model."""
+        found = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
+        return np.where(self.weight > 0.0, found.value - self.value, 0.0) * self.weight
+
+    def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
+        """The column of a force beside the material, or the slope of what the chain does to it."""
+        law, test = effect.element.in_time, self.part.test  # type: ignore[attr-defined]
+        if test.control != "displacement" or len(test.loading.jumps[0]):
+            raise SpringpotError(f"{effect.name} has no law here")
+        if of_signal:
+            return np.asarray(law(self.t, self.value[:, None], *values)[1][0] * self.weight)
+        velocity = np.gradient(self.quick.record.imposed, self.t)
+        return np.asarray(law(self.t, self.quick.record.imposed, velocity, *values)[0] * self.weight)
+
+    def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
+        """The column of an effect at the stage of the record, and whether it goes in proportion to its size."""
+        if not effect.is_for(self.part.test):
+            return np.zeros(len(self.t)), True
+        shown = effect.law(self.quick.record, self.value, *values)
+        change = shown.value - self.value
+        straight = np.allclose(change, values[0] * shown.by_parameters[0], rtol=1e-6)
+        return change * self.weight, straight
+
+
+class SweepView:
+    """A sweep at frequencies beside tests in time."""
+
+    def __init__(self, part: SweepPart, base: TimeIdentification) -> None:
+        self.part, self.base = part, base
+        found = part.residual(base.model, base.theta, base.reference)
+        self.residual, self.slopes = found.value, found.by_theta
+        self.weight = 1.0 / (part.scale * np.concatenate([part.sd.real, part.sd.imag]))
+
+    @property
+    def kelvin(self) -> float | None:
+        """The temperature in kelvin of the first point."""
+        column = self.part.test.conditions.get("temperature")
+        return None if column is None else float(column[0]) + KELVIN
+
+    def of_change(self, change: _Change, scale: float) -> Real:
+        """Columns (2 n, g) for a change of K."""
+        from dataclasses import replace
+
+        found = change(replace(self.part.test, reference=self.base.reference).points) * scale
+        return np.concatenate([found.real, found.imag], axis=1).T * self.weight[:, None]
+
+    def swings(self, change: _Change) -> bool:
+        """At frequencies nothing does."""
+        return False
+
+    def of_course(self, effect: TimeEffect, values: Real) -> Real:
+        """Nothing."""
+        return np.zeros(len(self.residual))
+
+    def with_model(self, model: Model | Timed, theta: Real) -> Real:
+        """The change of the residuals with another model."""
+        return self.part.residual(model, theta, self.base.reference).value - self.residual
+
+    def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
+        """The column of an effect that is not linear: its first harmonic."""
+        values = values.copy()
+        if of_signal:
+            change = _change(material_of(self.base.model), self.base.theta, effect, values[None] + NEXT_TO_NOTHING)
+            return self.of_change(change, 1.0)[:, 0]
+        model = grown(self.base.model, effect)
+        known = dict(zip(self.base.model.names, self.base.theta.tolist(), strict=True))
+        new = [name for name in model.names if name not in known]
+        theta = model.vector(known | dict(zip(new, values.tolist(), strict=True)))
+        return self.with_model(model, theta)
+
+    def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
+        """Nothing: what a test in time did is not in a sweep."""
+        return np.zeros(len(self.residual)), True

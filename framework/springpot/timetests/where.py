@@ -1,0 +1,169 @@
+"""Where in a record a model fails: between which times, and where in the loop of force and displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.measurement import TimeTest
+from springpot.rheology import Real
+
+PIECES = 12
+"""Parts of a record among which the place of the largest misfit is sought."""
+NOTABLE = 1.5
+"""Times the noise from which a part of a record is worth a word."""
+EDGES = (-1.001, -0.8, -0.3, 0.3, 0.8, 1.001)
+"""Of what was imposed over its largest size: two ends, two flanks and the middle of a loop."""
+ENDS = ("at the lower end", "on the lower flank", "through the middle", "on the upper flank", "at the upper end")
+FEWEST = 3
+"""Samples of a part of the loop below which it is left out."""
+ONE_SIDED = 3.0
+"""Times by which one side of a loop must be missed more than its mirror image to be told alone."""
+AFTER_TURN = 0.25
+"""Share of a half cycle that is just after a turn."""
+FLAT = 1e-3
+"""Share of the largest response within which samples are level."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A part of a record that a model misses.
+
+    Attributes
+    ----------
+    plane : str
+        ``signal``: the record itself; ``loop``: force over displacement.
+    test : str
+        Name of the test.
+    start, end : float
+        Time in s, or share of the largest value of what was imposed.
+    size : float
+        Root mean square of the misfit there, over the noise.
+    says : str
+        One plain sentence.
+    """
+
+    plane: str
+    test: str
+    start: float
+    end: float
+    size: float
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, as in the diagnosis of sweeps."""
+        return {
+            "plane": self.plane,
+            "condition": self.test,
+            "from": self.start,
+            "to": self.end,
+            "size": self.size,
+            "says": self.says,
+        }
+
+
+def places(test: TimeTest, residual: Real) -> list[Place]:
+    """Where a test is missed by more than noise, the worst first.
+
+    Parameters
+    ----------
+    test : TimeTest
+        The test.
+    residual : ndarray, shape (n,)
+        Predicted less measured, over the noise.
+    """
+    found = [_in_time(test, residual)]
+    if test.kind in ("history", "recovery"):
+        found.append(_in_loop(test, residual))
+    return [place for place in found if place is not None and place.size > NOTABLE]
+
+
+def _rms(values: Real) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _in_time(test: TimeTest, residual: Real) -> Place | None:
+    rows = [piece for piece in np.array_split(np.arange(len(residual)), PIECES) if len(piece)]
+    sizes = [_rms(residual[piece]) for piece in rows]
+    worst = rows[int(np.argmax(sizes))]
+    first, last = float(test.time[worst[0]]), float(test.time[worst[-1]])
+    size = max(sizes)
+    way = float(np.mean(np.sign(test.response[worst]) * residual[worst]))
+    side = "larger" if way > 0.0 else "smaller"
+    says = (
+        f"{test.name} is missed most from {first:.3g} to {last:.3g} s, by {size:.2g} x the noise: "
+        f"the model's {test.answered} is {side} there{_manner(test, residual)}"
+    )
+    return Place("signal", test.name, first, last, size, says)
+
+
+def _manner(test: TimeTest, residual: Real) -> str:
+    """Whether a record is missed where its motion turns, or where it is fast."""
+    if test.kind != "history":
+        return ""
+    rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
+    slow = rate < 0.3 * np.percentile(rate, 95)
+    if not slow.any() or slow.all():
+        return ""
+    turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
+    if turning > 2.0 * moving:
+        return "; all along, where the motion turns"
+    return "; all along, where the motion is fast" if moving > 2.0 * turning else ""
+
+
+def _in_loop(test: TimeTest, residual: Real) -> Place | None:
+    """The part of the loop that is missed most, all cycles together."""
+    imposed = np.interp(test.time, test.loading.time, test.loading.value)
+    share = imposed / np.abs(test.loading.value).max()
+    rising = np.gradient(imposed, test.time) >= 0.0
+    sector = np.digitize(share, EDGES) - 1
+    sizes, counts = np.zeros((5, 2)), np.zeros((5, 2), dtype=int)
+    means = np.zeros((5, 2))
+    for i in range(5):
+        for j, way in enumerate((False, True)):
+            rows = (sector == i) & (rising == way)
+            counts[i, j] = int(rows.sum())
+            if counts[i, j] >= FEWEST:
+                sizes[i, j], means[i, j] = _rms(residual[rows]), float(np.mean(residual[rows]))
+    if not np.any(counts >= FEWEST):
+        return None
+    i, j = divmod(int(np.argmax(sizes)), 2)
+    # The mirror image of a loop: the other end, the other way.
+    mirror = sizes[4 - i, 1 - j]
+    alone = counts[4 - i, 1 - j] >= FEWEST and sizes[i, j] > ONE_SIDED * max(mirror, 1.0)
+    ways = ("falling", "rising")
+    says = f"in the loop of {test.name} the model fails most {ENDS[i]}, {test.control} {ways[j]}"
+    says += f", by {sizes[i, j]:.2g} x the noise"
+    says += f"; on that side alone, {mirror:.2g} x on the other" if alone else ""
+    says += _after_turn(imposed, residual) + _flat(test)
+    return Place("loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says)
+
+
+def _after_turn(imposed: Real, residual: Real) -> str:
+    """Whether a loop is missed just after its turns more than elsewhere."""
+    moves = np.sign(np.diff(imposed))
+    turns = np.flatnonzero(np.diff(moves) != 0.0) + 1
+    if len(turns) < 3:
+        return ""
+    ends = np.append(turns[1:], len(imposed))
+    fresh = np.zeros(len(imposed), dtype=bool)
+    for first, last in zip(turns, ends, strict=True):
+        fresh[first : first + max(2, int(AFTER_TURN * (last - first)))] = True
+    if not fresh.any() or fresh.all():
+        return ""
+    return "; just after each turn" if _rms(residual[fresh]) > 1.5 * _rms(residual[~fresh]) else ""
+
+
+def _flat(test: TimeTest) -> str:
+    """Whether the record is level at its top, as one that was clipped."""
+    size = np.abs(test.response)
+    top = np.sort(size)[-max(5, len(size) // 50) :]
+    return "; the record is level at its top" if np.ptp(top) <= FLAT * size.max() else ""
+
+
+def worst_first(found: Sequence[Place]) -> tuple[Place, ...]:
+    """Places of all tests, the worst first."""
+    return tuple(sorted(found, key=lambda place: -place.size))

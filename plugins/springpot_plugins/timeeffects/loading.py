@@ -1,0 +1,105 @@
+"""What was imposed is not what reached the specimen: a step that took time, play in a joint, a bearing that holds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from springpot.measurement import Loading, Stage, TimeEffect, TimeTest
+from springpot.rheology import AMPLITUDE, FORCE, Parameter, Real, relaxation_time
+
+
+def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
+    """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back."""
+    when, sizes = loading.jumps
+    smooth = loading.smooth
+    knots = np.concatenate([when, when + tau, smooth.time if smooth is not None else when[:0]])
+    time = np.unique(knots)
+    share = np.clip((time[:, None] - when) / tau, 0.0, 1.0)
+    rest = np.interp(time, smooth.time, smooth.value) if smooth is not None else 0.0
+    bent = Loading(time, rest + share @ sizes)
+    ends = np.stack([when, when + tau, when + tau], axis=1).ravel()
+    back = np.stack([0.0 * sizes, -sizes / tau, 0.0 * sizes], axis=1).ravel()
+    order = np.argsort(ends, kind="stable")
+    if len(when) == 1:
+        return bent, (Loading(ends[order], back[order]),)
+    return bent, (_summed(when, -sizes / tau, tau),)
+
+
+def _summed(when: Real, depths: Real, tau: float) -> Loading:
+    """The sum of ramps from nothing to `depths` in tau seconds that jump back then, one for each step."""
+    time = np.repeat(np.unique(np.concatenate([when, when + tau])), 2)
+    since = (time[:, None] - when) / tau
+    after = np.arange(len(time)) % 2 == 1
+    # At its own end a ramp is all there just before, and nothing just after.
+    ends = np.isclose(since, 1.0, rtol=0.0, atol=1e-12)
+    there = np.where(ends, ~after[:, None], (since > 0.0) & (since < 1.0))
+    return Loading(time, (np.where(there, since, 0.0)) @ depths)
+
+
+def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
+    """What follows a value at a distance of at most `reach`, as the far end of a joint with play does."""
+    x, behind, slope = loading.value, np.empty(len(loading.value)), np.zeros(len(loading.value))
+    moves = np.sign(np.diff(x))
+    turns = np.flatnonzero((moves[1:] != moves[:-1]) & (moves[1:] != 0.0)) + 1
+    behind[0] = x[0]
+    for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
+        run = slice(first + 1, last + 1)
+        way = 1.0 if x[last] >= x[first] else -1.0
+        pulled = way * x[run] - reach > way * behind[first]
+        behind[run] = np.where(pulled, x[run] - way * reach, behind[first])
+        slope[run] = np.where(pulled, -way, slope[first])
+    return Loading(loading.time, behind), (Loading(loading.time, slope),)
+
+
+def _stepped(test: TimeTest) -> bool:
+    return len(test.loading.jumps[0]) > 0
+
+
+def _returns(test: TimeTest) -> bool:
+    """Whether the load turns back: while it only rises, one that is held back is a smaller one."""
+    moves = np.sign(np.diff(test.loading.value))
+    return bool(np.any(moves > 0.0) and np.any(moves < 0.0))
+
+
+def _rough(test: TimeTest) -> bool:
+    return not _stepped(test) and len(test.loading.time) > 20 and _returns(test)
+
+
+EFFECTS = (
+    TimeEffect(
+        "finite-ramp",
+        Stage.LOADING,
+        (relaxation_time("rise"),),
+        ramped,
+        "the step was no step: it took some time, in a straight line",
+        "early, up to some ten times the rise: a relaxation begins lower, a creep later",
+        "Boltzmann's superposition; Zapas and Phillips 1971, doi:10.6028/jres.075A.005",
+        suits=_stepped,
+        aliases=("slow-step",),
+    ),
+    TimeEffect(
+        "backlash-in-time",
+        Stage.LOADING,
+        (Parameter("b", "b", AMPLITUDE, typical=0.3),),
+        held_back,
+        "a joint with play of b on either side: after each turn the specimen rests until the play is taken up",
+        "flat pieces after each turn of the motion, and a smaller loop",
+        "Visintin, Differential Models of Hysteresis, 1994",
+        ("displacement",),
+        _rough,
+        aliases=("play-in-time",),
+    ),
+    TimeEffect(
+        "bearing-friction",
+        Stage.LOADING,
+        (Parameter("F", "F", FORCE, typical=0.1),),
+        held_back,
+        "the bearing holds up to a force F: what was imposed reaches the specimen less that",
+        "after the load is taken off, the specimen comes back less, and stops early",
+        "Coulomb's friction; the specimen follows its load without overshoot",
+        ("force",),
+        _returns,
+    ),
+)

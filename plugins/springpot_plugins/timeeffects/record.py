@@ -1,0 +1,144 @@
+"""The record is not the response: its zero drifts, the fixture grows, the amplifier saturates, the specimen tires."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
+from springpot.rheology import AMPLITUDE, FORCE, PURE, Dimension, Parameter, relaxation_time
+
+SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.5)
+"""Shares of the largest response at which a limit is sought."""
+
+
+def drifted(record: Record, response: Any, rate: Any) -> Answered:
+    """The response and `rate` times the time since the load moved."""
+    return Answered(response + rate * record.time, (record.time,), np.ones_like(response))
+
+
+def grown(record: Record, response: Any, size: Any, tau: Any) -> Answered:
+    """The response and a fixture that grows by `size` while it comes to its temperature."""
+    time = np.maximum(record.time, 0.0)
+    left = np.exp(-time / tau)
+    by_tau = -size * left * time / tau**2
+    return Answered(response + size * (1.0 - left), (1.0 - left, by_tau), np.ones_like(response))
+
+
+def clipped(record: Record, response: Any, limit: Any) -> Answered:
+    """The response within a limit on either side."""
+    inside = np.abs(response) < limit
+    return Answered(
+        np.clip(response, -limit, limit), (np.where(inside, 0.0, np.sign(response)),), inside.astype(float)
+    )
+
+
+def tired(record: Record, response: Any, damage: Any) -> Answered:
+    """The response of a specimen that loses a share of its stiffness with every cycle."""
+    way = -record.cycles if record.control == "displacement" else record.cycles
+    left = np.exp(damage * way)
+    return Answered(response * left, (response * left * way,), left)
+
+
+def _limits(test: TimeTest) -> tuple[tuple[float], ...]:
+    largest = float(np.abs(test.response).max())
+    return tuple((share * largest,) for share in SHARES)
+
+
+def _cyclic(test: TimeTest) -> bool:
+    """Whether there are two cycles or more."""
+    return bool(Record.of(test).cycles[-1] >= 2.0)
+
+
+def _level(test: TimeTest) -> bool:
+    """Whether the largest responses are alike: several samples lie within a thousandth of the largest."""
+    size = np.abs(test.response)
+    return test.kind in ("history", "recovery", "startup") and bool(np.count_nonzero(size > 0.95 * size.max()) > 4)
+
+
+FORCE_RATE = Dimension(stiffness=1, amplitude=1, time=-1)
+AMPLITUDE_RATE = Dimension(amplitude=1, time=-1)
+ELEMENTARY = "elementary"
+
+EFFECTS = (
+    TimeEffect(
+        "force-drift",
+        Stage.RESPONSE,
+        (Parameter("rate", "r", FORCE_RATE, -np.inf, scale="linear"),),
+        drifted,
+        "the zero of the force transducer drifts at a steady rate",
+        "a straight line in linear time, from the first sample to the last, whatever the load does",
+        ELEMENTARY,
+        ("displacement",),
+    ),
+    TimeEffect(
+        "displacement-drift",
+        Stage.RESPONSE,
+        (Parameter("rate", "r", AMPLITUDE_RATE, -np.inf, scale="linear"),),
+        drifted,
+        "the zero of the displacement transducer drifts at a steady rate",
+        "a straight line in linear time, from the first sample to the last; in creep it looks like flow",
+        ELEMENTARY,
+        ("force",),
+    ),
+    TimeEffect(
+        "thermal-force",
+        Stage.RESPONSE,
+        (Parameter("size", "F", FORCE, -np.inf, scale="linear"), relaxation_time("tau")),
+        grown,
+        "fixture and specimen grow while they come to their temperature, and press on the transducer",
+        "a force that comes up within some tau and stays, whatever the load does",
+        "Newton's law of cooling; free thermal strain",
+        ("displacement",),
+        prior=0.5,
+    ),
+    TimeEffect(
+        "thermal-growth",
+        Stage.RESPONSE,
+        (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"), relaxation_time("tau")),
+        grown,
+        "fixture and specimen grow while they come to their temperature, and the transducer takes it for creep",
+        "a displacement that comes up within some tau and stays; it does not recover with the load",
+        "Newton's law of cooling; free thermal strain",
+        ("force",),
+        prior=0.5,
+    ),
+    TimeEffect(
+        "force-clipping",
+        Stage.RESPONSE,
+        (Parameter("limit", "L", FORCE),),
+        clipped,
+        "the force channel saturates: it shows no more than a limit on either side",
+        "flat tops of the force, where the loop is highest",
+        ELEMENTARY,
+        ("displacement",),
+        _level,
+        _limits,
+        absent_at=np.inf,
+    ),
+    TimeEffect(
+        "displacement-clipping",
+        Stage.RESPONSE,
+        (Parameter("limit", "L", AMPLITUDE),),
+        clipped,
+        "the displacement channel saturates: it shows no more than a limit on either side",
+        "flat tops of the displacement, where the loop is widest",
+        ELEMENTARY,
+        ("force",),
+        _level,
+        _limits,
+        absent_at=np.inf,
+    ),
+    TimeEffect(
+        "damage",
+        Stage.RESPONSE,
+        (Parameter("d", "d", PURE, -2.0, 2.0, "linear", 0.1),),
+        tired,
+        "the specimen loses the share d of its stiffness with every cycle it goes through",
+        "loops that lean over from cycle to cycle, all alike in shape",
+        "Lemaitre and Desmorat, Engineering Damage Mechanics, 2005",
+        suits=_cyclic,
+        aliases=("cyclic-softening",),
+    ),
+)

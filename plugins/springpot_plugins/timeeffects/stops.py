@@ -1,0 +1,68 @@
+"""What harmonics hide: forces that are not the same on both sides of the middle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
+from springpot.rheology import AMPLITUDE, Dimension, Parameter, stiffness
+
+PLACES = (0.1, 0.3, 0.5, 0.7, 0.85, 0.95)
+"""Shares of the way, to either side, at which a stop is sought."""
+ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
+
+
+def stopped(record: Record, response: Any, k: Any, place: Any) -> Answered:
+    """The response and a spring that is touched beyond a place, on that side of the middle alone."""
+    side = 1.0 if place >= 0.0 else -1.0
+    into = np.maximum(side * (record.imposed - place), 0.0) * side
+    return Answered(response + k * into, (into, np.where(into != 0.0, -k, 0.0)), np.ones_like(response))
+
+
+def leaned(record: Record, response: Any, k2: Any) -> Answered:
+    """The response and a force that goes as the square of the displacement: even harmonics alone."""
+    return Answered(response + k2 * record.imposed**2, (record.imposed**2,), np.ones_like(response))
+
+
+def _moves(test: TimeTest) -> bool:
+    """Whether there is a motion to hit something with, rather than a step."""
+    return test.kind in ("history", "startup", "recovery") and not len(test.loading.jumps[0])
+
+
+def _places(test: TimeTest) -> tuple[tuple[float, float], ...]:
+    value = test.loading.value
+    size = float(np.abs(test.response).max() / np.abs(value).max())
+    up, down = max(float(value.max()), 0.0), min(float(value.min()), 0.0)
+    ends = [end for end in (up, down) if abs(end) > 0.05 * np.abs(value).max()]
+    return tuple((0.3 * size, share * end) for end in ends for share in PLACES)
+
+
+EFFECTS = (
+    TimeEffect(
+        "asymmetric-stop",
+        Stage.RESPONSE,
+        (stiffness("k"), Parameter("place", "x_0", AMPLITUDE, -np.inf, scale="linear", typical=0.5)),
+        stopped,
+        "a stop on one side: beyond a place the motion meets a spring that is not there on the other side",
+        "a corner of the loop at one end of the motion alone; even harmonics and a mean force",
+        "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968",
+        ("displacement",),
+        _moves,
+        _places,
+        ("one-sided-stop",),
+    ),
+    TimeEffect(
+        "asymmetric-stiffness",
+        Stage.RESPONSE,
+        (Parameter("k2", "k₂", ASYMMETRY, -np.inf, scale="linear"),),
+        leaned,
+        "stiffer on one side than on the other, as after a preload: a force as the square of the displacement",
+        "one half of the loop is steeper than the other; even harmonics and a mean force, nothing in the first one",
+        "Nayfeh and Mook, Nonlinear Oscillations, 1979",
+        ("displacement",),
+        _moves,
+        prior=0.5,
+    ),
+)
