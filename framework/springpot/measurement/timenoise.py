@@ -70,25 +70,24 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
 
     Parameters
     ----------
-        test : TimeTest
-            The test.
-        misfit : ndarray, shape (n,), optional
-            What a good model leaves of the response, in which corners of the signal are no scatter any more.
+    test : TimeTest
+        The test.
+    misfit : ndarray, shape (n,), optional
+        What a good model leaves of the response, in which corners of the signal are no scatter any more.
 
     Returns
     -------
-        SignalNoise
-            White noise only: what drifts slowly is no scatter, and stays in the residual.
+    SignalNoise
+        White noise only: what drifts slowly is no scatter, and stays in the residual.
 
     Examples
     --------
-        >>> import numpy as np
-    from numpy.typing import NDArray
-        >>> from springpot.measurement import TimeTest, noise_of
-        >>> t = np.geomspace(0.1, 100.0, 400)
-        >>> scatter = np.random.default_rng(1).normal(size=400)
-        >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
-        0.02
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest, noise_of
+    >>> t = np.geomspace(0.1, 100.0, 400)
+    >>> scatter = np.random.default_rng(1).normal(size=400)
+    >>> round(noise_of(TimeTest.of_relaxation(t, t**-0.3 * (1 + 0.02 * scatter))).relative, 3)
+    0.02
     """
     level = size = _smooth(np.abs(test.response))
     largest = float(np.abs(test.response).max())

@@ -114,8 +114,8 @@ def diagnose(
     >>> exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.2 * t
     >>> noise = np.random.default_rng(1).normal(size=80)
     >>> test = springpot.TimeTest.of_relaxation(t, exact + noise, "kPa")
-    >>> diagnose(test, model, springpot.plugins().items("time effect")).missing
-    ('force-drift',)
+    >>> diagnose(test, model, springpot.plugins().items("time effect")).best.effect
+    'force-drift'
     """
     given = [tests] if isinstance(tests, TimeTest) or not isinstance(tests, Sequence) else list(tests)
     library = list(effects)
