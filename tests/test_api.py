@@ -17,6 +17,7 @@ def test_data_by_name_and_as_an_object_are_the_same():
     assert np.array_equal(springpot.identify(DATA, MODEL).theta, springpot.identify(measured, MODEL).theta)
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_one_model_and_one_effect_need_no_list():
     [judged] = springpot.compare(DATA, MODEL).judgements
     assert judged.model.name == MODEL
@@ -56,6 +57,7 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
     assert found._repr_html_().count("<tr>") == 5
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_no_model_need_be_named():
     diagnosis = springpot.diagnose(DATA)
     assert diagnosis.model.name == "material"

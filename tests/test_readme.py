@@ -87,6 +87,7 @@ def examples(text: str) -> Iterator[Example]:
             yield Example("python", body.splitlines(), printed.getvalue().splitlines())
 
 
+@pytest.mark.usefixtures("asked_once", "unpainted")
 def test_examples_give_what_they_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)

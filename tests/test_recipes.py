@@ -64,6 +64,7 @@ def alike(shown: list[str], real: list[str]) -> bool:
     return re.fullmatch(pattern + r"\n*", "".join(f"{line.rstrip()}\n" for line in real)) is not None
 
 
+@pytest.mark.usefixtures("asked_once", "unpainted")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_pages_print_what_they_show(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     pytest.importorskip("matplotlib")

@@ -165,10 +165,11 @@ def opens(path, barrier, told):
         told.put(str(error))
 
 
-def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path):
+@pytest.mark.parametrize("attempts", [8, pytest.param(25, marks=pytest.mark.soak)])
+def test_programs_that_create_one_store_at_the_same_moment_all_succeed(tmp_path, attempts):
     context, several = get_context("fork"), 4
     barrier, told = context.Barrier(several), context.Queue()
-    for attempt in range(25):
+    for attempt in range(attempts):
         path = tmp_path / str(attempt) / "small.sqlite"
         programs = [context.Process(target=opens, args=(path, barrier, told)) for _ in range(several)]
         for program in programs:
@@ -182,15 +183,15 @@ def test_a_reader_is_not_disturbed_by_a_study_that_starts_meanwhile(path):
     """It sees the store as it was, although the writer folds its log into the file again and again."""
     with Store(path, write=True) as store:
         cells = store.register(small_study().plan(), {})
-        store.add([result(r, cell=c) for c in cells for r in range(200)], cells)
-        store.register(small_study(repetitions=2000).plan(), {})
+        store.add([result(r, cell=c) for c in cells for r in range(100)], cells)
+        store.register(small_study(repetitions=1000).plan(), {})
     with Store(path) as reader:
         trials = reader.trials()
         first = next(trials)
         with Store(path, write=True) as writer:
-            for start in range(200, 2000, 200):
-                writer.add([result(r, cell=c) for c in cells for r in range(start, start + 200)], cells)
+            for start in range(100, 1000, 100):
+                writer.add([result(r, cell=c) for c in cells for r in range(start, start + 100)], cells)
                 writer._db.execute("PRAGMA wal_checkpoint")
-        assert [len(rows) for _, rows in [first, *trials]] == [200] * len(cells)
+        assert [len(rows) for _, rows in [first, *trials]] == [100] * len(cells)
     with Store(path) as reader:
-        assert [len(rows) for _, rows in reader.trials()] == [2000] * len(cells)
+        assert [len(rows) for _, rows in reader.trials()] == [1000] * len(cells)

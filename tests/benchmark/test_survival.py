@@ -16,7 +16,7 @@ from springpot.errors import StudyError
 
 DECLARE = "from springpot.benchmark import Study\nStudy"
 HERE = Path(__file__).parent
-KILLS = int(os.environ.get("SPRINGPOT_KILLS", "5"))
+KILLS = int(os.environ.get("SPRINGPOT_KILLS", "3"))
 REPETITIONS = 6 * KILLS
 SCRIPT = """
 import sys
@@ -213,11 +213,17 @@ def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(tmp_p
     assert summary(tmp_path) == undisturbed
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The bytes of a finished store."""
+    folder = tmp_path_factory.mktemp("whole")
+    return run_study(script(folder, pause=0), engine="serial", out=folder, quiet=True, tables=False).store.read_bytes()
+
+
 @pytest.mark.parametrize("part", [0.02, 0.3, 0.6, 0.9])
-def test_a_study_whose_store_was_cut_off_says_so_in_one_line(tmp_path, part):
-    path = script(tmp_path, pause=0)
-    store = run_study(path, engine="serial", out=tmp_path, quiet=True).store
-    whole = store.read_bytes()
+def test_a_study_whose_store_was_cut_off_says_so_in_one_line(tmp_path, whole, part):
+    path, store = script(tmp_path, pause=0), tmp_path / "small" / "small.sqlite"
+    store.parent.mkdir()
     store.write_bytes(whole[: int(part * len(whole))])
     with pytest.raises(StudyError, match="damaged or no study store") as caught:
         run_study(path, engine="serial", out=tmp_path, quiet=True)

@@ -13,6 +13,8 @@ from springpot.measurement import joined
 from springpot.report.text import Table, width, wrapped
 from springpot.report.values import shown
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MODEL = ("--model", "fractional-maxwell")
 
 

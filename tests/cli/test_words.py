@@ -2,6 +2,8 @@
 
 import pytest
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MAXWELL = ("--model", "fractional-maxwell")
 
 

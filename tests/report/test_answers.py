@@ -14,6 +14,7 @@ from springpot.report.reference import reference_note
 from springpot.report.residuals import set_aside
 
 pytest.importorskip("matplotlib")
+pytestmark = pytest.mark.usefixtures("unpainted")
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.1, 100.0, 45)
 

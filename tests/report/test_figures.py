@@ -1,5 +1,7 @@
 """Figures: what is drawn is what was measured and fitted, and nothing covers anything else."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -27,14 +29,17 @@ def _temperatures(count=3):
     return Measurement(np.tile(OMEGA, count), np.tile(data.stiffness, count), conditions={"temperature": levels})
 
 
+SMALL, LARGE = figures.figure_identification, figures.figure_comparison
+
+
 @pytest.mark.parametrize("suffix", canvas.SUFFIXES)
-def test_both_figures_are_written_and_repeatable(tmp_path, suffix):
+@pytest.mark.parametrize("draw", [SMALL, pytest.param(LARGE, marks=pytest.mark.soak)])
+def test_both_figures_are_written_and_repeatable(tmp_path, suffix, draw):
     data = _sweep(sd=np.full(12, 1.0 + 1.0j))
-    for draw in (figures.figure_identification, figures.figure_comparison):
-        path = draw(data, [MAXWELL, KELVIN], tmp_path / f"a{suffix}")
-        first = path.read_bytes()
-        assert len(first) > 5000
-        assert draw(data, [MAXWELL, KELVIN], path).read_bytes() == first
+    path = draw(data, [MAXWELL, KELVIN], tmp_path / f"a{suffix}")
+    first = path.read_bytes()
+    assert len(first) > 5000
+    assert draw(data, [MAXWELL, KELVIN], path).read_bytes() == first
 
 
 def test_curves_pass_through_the_points_of_a_perfect_fit():
@@ -102,11 +107,21 @@ def _boxes(figure):
     return [part.get_tightbbox() for part in (*figure.axes, *figure.legends)], figure.bbox
 
 
-@pytest.mark.parametrize("data", [_sweep(), _temperatures(3), _temperatures(12)], ids=["one", "three", "twelve"])
-@pytest.mark.parametrize("fits", [[], [MAXWELL], [MAXWELL, KELVIN]], ids=["none", "one", "two"])
-@pytest.mark.parametrize("draw", [figures.figure_identification, figures.figure_comparison])
-def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, data, fits, draw):
-    kept = []
+FITS = {"none": [], "one": [MAXWELL], "two": [MAXWELL, KELVIN]}
+SWEEPS = {"one": 1, "three": 3, "twelve": 12}
+FULLEST = [(SMALL, "one", "twelve"), (SMALL, "two", "one"), (LARGE, "none", "three"), (LARGE, "two", "twelve")]
+"""A legend of each kind, and both at their widest; all other pairs are in the soak."""
+
+
+@pytest.mark.parametrize(
+    ("draw", "fits", "sweeps"),
+    [
+        case if case in FULLEST else pytest.param(*case, marks=pytest.mark.soak)
+        for case in product((SMALL, LARGE), FITS, SWEEPS)
+    ],
+)
+def test_nothing_overlaps_and_nothing_is_cut_off(monkeypatch, draw, fits, sweeps):
+    data, fits, kept = _temperatures(SWEEPS[sweeps]) if SWEEPS[sweeps] > 1 else _sweep(), FITS[fits], []
     for last in ("save", "finished"):
         monkeypatch.setattr(figures, last, lambda figure, path: kept.append(_boxes(figure)))
     draw(data, fits, "unused.png")

@@ -164,6 +164,7 @@ def test_the_same_result_gives_the_same_page(page, ladder):
     assert report_html(ladder, measured(), COMMAND) == page
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_sweeps_have_their_colours_named():
     data = measured((0.0, 20.0, 40.0), "three sweeps")
     page = report_html(springpot.discover(data, "fractional-maxwell", accept=["inertia"]), data, ["x"])
@@ -171,6 +172,7 @@ def test_sweeps_have_their_colours_named():
     assert {"0 °C", "20 °C", "40 °C"} <= set(words)
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_with_nothing_accepted_there_is_one_column():
     data = measured(name="plain")
     page = report_html(springpot.discover(data, "fractional-maxwell", accept=[]), data, ["x"])
@@ -178,6 +180,7 @@ def test_with_nothing_accepted_there_is_one_column():
     assert page.count("base64,") == 1 + 2 + 4 + 4
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_report_is_written_whole_or_refused(ladder, tmp_path):
     path = write_report(ladder, measured(), tmp_path / "a.html", COMMAND)
     assert path.read_text(encoding="utf-8").startswith("<!doctype html>")
