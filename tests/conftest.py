@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+
 from remembered import remember
 
 # A busy machine draws slowly: that says nothing of what is tested.

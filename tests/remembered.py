@@ -10,7 +10,6 @@ from collections.abc import Callable
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 import pytest
 
 EXAMINATIONS = ("diagnose_objects", "discover_objects", "compare_objects", "rank", "identify_objects")

@@ -5,6 +5,7 @@ import pytest
 from hidden_data import KELVIN, MAXWELL, TEMPERATURES, Base, Design, design, exact, hidden, jenkins, measured
 
 import springpot
+from soaked import soaked
 
 SWEEP = design(24)
 ONE_AMPLITUDE = design(24, amplitudes=(0.5,))
@@ -40,7 +41,7 @@ def one_class(diagnosis, *names):
         assert of(diagnosis, name).probability <= 0.95
 
 
-@pytest.mark.parametrize("effect", ["friction", "hysteretic-loss"])
+@pytest.mark.parametrize("effect", ["friction", soaked("hysteretic-loss")])
 def test_friction_at_one_amplitude_is_a_hysteretic_loss(effect):
     diagnosis = springpot.diagnose(hidden(KELVIN, ONE_AMPLITUDE, effect, 1000.0), KELVIN.name)
     one_class(diagnosis, "friction", "hysteretic-loss")
@@ -61,7 +62,7 @@ def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
     assert of(diagnosis, "crosstalk").error_after == pytest.approx(of(diagnosis, "friction").error_after, rel=1e-3)
 
 
-@pytest.mark.parametrize("base", [CLASSICAL_KELVIN, CLASSICAL_MAXWELL], ids=lambda b: b.name)
+@pytest.mark.parametrize("base", [CLASSICAL_KELVIN, soaked(CLASSICAL_MAXWELL)], ids=lambda b: b.name)
 @pytest.mark.parametrize("effect", ["relaxation-mode", "retardation-mode"])
 def test_relaxation_and_retardation_modes_are_one(base, effect):
     """A mode beside and a mode in series are the same rational function of s."""
@@ -78,7 +79,7 @@ def test_modes_on_a_fractional_kelvin_are_one_class_where_they_are_small():
     one_class(diagnosis, "relaxation-mode", "retardation-mode")
 
 
-@pytest.mark.parametrize("alpha", [1.0, 0.43])
+@pytest.mark.parametrize("alpha", [1.0, soaked(0.43)])
 def test_a_spring_in_series_with_kelvin_is_the_zener_form(alpha):
     """k0 = ke + k1, k2 = ke (ke + k1) / k1, c2 = c ((ke + k1) / k1)^2."""
     ke, k1, c = 80.0, 300.0, 12.0
@@ -189,7 +190,7 @@ def test_one_temperature_cannot_tell_what_temperature_would(effect, partner, bas
     assert [c for c in diagnosis.candidates if c.effect == effect and partner not in c.alike] == []
 
 
-@pytest.mark.parametrize("effect", ["inertia", "specimen-inertia"])
+@pytest.mark.parametrize("effect", ["inertia", soaked("specimen-inertia")])
 def test_fixture_and_specimen_inertia_are_one_class_while_waves_are_long(effect):
     one_class(
         springpot.diagnose(hidden(KELVIN, SWEEP, effect, 400.0, just=True), KELVIN.name),

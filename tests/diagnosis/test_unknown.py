@@ -5,6 +5,7 @@ import pytest
 from hidden_data import KELVIN, ZENER, design, exact, hidden, measured
 
 import springpot
+from soaked import soaked
 
 SWEEP = design(60, 0.1, 100.0)
 FIELD = design(12, 0.3, 30.0, temperatures=(5.0, 20.0, 35.0, 50.0))
@@ -23,8 +24,10 @@ def told(diagnosis, words):
     return [note for note in diagnosis.notes if words in note]
 
 
-@pytest.mark.parametrize("kind", ["steps", "changes slowly"])
-@pytest.mark.parametrize("base", [KELVIN, ZENER])
+@pytest.mark.parametrize(
+    ("base", "kind"),
+    [(KELVIN, "steps"), (ZENER, "changes slowly"), soaked(ZENER, "steps"), soaked(KELVIN, "changes slowly")],
+)
 def test_a_gain_that_steps_or_creeps_is_the_chain_and_no_effect(base, kind):
     stiffness = exact(base, SWEEP) * gain(SWEEP, kind)
     diagnosis = springpot.diagnose(measured(SWEEP, stiffness, level=0.004), base.name)
