@@ -1,4 +1,4 @@
-"""Examinations that many tests ask for, made once in a session: of the same data with the same seed they are the same."""
+"""Examinations that many tests ask for, made once in a session: same data and seed, same answer."""
 
 from __future__ import annotations
 

@@ -217,9 +217,8 @@ def test_a_disk_that_fills_up_ends_in_one_line_and_the_study_goes_on_later(tmp_p
 def whole(tmp_path_factory):
     """The bytes of a finished store."""
     folder = tmp_path_factory.mktemp("whole")
-    return run_study(
-        script(folder, pause=0), engine="serial", out=folder, quiet=True, tables=False
-    ).store.read_bytes()
+    outcome = run_study(script(folder, pause=0), engine="serial", out=folder, quiet=True, tables=False)
+    return outcome.store.read_bytes()
 
 
 @pytest.mark.parametrize("part", [0.02, 0.3, 0.6, 0.9])

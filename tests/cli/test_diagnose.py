@@ -6,6 +6,8 @@ from time import sleep
 import numpy as np
 import pytest
 
+import springpot as library
+
 pytestmark = pytest.mark.usefixtures("asked_once", "unpainted")
 
 OMEGA = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
@@ -211,6 +213,12 @@ def test_without_models_the_installed_ones_are_ranked(springpot, heavy, tmp_path
     assert {"material_floor", "material_chance"} <= set(row["models"][0]["error"])
     figure = tmp_path / "a.png"
     text = springpot("compare", heavy, "--figure", figure).out
+    ranking = library.compare(library.read(heavy))
+    assert ranking.best.model.name == "fractional-maxwell + inertia"
+    assert len(repr(ranking)) < 600
+    page = ranking._repr_html_()
+    assert ranking.says in page
+    assert page.count("<tr>") == 1 + len(ranking.shown)
     assert text.splitlines()[0].endswith("any material does is fractional-maxwell + inertia")
     assert "springpot + inertia  " not in text  # hopeless ones are in JSON only
     assert figure.read_bytes().startswith(b"\x89PNG")
