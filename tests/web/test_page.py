@@ -179,6 +179,7 @@ def test_the_readme_story_by_mouse(page: Open, damper: bytes, tmp_path: Path):
     assert before > 0.05 > 0.01 > after
     assert "adequate" in here.reads("#verdict")
     assert here.page.locator("#plot-ladder .rung-mark.accepted").count() == 2
+    fits_one_screen(here)
 
     here.page.keyboard.press("Control+z")
     here.shows(MODEL)
@@ -215,11 +216,15 @@ def the_next_experiment_stands_on_the_same_screen(here: Page) -> None:
     here.page.check("#show-plan")
     assert here.page.locator("#plot-view .line.rival").count() == 4
     assert here.page.locator("#plot-view .band").count() >= 4
-    for column in here.page.locator(".column").all():
-        assert column.evaluate("column => column.scrollHeight - column.clientHeight") <= 0
+    fits_one_screen(here)
     box = here.page.locator("#plan").bounding_box()
     assert box["y"] + box["height"] < 800
     here.page.uncheck("#show-plan")
+
+
+def fits_one_screen(here: Page) -> None:
+    for column in here.page.locator(".column").all():
+        assert column.evaluate("column => column.scrollHeight - column.clientHeight") <= 0
 
 
 def a_slider_moves_the_curve_and_leaves_the_fit(here: Page) -> None:
@@ -421,14 +426,21 @@ def test_what_is_open_or_refused_is_told(page: Open):
     here.page.click("text=Open with these")
     here.shows("material")
     assert "kPa" in here.reads("#data-body table")
+    assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
     before = here.reads("#verdict")
 
     here.page.evaluate("() => document.querySelector('#open-data').click()")
     here.page.set_input_files("#file-more", {"name": "bad.csv", "mimeType": "text/csv", "buffer": b"hello\nworld\n"})
-    here.page.locator("#data .error").wait_for()
-    assert here.reads("#data .error").startswith("bad.csv: ")
+    here.page.locator("#refused").wait_for()
+    assert here.reads("#refused").startswith("bad.csv: ")
     assert here.reads("#verdict") == before  # nothing was lost by it
-    assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
+    here.done()
+    here.page.fill("#expression", "kelvn")
+    here.page.click("#judge")
+    playwright.expect(here.page.locator("#refused")).to_contain_text("did you mean kelvin", timeout=PATIENCE)
+    here.done()
+    assert here.reads("#verdict") == before
+    assert here.page.locator("#redo").get_attribute("aria-disabled") == "false", "what was refused can be seen again"
 
 
 def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(page: Open):

@@ -100,7 +100,6 @@ export class Data {
     const { app } = this;
     listSets(this.zone.querySelector(".datasets"), app.installed);
     const parts = [];
-    if (app.refused) parts.push(h("p", { class: "error", role: "alert" }, app.refused));
     if (app.question) parts.push(this.form(app.question));
     if (app.data) parts.push(...this.understood(app.data));
     else parts.push(this.zone); // the same one each time: what stands in it is not lost

@@ -76,8 +76,10 @@ class App {
     byId("data-name").textContent = data ? data.scene.name : "";
     document.title = data ? `${data.scene.name} – springpot workbench` : "springpot workbench";
     document.body.classList.toggle("empty", !data);
+    byId("refused").hidden = !this.refused;
+    byId("refused").textContent = this.refused || "";
     let word = "Open data to see where a model fails and what is missing from it.";
-    if (data) word = this.refused ? "These data have no answer yet: see what is said beside them." : "";
+    if (data) word = this.refused ? "These data have no answer yet: see what is said above." : "";
     byId("verdict").textContent = answer ? verdict(answer) : word;
     byId("verdict").title = answer ? ERROR : "";
     byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
@@ -212,11 +214,23 @@ class App {
       return;
     }
     const found = await this.compute((how) => api.ask("answer", { state }, how));
-    if (!found) return;
+    if (!found) {
+      this.retreat(state);
+      return;
+    }
     this.answers.set(key, found);
     this.render();
     if (this.history.beside) this.fetchBeside();
     if (this.looks.view === "master-curve") this.look({});
+  }
+
+  // A model or effect that was refused is not where one is; data that were opened are, also without an answer.
+  retreat(state) {
+    if (!this.refused || this.state !== state || !this.history.canUndo) return;
+    this.history.undo();
+    if (this.state.data !== state.data || !this.answers.has(JSON.stringify(this.state))) this.history.redo();
+    this.save();
+    this.render();
   }
 
   async fetchBeside() {

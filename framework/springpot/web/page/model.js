@@ -15,15 +15,16 @@ export class ModelPanel {
     this.judge = h("button", { id: "judge" }, "Judge this model");
     this.search = h("input", { id: "search", type: "search", placeholder: "search models ( / )", oninput: () => this.filter() });
     this.models = h("ul", { class: "models", id: "models" });
-    this.rank = h("button", { type: "button", id: "rank", onclick: () => app.rankModels() }, "Rank all models");
+    this.rank = h("button", { type: "button", id: "rank", title: "fit every installed model and rank them", onclick: () => app.rankModels() }, "Rank models");
     this.ranked = h("div", { id: "ranked" });
     this.table = h("div", { id: "parameters" });
     put(parent,
       h("form", { onsubmit: (event) => { event.preventDefault(); if (usable(this.judge)) app.judge(this.input.value.trim()); } },
-        h("label", { for: "expression" }, "Expression"), this.input, this.options, this.judge,
-        h("p", { id: "expression-says", class: "quiet" }, "Left empty, any linear passive material is judged.")),
+        h("label", { for: "expression" }, "Expression"), this.input, this.options,
+        h("p", { id: "expression-says", class: "quiet" }, "Left empty, any linear passive material is judged."),
+        h("p", { class: "bar" }, this.judge, this.rank)),
       h("details", { id: "all-models", ontoggle: () => this.list() }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
-      this.rank, this.ranked, this.table);
+      this.ranked, this.table);
   }
 
   // What can stand behind the last +.
@@ -66,6 +67,7 @@ export class ModelPanel {
     enable(this.judge, why);
     enable(this.rank, why);
     if (document.activeElement !== this.input) this.input.value = app.state?.model || "";
+    byId("expression-says").classList.toggle("hidden", Boolean(app.state?.model));
     this.renderRanked();
     if (this.drawn !== app.answer) this.renderParameters();
     this.drawn = app.answer;

@@ -14,6 +14,8 @@ const STEPS = [
 ];
 const NARROW = 500; // px below which a plot is that of a phone
 const HEIGHTS = { phone: [250, 165], desk: [300, 158] }; // px of the picture and of the residual below it
+const MOST_PLACES = 3; // sentences below the picture: more would leave it no room
+const MOST_NOTES = 2;
 const LEAST = 170; // px between which the picture grows and shrinks with the window
 const MOST = 480;
 
@@ -85,8 +87,10 @@ export class Compare {
       if (spec.upright && !master) [below.x.min, below.x.max] = [spec.x.min, spec.x.max];
       this.residual.draw(below, this.width, low);
     }
-    const places = shown ? shown.discovery.diagnosis.where : [];
-    put(this.places, places.slice(0, 3).map((place) => h("li", {}, place.plane === looks.plane ? place.says : `${place.says} (${place.plane} plane)`)));
+    const { where = [], notes = [] } = shown?.discovery.diagnosis || {};
+    put(this.places,
+      where.slice(0, MOST_PLACES).map((place) => h("li", {}, place.plane === looks.plane ? place.says : `${place.says} (${place.plane} plane)`)),
+      notes.slice(0, MOST_NOTES).map((note) => h("li", { class: "note" }, `note: ${note}`)));
     this.drawBeside();
     this.preview(this.app.hovered);
     this.point(this.row);
