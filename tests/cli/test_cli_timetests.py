@@ -165,3 +165,8 @@ def test_without_a_model_any_material_is_judged(springpot, relaxed):
     told = springpot("diagnose", relaxed)
     assert told.code == 0, told.err
     assert told.out.startswith("material: adequate")
+
+
+def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed, write):
+    bare = write("time,compliance [1/MPa]\n0.1,1\n1,2\n10,3\n", "bare.csv")
+    springpot("identify", relaxed, bare, "-m", "fractional-maxwell").is_one_line("write time [s]")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.errors import OptionError, SpringpotError
+from springpot.errors import OptionError
 
 from . import completion, timetests
 from .common import (
@@ -32,7 +32,6 @@ from .waiting import Waiting
 if TYPE_CHECKING:
     from springpot.identification import Identification
     from springpot.rheology import Model
-    from springpot.timetests import Test
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
@@ -91,7 +90,7 @@ def command(
     if as_csv and as_json:
         raise click.UsageError("give --csv or --json, not both", click.get_current_context())
     expression = parse_timed(model)
-    tests = _tests_in_time(data, geometry)
+    tests = timetests.named_tests(data, geometry)
     if tests is not None:
         for name in ("fix", "bounds", "exclude", "start"):
             if options.pop(name):
@@ -116,16 +115,6 @@ def command(
     else:
         emit(found, as_json, lambda: _show(found, data, model, figure, verbose))
     return 0
-
-
-def _tests_in_time(data: tuple[str, ...], geometry: str | None) -> list[Test] | None:
-    """The tests that DATA name, where one of them is a test in time."""
-    try:
-        return timetests.named_tests(data, geometry)
-    except SpringpotError:
-        if len(data) == 1:
-            raise
-        return None  # which of them cannot be used is told when its turn comes
 
 
 def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:
