@@ -13,8 +13,9 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
     from springpot.diagnosis import Comparison, Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
     from springpot.loading import load
-    from springpot.measurement import Measurement, Units, geometry
+    from springpot.measurement import Measurement, TimeTest, Units, geometry
     from springpot.registry import (
+        open_in_time,
         open_measurement,
         parse_model,
         plugins,
@@ -64,6 +65,7 @@ __all__ = [
     "Measurement",
     "Model",
     "Prediction",
+    "TimeTest",
     "Units",
     "compare",
     "diagnose",
@@ -72,6 +74,7 @@ __all__ = [
     "identify",
     "load",
     "mastercurve",
+    "open_in_time",
     "open_measurement",
     "parse_model",
     "plugins",

@@ -19,7 +19,7 @@ from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, Standing
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
-from springpot.registry import open_measurement, parse_model, plugins
+from springpot.registry import open_in_time, open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
 from springpot.superposition import MasterCurve, level_of
 from springpot.superposition import mastercurve as mastercurve_of
@@ -53,7 +53,7 @@ def read(spec: str | Path) -> Measurement:
     >>> springpot.read("artificial-hidden@frequency=1..10")
     <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
     """
-    return open_measurement(spec)
+    return _opened(spec)
 
 
 def identify(
@@ -361,7 +361,18 @@ def _measurement(measurement: Measurement | str | Path) -> Measurement:
         return measurement
     if not isinstance(measurement, str | PurePath):
         raise DataError(f"data are a Measurement, a path or a name, not {_shown(measurement)}")
-    return open_measurement(measurement)
+    return _opened(measurement)
+
+
+def _opened(spec: str | Path) -> Measurement:
+    """The measurement in a file; of one that holds tests in time it is told how these are opened."""
+    try:
+        return open_measurement(spec)
+    except DataError:
+        if not open_in_time(spec):
+            raise
+        how = "open it by springpot.open_in_time, fit it by springpot.timetests.identify"
+        raise DataError(f"{spec} holds a test in time, no sweep: {how}") from None
 
 
 def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:

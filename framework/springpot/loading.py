@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 LARGEST = 100_000_000
 """Bytes of a file: a fit to a million points, beyond what is read from a table in one piece."""
+SHOWN = 3
+"""Models of a comparison that its line names."""
 AGAIN = "give the output of a command of springpot with --json"
 
 
@@ -46,6 +48,9 @@ class KeptStep:
     parameters: Mapping[str, Value]
     changed: Mapping[str, float]
     alike: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Step {self.model.name}: error {self.relative_rms / self.noise_floor:.3g} x floor>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +76,10 @@ class KeptLadder:
         """Schema ``springpot.discovery/1``, as in the file."""
         return dict(self.kept)
 
+    def __repr__(self) -> str:
+        errors = " -> ".join(f"{step.relative_rms / step.noise_floor:.3g}" for step in self.steps)
+        return f"<KeptLadder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
+
 
 @dataclass(frozen=True, eq=False)
 class KeptJudgement:
@@ -83,6 +92,9 @@ class KeptJudgement:
     says: str
     parameters: Mapping[str, Value]
     where: tuple[Where, ...]
+
+    def __repr__(self) -> str:
+        return f"<{self.model.name}: {self.error.relative_rms / self.error.noise_floor:.3g} x floor>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +114,11 @@ class KeptComparison:
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``, as in the file."""
         return dict(self.kept)
+
+    def __repr__(self) -> str:
+        shown = ", ".join(repr(one) for one in self.judgements[:SHOWN])
+        more = f", and {len(self.judgements) - SHOWN} more" if len(self.judgements) > SHOWN else ""
+        return f"<KeptComparison of {self.data}: {shown}{more}>"
 
 
 @dataclass(frozen=True, eq=False)

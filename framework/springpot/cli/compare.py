@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from . import timetests
-from .common import FILE, data_argument, emit, geometry_option, json_option, opened, seed_option
+from .common import FILE, data_argument, emit, geometry_option, json_option, opened, quoted, seed_option, window
 from .waiting import Waiting
 
 if TYPE_CHECKING:
@@ -37,11 +37,8 @@ def command(
     Without --model all installed models are ranked, alone and with the effects that no material can do without: the
     simplest that follows the data as well as any material does comes first. Tests in time serve as well as sweeps.
     """
-    from springpot.diagnosis import Ranking
     from springpot.registry import for_sweeps, parse_timed
-    from springpot.report.answers import comparison_text
     from springpot.report.canvas import check_figure_path
-    from springpot.report.ranking import ranked_text
 
     if figure is not None:
         check_figure_path(figure)
@@ -55,9 +52,21 @@ def command(
         from springpot.report.residuals import figure_compared
 
         figure_compared(found, figure)
-    emit(found, as_json, lambda: print(ranked_text(found) if isinstance(found, Ranking) else comparison_text(found)))
-    if figure is not None and not as_json:
+    emit(found, as_json, lambda: _show(found, data, figure))
+
+
+def _show(found: Comparison, data: str, figure: Path | None) -> None:
+    """The answer, and what to go on with: what is missing from the best model, or its parameters where nothing is."""
+    from springpot.diagnosis import Ranking
+    from springpot.report.answers import comparison_text
+    from springpot.report.ranking import ranked_text
+
+    best = found.best
+    print(ranked_text(found, window()) if isinstance(found, Ranking) else comparison_text(found, window()))
+    if figure is not None:
         print(f"\nwritten: {figure}")
+    command = "diagnose" if best.fails or best.unclear else "identify"
+    print(f"\nnext: springpot {command} {quoted(data)} --model {quoted(best.model.name)}")
 
 
 def _compared(measurement: Measurement, models: list[Model], seed: int) -> Comparison:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import FILE, data_argument, emit, geometry_option, json_option, opened
+from .common import FILE, data_argument, emit, geometry_option, json_option, opened, window
 
 if TYPE_CHECKING:
     from springpot.superposition import MasterCurve
@@ -62,7 +62,7 @@ def command(
         write_measurement(found.reduced, output)
     if figure is not None:
         found.plot(figure)
-    emit(found, as_json, lambda: _show(found, mastercurve_text(found), [output, figure]))
+    emit(found, as_json, lambda: _show(found, mastercurve_text(found, window()), [output, figure]))
 
 
 def _show(found: MasterCurve, text: str, written: list[Path | None]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import FILE, POSITIVE, emit, json_option
+from .common import FILE, POSITIVE, emit, json_option, quoted
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement
@@ -99,4 +99,4 @@ def _show(result: dict[str, Any]) -> None:
         if "note" in key:
             print(f"{key}: {value}")
     if result["output"]:
-        print(f"written: {result['output']}")
+        print(f"written: {result['output']}\n\nnext: springpot compare {quoted(str(result['output']))}")

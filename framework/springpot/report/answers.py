@@ -347,7 +347,7 @@ def accepted_name(step: Step) -> str:
     return f"- {name[1:]}" if name.startswith("-") else f"+ {name}"
 
 
-def comparison_text(comparison: Comparison) -> str:
+def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
     """The models side by side, then what the tests say on each."""
     headers = ("model", "error", "x floor", "material floor", "chi2/dof", "delta BIC", "parameters")
     rows = []
@@ -360,7 +360,7 @@ def comparison_text(comparison: Comparison) -> str:
     error, size = comparison.judgements[0].error, comparison.measurement.units.magnitude
     parts = [
         f"{comparison.data}: noise floor {percent(error.noise_floor)} of {size} ({error.noise_source})",
-        Table(headers, rows, frozenset(headers[1:])).plain(),
+        Table(headers, rows, frozenset(headers[1:])).without(("chi2/dof", "parameters", "delta BIC"), width).plain(),
     ]
     for judged in comparison.judgements:
         state = "fails" if judged.fails else "is open" if judged.unclear else "holds"
@@ -368,7 +368,7 @@ def comparison_text(comparison: Comparison) -> str:
         parts.append("\n".join(lines))
     parts.append("\n".join(_found(comparison.harmonics)))
     parts.append("\n".join(f"note: {note}" for note in comparison.notes))
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
 
 
 def _found(findings: tuple[Finding, ...]) -> list[str]:

@@ -14,7 +14,7 @@ from springpot.superposition.laws import LawFit
 
 from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
 from .numbers import number, percent, seconds, with_interval
-from .text import Table
+from .text import Table, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,24 +36,29 @@ SMOOTH = 400
 """Points of a drawn curve."""
 
 
-def mastercurve_text(found: MasterCurve) -> str:
-    """Factors level by level, laws, and whether one curve is enough."""
+def mastercurve_text(found: MasterCurve, width: int = 120) -> str:
+    """Factors level by level, laws, and whether one curve is enough; told as a_T and b_T where temperature shifts."""
     rest = found.simplicity
     reference = level_text(found.factors.column, found.reference)
     lines = [
         f"master curve of {found.data.name} at {reference}, {len(found.data)} points, {seconds(found.seconds)}",
         f"error       {percent(rest.error)} of {found.data.units.magnitude}{_other_errors(found)}",
         "",
-        _levels(found).plain(),
+        _levels(found).without(("alone",), width).plain(),
     ]
     if found.laws:
-        lines += ["", _laws(found).plain()]
+        lines += ["", _laws(found).without(("chance", "most at", "off by"), width).plain()]
     lines += ["", f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}"]
     lines += [f"  - {failure.says}" for failure in rest.failures[:MOST_SAID]]
     if len(rest.failures) > MOST_SAID:
         lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
     lines += [f"note: {note}" for note in found.notes]
-    return "\n".join(lines)
+    return "\n".join(line if "\n---" in line else wrapped(line, width) for line in lines)
+
+
+def _factor(found: MasterCurve, letter: str) -> str:
+    """``a_T``, as the field writes it; ``a`` along other columns."""
+    return f"{letter}_T" if found.factors.column == "temperature" else letter
 
 
 def _other_errors(found: MasterCurve) -> str:
@@ -64,7 +69,8 @@ def _other_errors(found: MasterCurve) -> str:
 
 
 def _levels(found: MasterCurve) -> Table:
-    headers = [f"{found.factors.column}{_in_unit(found.unit)}", "a", "95 %", "b", "95 %", "error", "alone"]
+    a_name, b_name = _factor(found, "a"), _factor(found, "b")
+    headers = [f"{found.factors.column}{_in_unit(found.unit)}", a_name, "95 %", b_name, "95 %", "error", "alone"]
     rows = []
     for level in found.levels:
         a, a_between = with_interval(level.a, level.a_low, level.a_high)
@@ -79,7 +85,7 @@ def _levels(found: MasterCurve) -> Table:
     if not found.vertical:
         headers = [*headers[:3], *headers[5:]]
         rows = [[*row[:3], *row[5:]] for row in rows]
-    return Table(headers, rows, frozenset({headers[0], "a", "b", "error", "alone"}))
+    return Table(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
 
 
 def _in_unit(unit: str) -> str:
@@ -97,7 +103,14 @@ def _laws(found: MasterCurve) -> Table:
             words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
         most = level_text(found.factors.column, law.worst)
         off = percent(float(np.expm1(law.departure)), 2)
-        told = [law.law.name, "b" if law.law.vertical else "a", ", ".join(words), off, most, number(law.chance, 2)]
+        told = [
+            law.law.name,
+            _factor(found, "b" if law.law.vertical else "a"),
+            ", ".join(words),
+            off,
+            most,
+            number(law.chance, 2),
+        ]
         rows.append([*told, law.verdict])
     return Table(headers, rows, frozenset({"off by", "chance"}))
 

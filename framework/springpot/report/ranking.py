@@ -4,31 +4,31 @@ from __future__ import annotations
 
 from springpot.diagnosis import Judgement, Ranking
 
-from .answers import doubt_text, floors, times_floor, value_text
+from .answers import USUAL, doubt_text, floors, times_floor, value_text
 from .numbers import number, percent
 from .reference import reference_note
-from .text import Table
+from .text import Table, wrapped
 
 HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
 NAMED = 12
 """Models of a group that are named."""
 
 
-def ranked_text(ranking: Ranking) -> str:
+def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
     """The answer, the models worth a look, those that are alike, and the parameters of the first."""
     last = ranking.ladder.steps[-1]
     data = last.case.search.base.data.raw
     parts = [
         f"{ranking.data}: {ranking.says}",
         _floors(ranking),
-        _table(ranking),
+        _table(ranking, width),
         "\n".join(_alike(group) for group in ranking.groups if len(group) > 1),
         _first(ranking.best),
         reference_note(data, [ranking.best.model.network]),
         "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
         "\n".join(f"note: {note}" for note in ranking.notes),
     ]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join(part if "\n---" in part else wrapped(part, width) for part in parts if part)
 
 
 def _floors(ranking: Ranking) -> str:
@@ -42,11 +42,11 @@ def _floors(ranking: Ranking) -> str:
     return "\n".join(lines)
 
 
-def _table(ranking: Ranking) -> str:
+def _table(ranking: Ranking, width: int) -> str:
     """One row for each group of adequate models, then the nearest of the others."""
     rows = [_row(group[0], "adequate") for group in ranking.groups]
     rows += [_row(one, "not enough") for one in ranking.next]
-    table = Table(HEADERS, rows, frozenset(HEADERS[2:])).plain()
+    table = Table(HEADERS, rows, frozenset(HEADERS[2:])).without(("parameters", "delta BIC"), width).plain()
     left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.next)
     return f"{table}\n{left} more are not enough; --json has all" if left else table
 
