@@ -104,7 +104,7 @@ class InTimePart:
 
     def with_scale(self, scale: float) -> InTimePart:
         """The same with larger noise."""
-        return replace(self, scale=scale)
+        return self if scale == self.scale else replace(self, scale=scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +146,7 @@ class SweepPart:
 
     def with_scale(self, scale: float) -> SweepPart:
         """The same with larger noise."""
-        return replace(self, scale=scale)
+        return self if scale == self.scale else replace(self, scale=scale)
 
 
 Part: TypeAlias = InTimePart | SweepPart
