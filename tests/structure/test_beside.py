@@ -21,7 +21,7 @@ def oscillator(expression: str, **own: float) -> Frame:
 
 
 def shaken(peak: float = 3.0) -> Record:
-    return artificial(np.random.default_rng(3), duration=5.0, step=0.01, peak=peak)
+    return artificial(np.random.default_rng(3), duration=3.0, step=0.01, peak=peak)
 
 
 def integrated(record: Record, force, memory: float = 0.0):
@@ -116,7 +116,7 @@ def test_shorter_steps_change_little_and_several_dampers_feel_one_another():
     model = parse_model("fractional-maxwell + friction")
     theta = model.vector({"k": 4e7, "c": 6e6, "alpha": 0.55, "friction.F": 1e5})
     frame = Frame(np.full(3, 1e5), [8e7, 7e7, 6e7], 0.02, tuple(Damper(model, theta, i, 0.5) for i in (1, 2, 3)))
-    record = artificial(np.random.default_rng(1), duration=3.0, step=0.02)
+    record = artificial(np.random.default_rng(1), duration=2.0, step=0.02)
     coarse, fine = motion_of(frame, record), motion_of(frame, record.finer(4))
     error = np.abs(coarse.drift - fine.drift[::4]).max(axis=0)
     assert np.all(error < 5e-3 * fine.peak_drift)
