@@ -135,3 +135,19 @@ def test_python_is_told_how_tests_in_time_are_opened(write):
         package.identify(path, "zener")
     with pytest.raises(package.errors.DataError, match=r"springpot\.timetests\.identify"):
         package.read(path)
+
+
+def test_an_answer_in_time_fits_the_window():
+    from types import SimpleNamespace as Some
+
+    from springpot.report.fits import diagnosed_in_time_text
+
+    each = Some(effect="inertia", verdict="missing", delta_bic=1234.5, over_floor=1.02, says="a mass " * 20,
+                parameters={"inertia.m": {"value": 0.25, "unit": "kg"}})  # fmt: skip
+    found = Some(base=Some(model=Some(name="zener")), verdict="effect-missing", says="the error is " * 12,
+                 where=[Some(says="record is missed most " * 8)], candidates=[each], missing=("inertia",),
+                 classes=[("inertia", "specimen-inertia")])  # fmt: skip
+    told = diagnosed_in_time_text(found, 80)
+    assert max(map(len, told.splitlines())) <= 80
+    assert "m 0.25 kg" in told
+    assert "cannot tell apart: inertia, specimen-inertia" in told

@@ -59,7 +59,7 @@ def command(
     expression = None if model is None else parse_timed(model)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        timetests.diagnose(tests, expression, as_json)
+        timetests.diagnose(tests, expression, data, model, as_json)
         return 0
     judged = None if expression is None else for_sweeps(expression)
     arguments = {"model": judged, "seed": seed or 0, **known_from(options)}

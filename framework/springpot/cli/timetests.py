@@ -101,14 +101,16 @@ def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path
         print(f"\nwritten: {figure}")
 
 
-def diagnose(tests: Sequence[Test], model: Model | Timed | None, as_json: bool) -> None:
-    """``springpot diagnose`` of tests in time: what is missing, from the raw signals."""
+def diagnose(
+    tests: Sequence[Test], model: Model | Timed | None, data: Sequence[str], named: str | None, as_json: bool
+) -> None:
+    """``springpot diagnose`` of the tests in time that DATA name: what is missing, from the raw signals."""
     from springpot.diagnosis.material import any_material
     from springpot.registry import library_in_time
     from springpot.timetests import diagnose as diagnose_in_time
 
     found = diagnose_in_time(tests, model or any_material(), library_in_time())
-    emit(found, as_json, lambda: _show_diagnosis(found))
+    emit(found, as_json, lambda: _show_diagnosis(found, data, named))
 
 
 def discover(
@@ -141,34 +143,13 @@ def discover(
         print(f"\nwritten: {figure}")
 
 
-def _show_diagnosis(found: TimeDiagnosis) -> None:
-    from springpot.report.numbers import number
-    from springpot.report.text import Table
+def _show_diagnosis(found: TimeDiagnosis, data: Sequence[str], model: str | None) -> None:
+    from springpot.report.fits import diagnosed_in_time_text
 
-    print(f"{found.base.model.name}: {found.verdict}\n{found.says}\n")
-    for place in found.where:
-        print(f"where: {place.says}")
-    if found.where:
-        print()
-    rows = [
-        [
-            each.effect,
-            each.verdict,
-            number(each.delta_bic, 3),
-            number(each.over_floor, 2),
-            ", ".join(
-                f"{name.partition('.')[2]} {entry['value']:.3g} {entry['unit']}"
-                for name, entry in each.parameters.items()
-            ),
-        ]
-        for each in found.candidates
-    ]
-    Table(("effect", "verdict", "delta BIC", "x floor after", "parameters"), rows, frozenset({"delta BIC"})).show()
-    for each in found.candidates:
-        if each.effect in found.missing:
-            print(f"\n{each.effect}: {each.says}")
-    for names in found.classes:
-        print(f"\nthese tests cannot tell apart: {', '.join(names)}")
+    print(diagnosed_in_time_text(found, window()))
+    if found.missing:
+        judged = "" if model is None else f" --model {quoted(model)}"
+        print(f"\nnext: springpot discover {' '.join(map(quoted, data))}{judged} --accept {quoted(found.missing[0])}")
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
 from math import inf, log
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from .text import Table, cut, indented, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
-    from springpot.timetests import TimeComparison, TimeIdentification, TimeLadder
+    from springpot.timetests import TimeComparison, TimeDiagnosis, TimeIdentification, TimeLadder
 
 FAR = log(1e6)
 """Logarithm of the ratio to the natural size of the data from which a parameter leaves no trace of its size."""
@@ -124,6 +124,28 @@ def climbed_in_time_text(found: TimeLadder, width: int = 120) -> str:
         if step.alike
     ]
     return "\n\n".join([*parts, *doubts])
+
+
+def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
+    """What is missing from a model of tests in time, where it fails, and what these tests cannot tell apart."""
+    headers = ("effect", "verdict", "delta BIC", "x floor after", "parameters")
+    rows = [
+        [each.effect, each.verdict, number(each.delta_bic, 3), number(each.over_floor, 2), _briefly(each.parameters)]
+        for each in found.candidates
+    ]
+    parts = [
+        f"{found.base.model.name}: {found.verdict}\n{found.says}",
+        "\n".join(f"where: {place.says}" for place in found.where),
+        Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain() if rows else "",
+        *(f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing),
+        *(f"these tests cannot tell apart: {', '.join(names)}" for names in found.classes),
+    ]
+    return "\n\n".join(part if "\n---" in part else wrapped(part, width) for part in parts if part)
+
+
+def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """Values without their intervals, by the last part of their names."""
+    return ", ".join(f"{name.partition('.')[2]} {row['value']:.3g} {row['unit']}" for name, row in parameters.items())
 
 
 def _measured(entry: dict[str, Any]) -> Value:
