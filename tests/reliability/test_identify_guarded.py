@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-import textwrap
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +14,9 @@ from springpot.identification import Card, Objective, Optimiser, guard
 
 HERE = Path(__file__).parent
 PROGRAM = """
-import sys
+import json, os, sys
 sys.path.insert(0, {here!r})
+import springpot.api
 from faulty_optimisers import Faulty, Innocent
 from springpot import registry
 from springpot.cli import main
@@ -23,52 +24,74 @@ from springpot.identification import guard
 
 guard.DEADLINE, guard.MEMORY = 3.0, 512
 find = registry.Registry.find
-registry.Registry.find = lambda self, word, name: {made} if word == "optimiser" else find(self, word, name)
-main(sys.argv[1:])
+for name, words in json.loads(sys.argv[1]):
+    if os.fork() == 0:
+        made = (lambda: Faulty(deed=name)) if name else Innocent
+        registry.Registry.find = lambda self, word, name: made if word == "optimiser" else find(self, word, name)
+        for stream in (1, 2):
+            os.dup2(os.open(f"{{name}}.{{stream}}", os.O_WRONLY | os.O_CREAT), stream)
+        main(words)
+    print(os.waitstatus_to_exitcode(os.wait()[1]), flush=True)
 """
+"""One command line after the other, each in a process of its own, which need not import anything any more."""
 DATA = "artificial-fractional-maxwell"
+ASKED = ["identify", DATA, "--model", "fractional-maxwell", "--optimiser", "x", "--budget", "300", "--json"]
+DEEDS = {
+    "success without a result": "the process ended with exit code 0",
+    "segfault": "the process was ended by SIGSEGV",
+    "an error": "ValueError: out of",
+    "sys.exit": "SystemExit: enough",
+    "spin": "it did not end within 3 s",
+    "ask for nothing finite": "",
+    "forge the trace": "its best point has the objective",
+    "no exception": "NoException: neither",
+}
 
 
-def command(made, *options):
-    program = textwrap.dedent(PROGRAM.format(here=str(HERE), made=made))
-    asked = ["identify", DATA, "--model", "fractional-maxwell", "--optimiser", "x", "--budget", "300", *options]
-    return subprocess.run([sys.executable, "-c", program, *asked], text=True, capture_output=True)
+@dataclass(frozen=True)
+class Done:
+    """What came of a command."""
+
+    returncode: int
+    stdout: str
+    stderr: str
 
 
-@pytest.mark.parametrize(
-    ("deed", "told"),
-    [
-        ("success without a result", "the process ended with exit code 0"),
-        ("segfault", "the process was ended by SIGSEGV"),
-        ("an error", "ValueError: out of"),
-        ("sys.exit", "SystemExit: enough"),
-        ("spin", "it did not end within 3 s"),
-        ("ask for nothing finite", ""),
-        ("forge the trace", "its best point has the objective"),
-        ("no exception", "NoException: neither"),
-    ],
-)
-def test_a_faulty_optimiser_is_one_line_and_no_result(deed, told):
-    done = command(f"lambda: Faulty(deed={deed!r})", "--json")
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """What came of `identify` with each faulty optimiser, and under no name with the innocent one."""
+    folder = tmp_path_factory.mktemp("guarded")
+    commands = [(deed, ASKED) for deed in (*DEEDS, "shout")] + [("", [*ASKED, "--seed", "3"])]
+    program = [sys.executable, "-c", PROGRAM.format(here=str(HERE)), json.dumps(commands)]
+    codes = subprocess.run(program, text=True, capture_output=True, cwd=folder, check=True).stdout.split()
+    return {
+        name: Done(int(code), *((folder / f"{name}.{stream}").read_text() for stream in (1, 2)))
+        for (name, _), code in zip(commands, codes, strict=True)
+    }
+
+
+@pytest.mark.parametrize(("deed", "told"), DEEDS.items())
+def test_a_faulty_optimiser_is_one_line_and_no_result(done, deed, told):
+    found = done[deed]
     if not told:
-        assert done.returncode == 0
+        assert found.returncode == 0
         return
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert done.stderr.startswith("springpot: the optimiser faulty found nothing: ")
-    assert done.stderr.count("\n") == 1
-    assert told in done.stderr
+    assert found.returncode == 2
+    assert found.stdout == ""
+    assert found.stderr.startswith("springpot: the optimiser faulty found nothing: ")
+    assert found.stderr.count("\n") == 1
+    assert told in found.stderr
 
 
-def test_what_an_optimiser_prints_is_not_in_the_json():
-    done = command("lambda: Faulty(deed='shout')", "--json")
-    assert done.returncode == 0
-    assert json.loads(done.stdout)["schema"] == "springpot.identification/1"
-    assert "{}{}" in done.stderr
+def test_what_an_optimiser_prints_is_not_in_the_json(done):
+    found = done["shout"]
+    assert found.returncode == 0
+    assert json.loads(found.stdout)["schema"] == "springpot.identification/1"
+    assert "{}{}" in found.stderr
 
 
-def test_an_innocent_optimiser_finds_what_it_finds_without_protection():
-    one = json.loads(command("Innocent", "--json", "--seed", "3").stdout)
+def test_an_innocent_optimiser_finds_what_it_finds_without_protection(done):
+    one = json.loads(done[""].stdout)
     from faulty_optimisers import Innocent
 
     from springpot.identification import Problem, default_objective, run

@@ -89,15 +89,22 @@ def _sharpened(time: Real, values: Real, omega: float) -> float:
     time, values = time[::step][: 1 << 14], values[::step][: 1 << 14]
     width = 1.5 * np.pi / (time[-1] - time[0])
     trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, 61)
-    left = [_left_over(time, values, trial) for trial in trials]
-    return float(trials[int(np.argmin(left))])
+    return float(trials[int(np.argmax(_explained(time, values, trials)))])
 
 
-def _left_over(time: Real, values: Real, omega: float) -> float:
-    drift = (time - time[0]) / (time[-1] - time[0])
-    basis = np.column_stack([np.ones_like(time), drift, np.cos(omega * time), np.sin(omega * time)])
-    fitted = basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
-    return float(np.sum((values - fitted) ** 2))
+def _explained(time: Real, values: Real, omega: Real) -> Real:
+    """Sum of squares that a sinusoid of each frequency takes away from what a level and a drift leave of `values`."""
+    straight, _ = np.linalg.qr(np.column_stack([np.ones_like(time), time - time[0]]))
+    turns = np.multiply.outer(omega, time - time[0])
+    # Level and drift taken out of all three, only the two by two normal equations of cosine and sine are left.
+    c, s, rest = (part - (part @ straight) @ straight.T for part in (np.cos(turns), np.sin(turns), values))
+    cc, cs, ss = (np.einsum("ij,ij->i", one, other) for one, other in ((c, c), (c, s), (s, s)))
+    cr, sr = c @ rest, s @ rest
+    # Within a small part of a period cosine and sine look like level and drift, and explain nothing more.
+    spare = cc * ss - cs**2
+    apart = spare > 1e-12 * cc * ss
+    found: Real = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0) / np.where(apart, spare, 1.0)
+    return found
 
 
 def steady_part(record: Record, omega: float) -> Steady:
