@@ -10,6 +10,8 @@ from time import sleep
 
 import pytest
 
+from soaked import soaked
+
 HERE = Path(__file__).parent
 SCRIPT = """
 import sys
@@ -38,7 +40,7 @@ def springpot(*arguments, **environment):
     return subprocess.run(command, text=True, capture_output=True, env=os.environ | environment)
 
 
-@pytest.mark.parametrize("engine", ["local", "serial"])
+@pytest.mark.parametrize("engine", ["local", soaked("serial")])
 def test_what_others_print_is_not_in_the_json_and_quiet_is_quiet(tmp_path, engine):
     asked = ["run", script(tmp_path), "--engine", engine, "--json"]
     loud = springpot(*asked, "--out", tmp_path / "loud")
@@ -62,7 +64,7 @@ def test_a_long_folder_of_temporary_files_is_no_hindrance(tmp_path):
     assert "6 trials, 6 run now;" in done.stdout
 
 
-@pytest.mark.parametrize("after", [0.3, 0.4, 0.5, 0.6, 0.8, 1.1, 1.5])
+@pytest.mark.parametrize("after", [0.3, 0.5, 0.8, 1.5, *map(soaked, (0.4, 0.6, 1.1))])
 def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
     command = [sys.executable, "-m", "springpot", "run", str(script(tmp_path, 2000)), "--out", str(tmp_path)]
     # A terminal sends Ctrl-C to all processes of its group.

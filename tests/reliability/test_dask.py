@@ -8,12 +8,13 @@ from dask_cluster import cluster
 from faulty_optimisers import race
 from test_faulty_optimisers import check, trials
 
+from soaked import soaked
 from springpot.benchmark import Store, run_study
 from springpot.errors import StudyError
 
 pytest.importorskip("distributed", reason="dask is not installed")
 
-DEEDS = ["segfault", "success without a result", "spin", "kill its parent", "patch the objective", "an error"]
+DEEDS = ["segfault", "success without a result", "sleep", "kill its parent", "patch the objective", "an error"]
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +54,7 @@ def test_a_fault_in_a_trial_is_its_status_there_too(dask, undisturbed, tmp_path)
     found = trials(outcome.store)
     check(found, undisturbed, DEEDS)
     assert "SIGSEGV" in found["faulty segfault", 0][1]
-    assert found["faulty spin", 0][:2] == ("timeout", "ended after the deadline of 2 s")
+    assert found["faulty sleep", 0][:2] == ("timeout", "ended after the deadline of 2 s")
     assert found["faulty patch the objective", 0][0] == "changed"
     assert all(worker.poll() is None for worker in dask.workers), "a trial has ended a worker of the cluster"
 
@@ -65,7 +66,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_bits_of_a_serial_run(dask, undi
     assert trials(outcome.store) == undisturbed
 
 
-@pytest.mark.parametrize(("number", "one"), [(signal.SIGKILL, "dask"), (signal.SIGTERM, "another")])
+@pytest.mark.parametrize(("number", "one"), [(signal.SIGKILL, "dask"), soaked(signal.SIGTERM, "another")])
 def test_a_scheduler_that_dies_is_one_line_and_the_study_goes_on_later(number, one, request, tmp_path, monkeypatch):
     dask = request.getfixturevalue(one)
     at_third_call(monkeypatch, lambda: os.kill(dask.scheduler.pid, number))

@@ -7,7 +7,7 @@ from readers.test_fuzz import SEEDS
 
 import structure
 
-CASES = 25
+CASES = 8
 LARGEST = 100_000
 
 

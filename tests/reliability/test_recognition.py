@@ -5,6 +5,7 @@ from time import process_time
 
 import pytest
 
+from soaked import soaked
 from springpot.errors import DataError
 from springpot.measurement import open_measurement, pick_reader
 from springpot.measurement.opening import HEAD, read_head
@@ -56,10 +57,14 @@ def seconds(reader, head):
     return min(times)
 
 
+IN_TURN = [(unit, FRAMES[i % len(FRAMES)]) for i, unit in enumerate(UNITS)]
+
+
+@pytest.mark.parametrize("cases", [IN_TURN, soaked(list(product(UNITS, FRAMES)))], ids=["in turn", "all"])
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.name)
-def test_recognition_is_linear(reader):
+def test_recognition_is_linear(reader, cases):
     slow = []
-    for unit, (before, behind) in product(UNITS, FRAMES):
+    for unit, (before, behind) in cases:
         long = before + unit * (HEAD // len(unit)) + behind
         whole = seconds(reader, long[-HEAD:])
         if whole > LITTLE:

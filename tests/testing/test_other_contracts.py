@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import subprocess
 import sys
@@ -427,8 +428,10 @@ def outcome(folder, hook="springpot_models", offered="MODEL", summary="a single 
     """Outcome and output of an author's test file."""
     (folder / "my_plugin.py").write_text(PLUGIN.format(hook=hook, offered=offered, summary=summary))
     (folder / "test_my_plugin.py").write_text(TEST.format(more=more))
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:benchmark", "-rA", "-q"]
-    found = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rA", "-q"]
+    # An author's environment has not the other plugins of pytest that this one has, and waits for none of them.
+    alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    found = subprocess.run(command, cwd=folder, env=alone, capture_output=True, text=True)
     return found.returncode, found.stdout
 
 
