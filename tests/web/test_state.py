@@ -312,3 +312,16 @@ def test_signals_of_several_frequencies_are_one_measurement():
     assert both.stiffness == pytest.approx(np.full(3, 3.0 * np.exp(0.4j)), rel=1e-6)
     again = joined(both, both)
     assert set(again.repeat.tolist()) == {0, 1}
+
+
+def test_places_in_hertz_stand_where_the_axis_is_in_radians():
+    """Data told in rad/s have an axis in rad/s; the places of a diagnosis and a plan are in Hz and need the factor."""
+    omega = np.geomspace(1.0, 100.0, 8)
+    for clock, factor in (("Hz", 1.0), ("rad/s", 2.0 * np.pi)):
+        data = springpot.Measurement(omega, omega * (1.0 + 1.0j), units=springpot.Units("Pa", "-", clock))
+        scene = PageScene(data).to_dict()
+        assert clock in scene["axis"]["label"]
+        assert scene["axis"]["per_hertz"] == pytest.approx(factor)
+        np.testing.assert_allclose(scene["x"], data.frequency * factor, rtol=1e-5)
+    turned = springpot.Measurement(omega[:1].repeat(4), [1 + 1j] * 4, conditions={"amplitude": [1.0, 2.0, 4.0, 8.0]})
+    assert PageScene(turned).to_dict()["axis"]["per_hertz"] == 1.0

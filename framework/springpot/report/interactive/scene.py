@@ -77,7 +77,14 @@ class PageScene:
             "name": measurement.name,
             "count": len(measurement),
             "units": {"stiffness": measurement.units.stiffness, "amplitude": measurement.units.amplitude},
-            "axis": {"column": self.axis.column, "label": self.axis.label, "logarithmic": self.axis.logarithmic},
+            "axis": {
+                "column": self.axis.column,
+                "label": self.axis.label,
+                "logarithmic": self.axis.logarithmic,
+                # Places of a diagnosis and planned frequencies are in Hz, whatever the data are told in.
+                "per_hertz": measurement.units.on_clock(1.0) if self.axis.column == "frequency" else 1.0,
+            },
+            "words": {"clock": measurement.units.clock, "per_hertz": measurement.units.on_clock(1.0)},
             "rows": rows.tolist(),
             "x": rounded(self.axis.values[rows]),
             "omega": rounded(measurement.omega[rows]),

@@ -114,7 +114,7 @@ export class Compare {
     const next = this.app.looks.plan ? this.app.answer?.next : null;
     if (!next?.rivals.length || master || !spec.upright || this.app.scene.axis.column !== "frequency") return;
     const view = VIEWS[this.app.looks.view];
-    const xs = next.frequency;
+    const xs = next.frequency.map((hertz) => hertz * this.app.scene.axis.per_hertz);
     const all = [];
     next.rivals.forEach((rival, number_) => {
       view.parts.forEach(({ kind, at }) => {
@@ -234,7 +234,8 @@ export class Compare {
     }
     const i = this.index(row);
     const { stiffness } = scene.units;
-    let says = `${number(scene.omega[i] / 2 / Math.PI, 3)} Hz: K' ${number(scene.storage[i])}, K'' ${number(scene.loss[i])} ${stiffness}`;
+    const { clock, per_hertz } = scene.words;
+    let says = `${number((scene.omega[i] / 2 / Math.PI) * per_hertz, 3)} ${clock}: K' ${number(scene.storage[i])}, K'' ${number(scene.loss[i])} ${stiffness}`;
     if (answer) {
       const [storage, loss] = [answer.model.points.storage[i], answer.model.points.loss[i]];
       const off = (data, model, sd) => `${data >= model ? "+" : "−"}${number(Math.abs(data - model) / sd, 2)} σ`;

@@ -146,7 +146,7 @@ export function planeSpec(name, scene, excluded, answer) {
   const shades = answer.discovery.diagnosis.where
     .filter((place) => scene.axis.column === "frequency" && place.from <= place.to)
     .slice(0, 3)
-    .map((place) => ({ from: place.from, to: place.to, says: place.says }));
+    .map((place) => ({ from: place.from * scene.axis.per_hertz, to: place.to * scene.axis.per_hertz, says: place.says }));
   const bands = [3, 1].map((sigmas) => band(widths, sigmas));
   return { x, y, points, bands, shades, lines: [{ xs: [x.min, x.max], ys: [0, 0], kind: "zero" }], upright: true };
 }
