@@ -149,6 +149,19 @@ def test_hostile_names_name_nothing(bench: Workbench, damper: bytes, name: str):
     assert not set(found["result"]["scene"]["name"]) & set("/\\<>\x1b\r\n")
 
 
+@pytest.mark.parametrize(
+    "choice",
+    ["/../../../../etc/passwd", "#/etc/passwd", "?frequency=/etc/passwd", "@/etc/passwd", "#../../x?y=../../z"],
+)
+def test_no_answer_to_a_question_opens_a_file(bench: Workbench, damper: bytes, choice: str):
+    from urllib.parse import quote
+
+    found = ask(bench, f"/api/data?name=x.csv&choice={quote(choice)}", damper)
+    assert "root:" not in json.dumps(found)
+    assert found["fault"] is False
+    assert "\n" not in found["error"]
+
+
 def test_hostile_words_in_a_file_come_as_plain_text(bench: Workbench):
     word = "<script>alert(1)</script>\x1b[2J"
     text = f"# name: {word}\nfrequency [Hz],storage [Pa],loss [Pa],note [text]\n" + "".join(

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ from test_state import a_session
 from springpot.errors import OptionError
 from springpot.web import Workbench, serve
 from springpot.web.datatext import measured_in, text_of
+from springpot.web.pagefiles import page_files
 from springpot.web.tasks import begin, perform, understand
 
 STARTS = [sys.executable, "-c"]
@@ -123,6 +125,16 @@ def test_every_run_has_a_token_of_its_own(bench: Workbench):
     assert token_of(other) != token_of(bench)
     assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(other)))[0] == 401
     other.close()
+
+
+def test_every_file_of_the_page_is_in_the_wheel():
+    root = Path(__file__).resolve().parents[2]
+    told = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = told["tool"]["setuptools"]["package-data"]["springpot"]
+    package = root / "framework" / "springpot"
+    packed = {path.name for pattern in patterns for path in package.glob(pattern)}
+    assert set(page_files()) <= packed
+    assert {"main.js", "compare.js", "panels.css", "index.html"} <= set(page_files())
 
 
 def test_small_answers_are_sent_at_once(bench: Workbench):

@@ -315,7 +315,7 @@ def test_signals_of_several_frequencies_are_one_measurement():
 
 
 def test_places_in_hertz_stand_where_the_axis_is_in_radians():
-    """Data told in rad/s have an axis in rad/s; the places of a diagnosis and a plan are in Hz and need the factor."""
+    """Data told in rad/s have an axis in rad/s; places of a diagnosis and a plan are in Hz and need the factor."""
     omega = np.geomspace(1.0, 100.0, 8)
     for clock, factor in (("Hz", 1.0), ("rad/s", 2.0 * np.pi)):
         data = springpot.Measurement(omega, omega * (1.0 + 1.0j), units=springpot.Units("Pa", "-", clock))
