@@ -13,8 +13,21 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.hooks import hookimpl
 from springpot.identification import Card, Optimiser, Recorder
-from springpot.measurement import MODULUS_UNITS, Choice, DataSet, Measurement, Reader, Units, known_unit
+from springpot.measurement import (
+    MODULUS_UNITS,
+    Answered,
+    Choice,
+    DataSet,
+    Measurement,
+    Reader,
+    Record,
+    Stage,
+    TimeEffect,
+    Units,
+    known_unit,
+)
 from springpot.rheology import (
+    PURE,
     RADIAN_PER_SECOND,
     Effect,
     Formula,
@@ -25,6 +38,7 @@ from springpot.rheology import (
     chain,
     dashpot,
     parallel,
+    relaxation_time,
     series,
     spring,
     springpot,
@@ -71,6 +85,35 @@ EFFECT = Effect(
 def springpot_effects() -> Iterable[Effect]:
     """One effect, which from now on takes part in every diagnosis."""
     return [EFFECT]
+
+
+# An effect of tests in time: what is recorded of a response, and its derivatives.
+
+
+def sagged(record: Record, response: Any, size: Any, tau: Any) -> Answered:
+    """The response without what a piezoelectric transducer has lost since the load moved."""
+    time = np.maximum(record.time, 0.0)
+    lost = 1.0 - np.exp(-time / tau)
+    by_tau = size * response * (1.0 - lost) * time / tau**2
+    return Answered(response * (1.0 - size * lost), (-response * lost, by_tau), 1.0 - size * lost)
+
+
+TIME_EFFECT = TimeEffect(
+    "charge-loss",
+    Stage.RESPONSE,
+    (Parameter("size", "s", PURE, 0.0, 1.0, "linear", 0.1), relaxation_time("tau")),
+    sagged,
+    "a piezoelectric transducer loses the share s of its charge within some tau",
+    "a force that sags with the transducer's own time, however long the load is held",
+    "Gautschi, Piezoelectric Sensorics, 2002",
+    ("displacement",),
+)
+
+
+@hookimpl
+def springpot_time_effects() -> Iterable[TimeEffect]:
+    """One effect of tests in time."""
+    return [TIME_EFFECT]
 
 
 # An optimiser: a frozen dataclass of options with one method. The recorder counts, keeps the best and ends the run.

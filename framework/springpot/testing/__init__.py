@@ -26,6 +26,7 @@ _WHERE = {
     "check_optimiser": "optimisers",
     "check_plugin": "contract",
     "check_reader": "readers",
+    "check_time_effect": "timeeffects",
 }
 
 __all__ = list(_WHERE)

@@ -1,0 +1,162 @@
+"""The contract of an effect of tests in time, which is tried on a made-up test of each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.measurement import Loading, Stage, Timed, TimeEffect, TimeTest
+from springpot.measurement.timetest import CONTROLS
+from springpot.rheology import Model, Real, parallel, series, spring, springpot
+from springpot.timetests import recorded
+from springpot.timetests.parts import InTimePart
+from springpot.timetests.tries import Scales, tries_of
+
+from .aspects import SEED, cited, complaints, name_and_summary
+
+MODEL = Model("sample", parallel(spring("k0"), series(spring("k"), springpot("c", "alpha"))))
+THETA = np.array([50.0, 400.0, 60.0, 0.5])
+STEP = 1e-6
+"""Relative step of the central difference that derivatives are held against."""
+AGREE = 2e-3
+"""Relative difference from it up to which a derivative is right: the response itself is good to 1e-6."""
+APART = 0.03
+"""Share of the samples that may lie at a corner, where a difference is no derivative."""
+NEARLY = 1e-9
+"""Distance from the size at which an effect is absent, over the size that was tried."""
+GONE = 1e-5
+"""Change of the record that is left there, over the largest response."""
+
+
+def tests_in_time() -> list[TimeTest]:
+    """One test of each kind, in N and mm, with the response of a common material."""
+    late, even = np.geomspace(0.01, 100.0, 60), np.linspace(0.0, 20.0, 160)
+    wave = np.sin(1.3 * even) * (1.0 + 0.3 * np.sin(0.31 * even))
+    release = Loading(np.array([0.0, 0.0, 7.0, 7.0, 20.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
+    bare = [
+        TimeTest(late, late, Loading.step(), "displacement", "mm", "N", name="relaxation"),
+        TimeTest(late, late, Loading.step(), "force", "mm", "N", name="creep"),
+        TimeTest(even, even, release, "force", "mm", "N", name="recovery"),
+        TimeTest(even, even, Loading(even, even), "displacement", "mm", "N", name="startup"),
+        TimeTest(even, even, Loading(even, wave), "displacement", "mm", "N", name="history"),
+        TimeTest(even, even, Loading(even, wave), "force", "mm", "N", name="history under a force"),
+    ]
+    return [replace(test, response=recorded(MODEL, THETA, test).value) for test in bare]
+
+
+def check_time_effect(effect: TimeEffect, *, skip: Collection[str] = ()) -> list[str]:
+    """What is wrong with an effect of tests in time, as plain sentences.
+
+    Aspects: ``words`` (name, summary, signature, citation, prior), ``suits`` (some test can have it), ``shapes``,
+    ``derivatives`` (against differences, those by the material carried through it too), ``pure`` (arguments are left
+    alone) and ``vanishes`` (at ``absent_at``, and only there).
+
+    Parameters
+    ----------
+    effect : TimeEffect
+        The effect.
+    skip : collection of str
+        Aspects to leave out.
+
+    Returns
+    -------
+    list of str
+        Empty if nothing is wrong.
+    """
+    tests = [test for test in tests_in_time() if effect.is_for(test)]
+    aspects = {
+        "words": lambda: _words(effect),
+        "suits": lambda: _suits(tests),
+        "shapes": lambda: _shapes(effect, tests),
+        "derivatives": lambda: _derivatives(effect, tests),
+        "pure": lambda: _pure(effect, tests),
+        "vanishes": lambda: _vanishes(effect, tests),
+    }
+    return complaints(aspects, skip)
+
+
+def _words(effect: TimeEffect) -> Iterator[str]:
+    yield from name_and_summary(effect.name, effect.summary, effect.aliases)
+    yield from cited(effect.citation)
+    if len(effect.signature.split()) < 3:
+        yield "the signature must say in a sentence how the effect shows in a record"
+    if not 0.0 < effect.prior <= 1.0:
+        yield f"the prior is {effect.prior}, not above 0 and at most 1"
+    if not isinstance(effect.stage, Stage):
+        yield f"the stage is {effect.stage!r}, not one of {', '.join(stage.name for stage in Stage)}"
+    if not effect.parameters:
+        yield "there is no parameter, so there is no size to be found"
+    if not effect.controls or set(effect.controls) - set(CONTROLS):
+        yield f"controls are some of {', '.join(CONTROLS)}, not {effect.controls!r}"
+
+
+def _suits(tests: list[TimeTest]) -> Iterator[str]:
+    if not tests:
+        yield "no relaxation, creep, recovery, startup or cyclic test can have it: see controls and suits"
+
+
+def _theta(effect: TimeEffect, test: TimeTest) -> Real:
+    """Parameters of the material, and those of the effect at a place in the middle of those that are tried."""
+    places = tries_of(effect, test, Scales.of([InTimePart(test)]))
+    place = places[int(np.random.default_rng(SEED).integers(len(places)))]
+    return np.concatenate([THETA, place])
+
+
+def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+    for test in tests:
+        found = recorded(Timed(MODEL, (effect,)), _theta(effect, test), test)
+        expected = (len(test), len(THETA) + len(effect.parameters))
+        if found.value.shape != expected[:1] or found.by_theta.shape != expected:
+            yield f"in a {test.kind} test shapes are {found.value.shape} and {found.by_theta.shape}, not {expected}"
+        if not (np.all(np.isfinite(found.value[1:])) and np.all(np.isfinite(found.by_theta[1:]))):
+            yield f"in a {test.kind} test something is no number"
+
+
+def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+    model = Timed(MODEL, (effect,))
+    for test in tests:
+        theta = _theta(effect, test)
+        slopes = recorded(model, theta, test, tolerance=1e-9).by_theta
+        for i, name in enumerate(model.names):
+            step = STEP * max(abs(theta[i]), STEP)
+            moved = step * (np.arange(len(theta)) == i)
+            ends = [recorded(model, theta + sign * moved, test, tolerance=1e-9).value for sign in (1.0, -1.0)]
+            wanted = (ends[0] - ends[1]) / (2.0 * step)
+            off = np.abs(wanted - slopes[:, i])[1:]
+            size = float(np.abs(wanted[1:]).max())
+            wrong = float(np.mean(off > AGREE * size + 1e-9))
+            if size > 0.0 and wrong > APART:
+                where = f"at {100.0 * wrong:.0f} % of the samples"
+                yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
+
+
+def _pure(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+    for test in tests[:1]:
+        theta = _theta(effect, test)
+        before = theta.copy(), test.loading.value.copy(), test.response.copy()
+        first = recorded(Timed(MODEL, (effect,)), theta, test).value
+        again = recorded(Timed(MODEL, (effect,)), theta, test).value
+        after = theta, test.loading.value, test.response
+        if not all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
+            yield "it changes its arguments"
+        if not np.array_equal(first, again, equal_nan=True):
+            yield "the same parameters do not give the same record"
+
+
+def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+    for test in tests:
+        theta, n = _theta(effect, test), len(THETA)
+        there = test.response[1:]
+        size = float(np.abs(there).max())
+        if not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() > 1e-4 * size:
+            yield f"in a {test.kind} test it changes nothing at a size that is tried"
+        tried = abs(theta[n])
+        theta[n] = tried / NEARLY if np.isinf(effect.absent_at) else effect.absent_at + NEARLY * tried
+        left = np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() / size
+        if not left < GONE:
+            yield (
+                f"in a {test.kind} test {left:.1e} of the record still changes when {effect.parameters[0].name}, its "
+                f"first parameter, goes to {effect.absent_at:g}; put the size first, or give absent_at"
+            )

@@ -1,0 +1,143 @@
+"""Effects of tests in time keep their contract, and a broken one is told apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from springpot.errors import ModelError
+from springpot.measurement import Answered, Loading, Record, Stage, Timed, TimeEffect, TimeTest
+from springpot.registry import parse_model, parse_timed, plugins
+from springpot.rheology import FORCE, Parameter
+from springpot.testing import check_time_effect
+from springpot.timetests import identify, recorded
+
+EFFECTS = list(plugins().items("time effect"))
+MODEL = parse_model("fractional-zener")
+THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
+T = np.linspace(0.0, 15.0, 400)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_each_keeps_its_contract(effect):
+    assert check_time_effect(effect) == []
+
+
+def offset(record: Record, response, size):
+    return Answered(response + size, (2.0 * np.ones_like(response),), np.ones_like(response))
+
+
+BROKEN = TimeEffect(
+    "offset",
+    Stage.RESPONSE,
+    (Parameter("size", "F", FORCE),),
+    offset,
+    "the zero is off",
+    "a constant, all along",
+    "none",
+)
+
+
+def test_a_wrong_derivative_is_found():
+    assert any("derivative by offset.size is wrong" in says for says in check_time_effect(BROKEN))
+
+
+def test_an_effect_that_does_not_vanish_is_found():
+    def never(record, response, size):
+        return Answered(response + size + 1.0, (np.ones_like(response),), np.ones_like(response))
+
+    says = check_time_effect(replace(BROKEN, law=never))
+    assert any("still changes when size" in each for each in says)
+
+
+def test_words_without_a_signature_are_found():
+    assert any("signature" in each for each in check_time_effect(replace(BROKEN, signature="")))
+
+
+def held(effect, values, test):
+    model = Timed(MODEL, (plugins().find("time effect", effect),))
+    return recorded(model, np.concatenate([THETA, values]), test).value
+
+
+def test_a_slow_step_is_a_ramp():
+    t = np.geomspace(0.01, 100.0, 50)
+    step = TimeTest.of_relaxation(t, t, "kPa")
+    ramp = TimeTest.of_relaxation(t, t, "kPa", rise=0.3)
+    assert held("finite-ramp", [0.3], step) == pytest.approx(recorded(MODEL, THETA, ramp).value, rel=1e-5)
+
+
+def test_play_is_what_is_left_of_a_spring_with_a_slider():
+    x = np.sin(1.3 * T) * (1.0 + 0.3 * np.sin(0.31 * T))
+    test = TimeTest.of_history(T, x, 3.0 * x, "mm", "N")
+    end, followed = 0.0, []
+    for here in x:
+        end = min(max(end, here - 0.2), here + 0.2)
+        followed.append(end)
+    behind = TimeTest.of_history(T, np.array(followed), 3.0 * x, "mm", "N")
+    assert held("backlash-in-time", [0.2], test) == pytest.approx(recorded(MODEL, THETA, behind).value, abs=1e-6)
+
+
+def test_a_bearing_that_holds_lets_less_through_and_holds_back():
+    loading = Loading(np.array([0.0, 0.0, 7.0, 7.0, 15.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
+    test = TimeTest(T[1:], T[1:], loading, "force", "mm", "N")
+    less = Loading(loading.time, np.array([0.0, 0.9, 0.9, 0.1, 0.1]))
+    wanted = recorded(MODEL, THETA, replace(test, loading=less)).value
+    assert held("bearing-friction", [0.1], test) == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_material_that_ages_as_fast_as_time_answers_to_its_logarithm():
+    t = np.geomspace(0.01, 100.0, 50)
+    test = TimeTest.of_relaxation(t, t, "kPa")
+    wanted = MODEL.relaxation(THETA, 3.0 * np.log1p(t / 3.0))
+    assert held("ageing", [1.0, 3.0], test) == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_specimen_that_is_colder_at_first_runs_slower_at_first():
+    t = np.geomspace(0.01, 100.0, 50)
+    test = TimeTest.of_relaxation(t, t, "kPa")
+    found = held("thermal-transient", [2.0, 5.0], test)
+    assert found[0] == pytest.approx(MODEL.relaxation(THETA, np.exp(-2.0) * t[:1])[0], rel=1e-2)
+    assert np.all(found >= MODEL.relaxation(THETA, t) * (1.0 - 1e-5))
+
+
+def test_damage_is_counted_by_the_way_and_not_by_the_samples():
+    x = np.sin(2.0 * T)
+    whole = held("damage", [0.05], TimeTest.of_history(T, x, 3.0 * x, "mm", "N"))
+    model = Timed(MODEL, (plugins().find("time effect", "damage"),))
+    some = recorded(model, np.append(THETA, 0.05), TimeTest.of_history(T, x, 3.0 * x, "mm", "N"), at=T[::7]).value
+    assert whole[::7] == pytest.approx(some, rel=1e-6, abs=1e-6)
+
+
+def test_a_mass_does_not_go_by_the_clock_of_its_material():
+    t = np.geomspace(0.01, 100.0, 50)
+    test = TimeTest.of_compliance(t, t, "kPa")
+    model = parse_timed("fractional-zener + inertia + ageing")
+    theta = model.vector({"k1": 50.0, "k2": 400.0, "c": 60.0, "alpha": 0.5, "inertia.m": 1.0, "ageing.mu": 0.5,
+                          "ageing.waited": 1.0})  # fmt: skip
+    with pytest.raises(ModelError, match="does not go by the clock"):
+        recorded(model, theta, test)
+
+
+def test_an_expression_may_name_effects_of_either_kind():
+    model = parse_timed("fractional-zener + force-drift + inertia")
+    assert model.names[-2:] == ("inertia.m", "force-drift.rate")
+    assert isinstance(parse_timed("fractional-zener"), type(MODEL))
+    with pytest.raises(ModelError, match="write MODEL"):
+        parse_timed("force-drift")
+    with pytest.raises(ModelError, match="already"):
+        parse_timed("fractional-zener + force-drift + force-drift")
+
+
+def test_a_named_effect_is_identified_with_the_model():
+    t = np.geomspace(0.01, 100.0, 120)
+    model = parse_timed("fractional-zener + thermal-force")
+    truth = np.concatenate([THETA, [-20.0, 8.0]])
+    exact = recorded(model, truth, TimeTest.of_relaxation(t, t, "kPa")).value
+    noise = 0.3 * np.random.default_rng(2).normal(size=len(t))
+    found = identify(TimeTest.of_relaxation(t, exact + noise, "kPa"), model)
+    low, high = found.interval
+    assert np.all((low < truth) & (truth < high))
+    with pytest.raises(ModelError, match="cannot be seen in such a test"):
+        identify(TimeTest.of_compliance(t, MODEL.creep(THETA, t), "kPa"), model)
