@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.errors import DataError, SpringpotError
 from springpot.measurement import Timed
+from springpot.registry import parse_timed
 from springpot.rheology import Model
 
 from .identify import identify
@@ -65,7 +66,7 @@ class TimeComparison:
 
 
 def compare(
-    tests: Sequence[Test], models: Sequence[Model | Timed], progress: Callable[[str], None] | None = None
+    tests: Sequence[Test], models: Sequence[Model | Timed | str], progress: Callable[[str], None] | None = None
 ) -> TimeComparison:
     """Judge models of tests in time, each fitted to all of them together.
 
@@ -73,7 +74,7 @@ def compare(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    models : sequence of Model or Timed
+    models : sequence of Model, Timed or str
         Those that have no law in time, or lack a condition, are named as left out.
     progress : callable, optional
         Told in a few words what is being done.
@@ -95,7 +96,7 @@ def compare(
     """
     fits: list[TimeIdentification] = []
     left_out: dict[str, str] = {}
-    for model in models:
+    for model in [parse_timed(each) if isinstance(each, str) else each for each in models]:
         if progress is not None:
             progress(f"fitting {model.name}")
         try:

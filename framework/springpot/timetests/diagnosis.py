@@ -14,6 +14,7 @@ import numpy as np
 from springpot.errors import SpringpotError
 from springpot.identification import is_material
 from springpot.measurement import Timed, TimeTest, grown, material_of, noise_of
+from springpot.registry import library_in_time, parse_timed
 from springpot.rheology import Model, Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
@@ -26,7 +27,7 @@ from .scatter import Scatter
 from .score import AnyEffect, Promise, Scan
 from .where import places, worst_first
 
-LEADING = 9
+LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
 FEWEST = 3
 """Effects that are fitted even where nothing promises much, so that the answer says how little they would help."""
@@ -40,7 +41,7 @@ MARGIN = 12.0
 """Difference of the Bayesian information criterion within which an effect is near the best: twice that of a class."""
 UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
-COSTLY = 0.5
+COSTLY = 0.05
 """Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
 TWINS = 0.995
 """Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
@@ -77,8 +78,8 @@ class Tried:
 
 def diagnose(
     tests: Sequence[Test] | Test,
-    model: Model | Timed,
-    effects: Iterable[AnyEffect],
+    model: Model | Timed | str,
+    effects: Iterable[AnyEffect] | None = None,
     *,
     base: TimeIdentification | None = None,
 ) -> TimeDiagnosis:
@@ -88,11 +89,11 @@ def diagnose(
     ----------
     tests : TimeTest, Measurement, or a sequence of them
         Of one specimen, at least one in time.
-    model : Model or Timed
-        The model to be judged.
-    effects : iterable of Effect or TimeEffect
-        What may be missing. Those without a law in time, or whose conditions the tests lack, are passed over; the
-        seven that promise most are fitted.
+    model : Model, Timed or str
+        The model to be judged, or its expression, such as ``"fractional-zener + force-drift"``.
+    effects : iterable of Effect or TimeEffect, optional
+        What may be missing; by default all that is installed. Those without a law in time, or whose conditions the
+        tests lack, are passed over.
     base : TimeIdentification, optional
         The fit of the model, where it is known already.
 
@@ -118,7 +119,8 @@ def diagnose(
     'force-drift'
     """
     given = [tests] if isinstance(tests, TimeTest) or not isinstance(tests, Sequence) else list(tests)
-    library = list(effects)
+    model = parse_timed(model) if isinstance(model, str) else model
+    library = library_in_time() if effects is None else list(effects)
     found = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), found)
     return found if noise is None else _judged(given, model, library, None, noise)
@@ -214,7 +216,7 @@ def _nearly(
         seeds.append(_grown(base.theta, base, promises[0], model))
         search = Search(model, quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
-        starts = [*(search.inside(u) for u in search.starts()[:-1]), search.starts()[-1]]
+        starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
         try:
             u, _ = search.near(quick, starts)
             left = Left.by(model, search.theta(u), base.reference, quick)
@@ -223,7 +225,7 @@ def _nearly(
                 continue
             parts = [part.exact if isinstance(part, QuickPart) else part for part in quick]
             try:
-                u, _ = search.near(parts, starts[:2])
+                u, _ = search.near(parts, starts[:STARTS])
                 left = Left.by(model, search.theta(u), base.reference, parts)
             except SpringpotError:
                 continue

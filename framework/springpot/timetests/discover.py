@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.measurement import Timed, grown
+from springpot.registry import library_in_time, parse_timed
 from springpot.rheology import Model
 
 from .answer import TimeDiagnosis
@@ -95,8 +96,8 @@ class TimeLadder:
 
 def discover(
     tests: Sequence[Test],
-    model: Model | Timed,
-    effects: Sequence[AnyEffect],
+    model: Model | Timed | str,
+    effects: Sequence[AnyEffect] | None = None,
     accept: Sequence[AnyEffect] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> TimeLadder:
@@ -106,10 +107,10 @@ def discover(
     ----------
     tests : sequence of TimeTest or Measurement
         Of one specimen, at least one in time.
-    model : Model or Timed
+    model : Model, Timed or str
         Where to begin.
-    effects : sequence of Effect or TimeEffect
-        What may be missing.
+    effects : sequence of Effect or TimeEffect, optional
+        What may be missing; by default all that is installed.
     accept : sequence of Effect or TimeEffect, optional
         Effects to add, in this order; without it the evidence decides.
     progress : callable, optional
@@ -125,6 +126,8 @@ def discover(
     SpringpotError
         If the model, or one with an effect that was asked for, does not fit the tests.
     """
+    model = parse_timed(model) if isinstance(model, str) else model
+    effects = library_in_time() if effects is None else effects
 
     def told(words: str) -> None:
         if progress is not None:

@@ -263,6 +263,10 @@ class Search:
         linear = ~self.coordinates.log & (width > 0.0)
         return np.where(linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary)
 
+    def centred(self, u: Real) -> Real:
+        """A start whose parameters that went astray begin anew at their natural size."""
+        return self.inside(np.where(self.coordinates.log & (np.abs(u) > FAR), 0.0, u))
+
     def theta(self, u: Real) -> Real:
         """Parameters (p,) at u (p,), within their bounds."""
         theta = self.coordinates.theta(u, self.size)

@@ -26,9 +26,9 @@ MEMORIES = np.linspace(0.0, 0.7, 36)
 """Correlations of neighbours that are tried: beyond 0.7 what is alike over five samples and more is no noise."""
 GROUPS = 4
 """Octaves below the upper part, each with a size of its own where there is a misfit."""
-PLAIN = 18.0
-"""Twice the logarithm of the likelihood ratio from which a misfit is plain: of 24,000 simulated records of noise, of
-40 to 1,000 samples with memories from 0 to 0.8, less than 0.3 % exceed it."""
+PLAIN = 22.0
+"""Twice the logarithm of the likelihood ratio from which a misfit is plain: of simulated records of noise, 40 to
+1,000 samples with memories from 0 to 0.6, three in a thousand exceed 18."""
 PARTS = 16
 """Parts of a record of which each alone may be missed."""
 LOCAL = 1e-3

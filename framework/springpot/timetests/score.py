@@ -33,7 +33,7 @@ STEEP = 1.2
 have 1, Basset's layer 1.5, a mass 2."""
 NEXT_TO_NOTHING = 1e-6
 """Of the natural size of an effect, where its share of K is linear."""
-RESONANCES = 6
+RESONANCES = 12
 """Sizes at which an effect that makes the specimen swing is tried."""
 KNOWN = 1e-8
 """Share of the best known direction of the parameters below which one is not known at all."""
