@@ -38,7 +38,7 @@ def test_what_is_printed_is_the_text_of_the_command_line(ladder, compared, capsy
     run(["discover", DATA, "--model", MODEL, "--accept", "inertia"])
     assert capsys.readouterr().out == f"{ladder}\n"
     run(["compare", DATA, "--model", MODEL, "--model", f"{MODEL} + inertia"])
-    assert capsys.readouterr().out == f"{compared}\n"
+    assert capsys.readouterr().out.startswith(f"{compared}\n\nnext: ")
     run(["diagnose", DATA, "--model", MODEL])
     assert capsys.readouterr().out.startswith(f"{ladder.steps[0].case.diagnosis}\n")
 
