@@ -169,5 +169,5 @@ def refit(model: Model, data: Averaged, noise: Noise, seeds: Sequence[Real] = ()
     starts : int
         Starts read off the data.
     """
-    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds))
+    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds), negligible=float(__import__('os').environ.get('NEG','1e-13')))
     return Refit(found, noise, data)

@@ -83,7 +83,8 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     full[:, old] = theta
     full[:, new] = grid
     with np.errstate(all="ignore"):  # settings beyond what floating-point numbers hold are left out below
-        change = _finite(grown.network.respond(full, measurement.points).value - stiffness)
+        with_effect = model.fixed_at(theta) + effect
+        change = _finite(with_effect.network.respond(grid, measurement.points).value - stiffness)
     relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
     usable = np.isfinite(relative) & (relative > 1e-7)
     names = tuple(parameter.name for parameter in added)

@@ -123,7 +123,8 @@ def levenberg_marquardt(
     damping : float
         Of the first step.
     flat : float
-        A row has converged once the drop foretold is this fraction of its objective.
+        A row has converged once the drop foretold is this fraction of its objective. Only a step that is hardly
+        damped foretells all that is left to gain; a damped one counts from `FLAT` on.
 
     Returns
     -------
@@ -189,7 +190,8 @@ def _advance(
     gain = state.cost - cost
     better = gain > 0.0
     still = np.abs(step).max(axis=1, initial=0.0) <= STILL
-    level = np.abs(predicted) <= flat * state.cost
+    within = np.where(state.damping <= START_DAMPING, flat, FLAT)
+    level = np.abs(predicted) <= within * state.cost
     _damp(state, better, gain / predicted)
     state.put(better, (trial, cost, gradient, jtj, residual))
     finished: NDArray[np.bool_] = still | level | (state.cost <= floor)

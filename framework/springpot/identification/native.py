@@ -15,7 +15,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Points, Real
 
 from .alignment import superposed
-from .leastsquares import Rows, Solution
+from .leastsquares import FLAT, Rows, Solution
 from .material import fit_spectrum, is_material
 from .objective import Objective
 from .problem import Problem
@@ -29,6 +29,8 @@ LAST = 20
 """Steps with all points of a large data set; most of the way was gone with a few of them."""
 QUICK = 10
 """Steps in all parameters before the shapes are searched."""
+ALIKE = 10.0
+"""Ends within so many times what is not worth a step are one end: each may stop that far above it."""
 AGREE = 3
 """Starts that must end in the same optimum for it to be believed."""
 JITTERS = 32
@@ -160,6 +162,7 @@ def fit(
     starts: int = 8,
     seeds_theta: Sequence[Real] = (),
     rng: np.random.Generator | None = None,
+    negligible: float = FLAT,
 ) -> Fit:
     """Fit a model to a measurement.
 
@@ -177,6 +180,8 @@ def fit(
         Further starts, such as the fit of a simpler model with a small effect added; they come first.
     rng : numpy.random.Generator, optional
         Moves the scanned shapes; without it they are always the same.
+    negligible : float
+        Share of the objective that is not worth a further step; by default what rounding leaves.
 
     Returns
     -------
@@ -209,10 +214,10 @@ def fit(
     seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
     coarse = task.thin(COARSE_POINTS)
     if model.constrained:
-        solution = coarse.solve(seeds[None])
+        solution = coarse.solve(seeds[None], flat=negligible)
         evaluations = solution.evaluations
     else:
-        solution, evaluations = _search(coarse, seeds, starts, offset)
+        solution, evaluations = _search(coarse, seeds, starts, offset, negligible)
     if coarse is not task:
         solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
         evaluations += solution.evaluations
@@ -264,7 +269,7 @@ def _released_starts(model: Model, measurement: Measurement, objective: Objectiv
     return list(_within(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
-def _search(task: Task, seeds: Real, starts: int, offset: float) -> tuple[Solution, int]:
+def _search(task: Task, seeds: Real, starts: int, offset: float, negligible: float) -> tuple[Solution, int]:
     """Solutions for one data set from `seeds` (s, p) and from starts read off the data, and the evaluations spent.
 
     Most fits are settled by a few steps in all parameters. Where they are not, a narrow curved valley holds them up:
@@ -274,15 +279,15 @@ def _search(task: Task, seeds: Real, starts: int, offset: float) -> tuple[Soluti
     if starts:
         shapes, placed = task.starts(starts, offset)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
-    quick = task.solve(u[None], iterations=QUICK, damping=1e-4)
+    quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=negligible)
     evaluations += quick.evaluations
-    if _settled(quick, task.floor[0], AGREE, 1e-9):
+    if _settled(quick, task.floor[0], AGREE, max(1e-9, ALIKE * negligible)):
         return quick, evaluations
     best = quick.u[np.argsort(quick.cost)[:1]]
     v = task.shaped(np.concatenate([best, seeds]))
-    valley = task.solve_shapes((np.concatenate([v, shapes[0]]) if starts else v)[None])
+    valley = task.solve_shapes((np.concatenate([v, shapes[0]]) if starts else v)[None], flat=max(negligible, 1e-10))
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
-    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6)
+    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6, flat=negligible)
     return last, evaluations + valley.evaluations + last.evaluations
 
 

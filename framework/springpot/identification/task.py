@@ -12,7 +12,7 @@ from springpot.rheology import GRADIENT, Complex, Model, Points, Real
 from .branches import Branches, branches_of, interleaved, plane_data, project
 from .coordinates import Coordinates
 from .derivative import require_derivative
-from .leastsquares import Evaluate, Rows, Solution, levenberg_marquardt
+from .leastsquares import FLAT, Evaluate, Rows, Solution, levenberg_marquardt
 from .starts import Grid, shapes_of, thinned
 
 SCAN_POINTS = 64
@@ -208,7 +208,7 @@ class Task:
         log_gain = np.log(gains).reshape(count, starts, -1) * (-1.0 if self.branches.compliance else 1.0)
         return self._scaled(v, log_gain)
 
-    def solve_shapes(self, v: Real, iterations: int = 60) -> Solution:
+    def solve_shapes(self, v: Real, iterations: int = 60, flat: float = 1e-10) -> Solution:
         """Descend from shapes (B, s, d) with the gains projected out; rows run over data sets, then starts."""
         count, starts, d = v.shape
         owner = np.repeat(np.arange(count), starts)
@@ -219,12 +219,12 @@ class Task:
             lower[owner],
             upper[owner],
             floor=self.shape_floor[owner],
-            flat=1e-10,
+            flat=flat,
             team=owner if starts > 1 else None,
             iterations=iterations,
         )
 
-    def solve(self, u: Real, iterations: int = 100, damping: float = 1e-2) -> Solution:
+    def solve(self, u: Real, iterations: int = 100, damping: float = 1e-2, flat: float = FLAT) -> Solution:
         """Descend from search coordinates (B, s, p); rows of the result run over data sets, then starts."""
         count, starts, p = u.shape
         owner = np.repeat(np.arange(count), starts)
@@ -238,6 +238,7 @@ class Task:
             team=owner if starts > 1 else None,
             iterations=iterations,
             damping=damping,
+            flat=flat,
         )
 
     def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:

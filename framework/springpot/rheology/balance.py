@@ -20,9 +20,10 @@ from .parameters import AMPLITUDE, FORCE, PURE, Parameter, stiffness
 from .points import Complex, Points, Real
 
 NEWTON_STEPS = 40
-"""Six are enough but for an element that hardens or slips by powers of ten; the equation is monotone."""
-LONGEST = 2.0
-"""Longest step in the logarithm of the amplitude, so that a step from far off does not overshoot."""
+"""Six are enough for exponents from 0.1 to 3 and forces over nine decades; the equation is monotone."""
+LONGEST = 100.0
+"""Longest step in the logarithm of the amplitude. Between its two asymptotes the equation bends one way, so that a
+long first step ends beyond the solution and the next ones come back to it; this only keeps numbers finite."""
 CONVERGED = 1e-8
 """Step after which nothing is left to rounding, as the error of Newton's method is squared each time."""
 
@@ -79,23 +80,25 @@ class BalancedSeries(Composition):
 
     def _balanced(self, body: Complex, own: Real, at: Points, depth: int) -> tuple[Response, Complex]:
         """The element's response at the amplitude that it takes, and dK_e / d ln X_e there."""
-        element = self.children[1]
-        while not isinstance(element, Compliant):
-            element = element.node  # type: ignore[attr-defined]  # names in front of its parameters
+        outer = element = self.children[1]
+        theta = own
+        while not isinstance(element, Compliant):  # names in front of its parameters, values that are held
+            theta, element = element.within(theta)
         log_whole = np.log(at.need("amplitude")) + np.log(np.abs(body))
-        log_own = np.broadcast_to(np.log(at.need("amplitude")), body.shape)
+        shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
+        log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
         for _ in range(NEWTON_STEPS):
             there = replace(at, amplitude=np.exp(log_own))
-            found = element.respond(own, there).value
+            found = element.respond(theta, there).value
             both = body + found
             off = log_own + np.log(np.abs(both)) - log_whole
-            step = np.clip(-off / (1.0 + np.real(element.log_slope(own, found) / both)), -LONGEST, LONGEST)
+            step = np.clip(-off / (1.0 + np.real(element.log_slope(theta, found) / both)), -LONGEST, LONGEST)
             log_own = log_own + step
             if np.max(np.abs(step), initial=0.0) < CONVERGED:
                 break
         there = replace(at, amplitude=np.exp(log_own))
-        response = element.respond(own, there, depth)
-        return response, element.log_slope(own, response.value)
+        response = outer.respond(own, there, depth)
+        return response, element.log_slope(theta, response.value)
 
 
 balanced_series = Composing(BalancedSeries)

@@ -71,7 +71,7 @@ class Formula(Node):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The law, in the shapes that compositions expect."""
         value, slopes, by_log_omega = self.law(at, *self._columns(theta))
-        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
+        shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape, np.shape(value))
         whole = _spread(value, shape)
         if depth == VALUE:
             return Response(whole)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
-from .nodes import Mapped, Node
+from .nodes import Mapped, Node, Response
 from .parameters import Parameter
 from .points import Complex, Points, Real
 
@@ -69,6 +69,42 @@ class Held(Mapped):
         predict = getattr(self.node, "third_harmonic", None)
         found: Complex | None = None if predict is None else predict(self.forward(theta), at)
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed(Node):
+    """A node at given parameters: it has none of its own, and is evaluated once however many settings stand beside it.
+
+    Parameters
+    ----------
+    node : Node
+        What is fixed.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    """
+
+    node: Node
+    theta: Real
+
+    @property
+    def parameters(self) -> tuple[()]:
+        """None are left."""
+        return ()
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """What the inner node needs."""
+        return self.node.needs
+
+    def within(self, theta: Real) -> tuple[Real, Node]:
+        """The inner node and its parameters."""
+        return self.theta, self.node
+
+    def respond(self, theta: Real, at: Points, depth: int = 0) -> Response:
+        """The inner node's response, without leading axes where the points have none."""
+        response = self.node.respond(self.theta, at, depth)
+        empty = np.zeros((*response.value.shape[:-1], 0, response.value.shape[-1]), dtype=np.complex128)
+        return response._replace(by_theta=empty)
 
 
 def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) -> Node:

@@ -66,6 +66,10 @@ class Node:
         """Condition columns (such as "amplitude") without which the node cannot be evaluated."""
         return frozenset()
 
+    def within(self, theta: Real) -> tuple[Real, Node]:
+        """The node that this one stands for, with that node's parameters; an element stands for itself."""
+        return theta, self
+
     def with_prefix(self, prefix: str) -> Node:
         """The node with every parameter name preceded by `prefix` and a dot."""
         return Renamed(self, prefix)
@@ -91,6 +95,10 @@ class Renamed(Node):
     def needs(self) -> frozenset[str]:
         """What the inner node needs."""
         return self.node.needs
+
+    def within(self, theta: Real) -> tuple[Real, Node]:
+        """The inner node, whose parameters have the same values."""
+        return theta, self.node
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The inner node's response: names change nothing."""
@@ -341,6 +349,10 @@ class Mapped(Node):
     def needs(self) -> frozenset[str]:
         """What the inner node needs."""
         return self.node.needs
+
+    def within(self, theta: Real) -> tuple[Real, Node]:
+        """The inner network with its element parameters."""
+        return self.forward(theta), self.node
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The inner response, its derivative carried through the map."""
