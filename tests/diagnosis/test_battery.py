@@ -8,6 +8,7 @@ import pytest
 import springpot
 from springpot.diagnosis.battery import TESTS, battery
 from springpot.diagnosis.floor import fitted_to_floor
+from springpot.diagnosis.frame import near_an_alarm
 
 MODEL = springpot.parse_model("fractional-zener")
 TRUTH = np.array([100.0, 400.0, 60.0, 0.5])
@@ -80,3 +81,12 @@ def test_every_test_has_a_sentence_and_a_silent_battery_finds_nothing():
 def test_the_same_generator_gives_the_same_chances():
     data = sweeps("normal", 2)
     assert judged(data).parts == judged(data).parts
+
+
+OPEN = [(0.004, 2000), (0.009, 2000), (0.005, 20000)]
+SETTLED = [(0.0005, 2000), (0.05, 2000), (0.009, 20000)]
+
+
+@pytest.mark.parametrize(("chance", "draws"), OPEN + SETTLED)
+def test_more_is_drawn_only_where_the_verdict_is_open(chance, draws):
+    assert near_an_alarm(chance, draws) is ((chance, draws) in OPEN)

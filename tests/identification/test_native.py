@@ -5,7 +5,7 @@ import pytest
 from native_problems import OMEGA, POINTS, TRUTHS, noisy, random_truths, relative_weights, setup
 
 from springpot.errors import DataError, ModelError
-from springpot.identification import fit, fit_batch
+from springpot.identification import Effort, fit, fit_batch
 from springpot.identification.native import COARSE_POINTS
 from springpot.measurement import Measurement
 from springpot.registry import parse_model, plugins
@@ -160,3 +160,19 @@ def test_bounds_are_never_left(rng):
     assert 0.0 <= found.theta[2] <= 1.0
     assert np.all(found.theta[:2] >= 0.0)
     assert found.theta[2] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_hopeless_model_is_not_searched_further(rng):
+    model, _, data = setup("fractional-zener")
+    wrong = parse_model("kelvin")
+    whole = fit(wrong, data)
+    assert fit(wrong, data, effort=Effort(hopeless=0.1 * whole.cost)).evaluations <= whole.evaluations
+    assert fit(model, data, effort=Effort(hopeless=0.0)).cost <= whole.cost
+
+
+def test_less_effort_stops_within_what_is_negligible(rng):
+    model, _, data = setup("fractional-zener")
+    measured = Measurement(OMEGA, noisy(data.stiffness, 0.02, rng))
+    exact, quick = fit(model, measured), fit(model, measured, effort=Effort(negligible=1e-6))
+    assert quick.cost == pytest.approx(exact.cost, rel=1e-5)
+    assert quick.evaluations <= exact.evaluations

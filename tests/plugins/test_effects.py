@@ -256,3 +256,19 @@ def test_linear_effects_make_no_third_harmonic(name):
         np.testing.assert_array_equal(third, np.zeros(6))
     elif third is not None and name not in {"crosstalk", "self-heating"}:
         assert np.max(np.abs(third)) > 1e-3
+
+
+@pytest.mark.parametrize("first", ["wlf-shift", "hardening-mount", "fixture-resonance"])
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_model_fixed_at_its_parameters_grows_as_the_model_itself(name, first):
+    """What the scan evaluates for all settings of an effect is the grown model with the others held."""
+    model, theta = grown("fractional-zener", first)
+    effect = EFFECTS[name]
+    own = own_theta(effect) * np.array([[1.0], [0.9], [1.05]])
+    with_effect = model + effect
+    new = [i for i, parameter in enumerate(with_effect.names) if parameter not in model.names]
+    old = [i for i in range(len(with_effect.names)) if i not in new]
+    full = np.empty((3, len(with_effect.names)))
+    full[:, old], full[:, new] = theta, own
+    found = (model.fixed_at(theta) + effect).stiffness(own, POINTS)
+    np.testing.assert_allclose(found, with_effect.stiffness(full, POINTS), rtol=1e-12)

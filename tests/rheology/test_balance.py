@@ -51,3 +51,17 @@ def test_an_element_between_two_amplitudes_stiffens_or_gives_way():
         theta = np.array([2.0, 1.0, 1.0, second])
         change = np.abs(model.stiffness(theta, twice)) - np.abs(model.stiffness(theta, AT))
         assert np.all((change > 0.0) == grows)
+
+
+def test_the_balance_is_found_however_far_the_element_is_from_the_model():
+    model = parse_model("kelvin + power-law-slip")
+    force, exponent = (each.ravel() for each in np.meshgrid(np.geomspace(1e-6, 1e3, 10), [0.1, 0.3, 0.7]))
+    theta = np.column_stack([np.full(30, 2.0), np.full(30, 1.0), force, exponent])
+    whole, solid = model.stiffness(theta, AT), 2.0 + 1j * AT.omega
+    alone = parse_model("kelvin + power-law-damper")
+    across = np.maximum(AT.amplitude * np.abs(1.0 - whole / solid), 1e-300)
+    for i in range(30):
+        there = Points(AT.log_omega, amplitude=across[i])
+        film = alone.stiffness(np.array([2.0, 1.0, force[i], exponent[i]]), there) - solid
+        seen = across[i] / AT.amplitude > 1e-6  # a film that hardly moves is the rounding of a difference here
+        np.testing.assert_allclose(whole[i][seen], (1.0 / (1.0 / film + 1.0 / solid))[seen], rtol=1e-6)

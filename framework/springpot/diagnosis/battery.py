@@ -20,7 +20,7 @@ from scipy.stats import chi2
 from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .frame import Frame, orthonormal, spectrum
+from .frame import DRAWN, Drawn, Frame, near_an_alarm, orthonormal, spectrum
 from .noise import Averaged
 from .outliers import outlying
 from .policy import BATTERY, OUTLIERS, SWEEPS, VERDICT
@@ -133,7 +133,7 @@ class ResidualTest(NamedTuple):
     """
 
     name: str
-    statistic: Callable[[Frame, Real], Real | None]
+    statistic: Callable[[Frame, Drawn], Real | None]
     says: Callable[[Frame], tuple[float, str]]
 
 
@@ -147,16 +147,17 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    sample = np.concatenate([frame.standard(frame.rest[None, :]), frame.draws(BATTERY.draws, rng)])
+    measured = frame.standard(frame.rest[None, :]).astype(DRAWN)
+    sample = np.concatenate([measured, frame.draws(BATTERY.draws, rng)])
     statistics = _statistics(frame, sample)
-    tested = replace(_judged(statistics, frame), points=tuple(outlying(frame).tolist()))
-    if not BATTERY.edge[0] < tested.p_value < BATTERY.edge[1]:
-        return tested
-    # Near the alarms two thousand draws leave the verdict to the seed: twenty thousand do not.
-    more = [statistics]
-    more += [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(BATTERY.more)]
-    finer = _judged({name: np.concatenate([each[name] for each in more]) for name in statistics}, frame)
-    return replace(finer, points=tested.points)
+    tested = _judged(statistics, frame)
+    for rounds in BATTERY.further:
+        if not near_an_alarm(tested.p_value, len(statistics["runs"])):
+            break
+        more = [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(rounds)]
+        statistics = {name: np.concatenate([known, *(m[name] for m in more)]) for name, known in statistics.items()}
+        tested = _judged(statistics, frame)
+    return replace(tested, points=tuple(outlying(frame).tolist()))
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
@@ -207,7 +208,7 @@ def drift_share(data: Averaged) -> float:
     return float(np.sum(along**2)) / size
 
 
-def _statistics(frame: Frame, sample: Real) -> dict[str, Real]:
+def _statistics(frame: Frame, sample: Drawn) -> dict[str, Real]:
     values = {test.name: test.statistic(frame, sample) for test in TESTS}
     return {name: value for name, value in values.items() if value is not None}
 
@@ -227,10 +228,10 @@ def _chances(values: Real) -> Real:
 
 
 # Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the other.
-def _scatter(frame: Frame, sample: Real) -> Real | None:
+def _scatter(frame: Frame, sample: Drawn) -> Real | None:
     if frame.estimated:
         return None
-    return np.asarray(np.sum(sample * sample, axis=1), dtype=np.float64)
+    return np.asarray(np.einsum("ij,ij->i", sample, sample), dtype=np.float64)
 
 
 def _scatter_in_words(frame: Frame) -> tuple[float, str]:
@@ -240,8 +241,8 @@ def _scatter_in_words(frame: Frame) -> tuple[float, str]:
     return value, says
 
 
-def _part(number: int) -> Callable[[Frame, Real], Real]:
-    def statistic(frame: Frame, sample: Real) -> Real:
+def _part(number: int) -> Callable[[Frame, Drawn], Real]:
+    def statistic(frame: Frame, sample: Drawn) -> Real:
         n = len(frame.measurement)
         return np.asarray(np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64)
 
@@ -260,12 +261,13 @@ def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str
 
 
 # Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at a frequency.
-def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Real], Real | None]:
-    def statistic(frame: Frame, sample: Real) -> Real | None:
+def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real | None]:
+    def statistic(frame: Frame, sample: Drawn) -> Real | None:
         basis = basis_of(frame)
         if basis.shape[1] == 0:
             return None
-        return np.asarray(np.sum((sample @ basis) ** 2, axis=1), dtype=np.float64)
+        along = sample @ basis.astype(sample.dtype)
+        return np.asarray(np.einsum("ij,ij->i", along, along), dtype=np.float64)
 
     return statistic
 
@@ -302,8 +304,8 @@ def _in_order(frame: Frame) -> list[Rows]:
     return [np.arange(len(frame.measurement))]
 
 
-def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Real], Real]:
-    def statistic(frame: Frame, sample: Real) -> Real:
+def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Real]:
+    def statistic(frame: Frame, sample: Drawn) -> Real:
         n = len(frame.measurement)
         total: Real = np.zeros(len(sample))
         for rows in orders(frame):
@@ -314,12 +316,12 @@ def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Real], Rea
     return statistic
 
 
-def _kinship(rows: Real) -> Real:
+def _kinship(rows: Drawn) -> Real:
     """Weighted sum of products of neighbours along the last axis."""
-    total: Real = np.zeros(rows.shape[:-1])
+    total: Drawn = np.zeros(rows.shape[:-1], dtype=rows.dtype)
     for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):
         total += weight * np.einsum("...i,...i->...", rows[..., lag:], rows[..., :-lag])
-    return total
+    return np.asarray(total, dtype=np.float64)
 
 
 def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callable[[Frame], tuple[float, str]]:
@@ -335,9 +337,9 @@ def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callabl
     return says
 
 
-def _ripple(frame: Frame, sample: Real) -> Real:
+def _ripple(frame: Frame, sample: Drawn) -> Real:
     """Largest power of a periodic residual along the sweeps, of one period in all of them."""
-    return np.asarray(spectrum(frame.measurement, sample).max(axis=1), dtype=np.float64)
+    return np.asarray(spectrum(frame.measurement, sample).max(axis=1))
 
 
 def _ripple_in_words(frame: Frame) -> tuple[float, str]:
@@ -347,8 +349,9 @@ def _ripple_in_words(frame: Frame) -> tuple[float, str]:
 
 
 # What stands out: one frequency in all sweeps, single points, multiples of the mains.
-def _one_frequency(frame: Frame, sample: Real) -> Real:
-    return np.asarray(np.max(np.abs(sample @ frame.narrow), axis=1, initial=0.0), dtype=np.float64)
+def _one_frequency(frame: Frame, sample: Drawn) -> Real:
+    narrow = frame.narrow.astype(sample.dtype)
+    return np.asarray(np.max(np.abs(sample @ narrow), axis=1, initial=0.0), dtype=np.float64)
 
 
 def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
@@ -357,7 +360,7 @@ def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
     return size, f"at one frequency, with its neighbours or alone, the residual is off by {size:.2g} sd in all sweeps"
 
 
-def _largest(frame: Frame, sample: Real) -> Real | None:
+def _largest(frame: Frame, sample: Drawn) -> Real | None:
     """The furthest point; where the data's own scatter is dealt out, it is dealt out too, and tells nothing."""
     if frame.estimated:
         return None
@@ -396,7 +399,7 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
     return before, here, after
 
 
-def _hum(frame: Frame, sample: Real) -> Real | None:
+def _hum(frame: Frame, sample: Drawn) -> Real | None:
     """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
     near = np.tile(_near_mains(frame.measurement.frequency), 2)[here]

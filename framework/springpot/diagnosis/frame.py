@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import rfft
 from scipy.linalg import svd
 from scipy.stats import chi2, f
 
@@ -16,6 +18,10 @@ from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sw
 from springpot.rheology import Complex, Real
 
 from .policy import BATTERY, SCATTER, SWEEPS
+
+DRAWN = np.float32
+"""Precision of simulated residuals: seven digits of a chance that is known to one."""
+Drawn: TypeAlias = NDArray[np.floating]
 
 
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
@@ -61,7 +67,7 @@ def shared_shapes(measurement: Measurement) -> Real:
     return shared
 
 
-def spectrum(measurement: Measurement, sample: Real) -> Real:
+def spectrum(measurement: Measurement, sample: Drawn) -> Drawn:
     """Power of whitened residuals (m, 2n) along the sweeps, all of them and both parts together.
 
     Returns
@@ -71,10 +77,11 @@ def spectrum(measurement: Measurement, sample: Real) -> Real:
     """
     n, orders = len(measurement), [sweep.rows for sweep in sweeps_of(measurement)]
     length = 2 * max(len(rows) for rows in orders)
-    power: Real = np.zeros((len(sample), length // 2 + 1))
+    power: Drawn = np.zeros((len(sample), length // 2 + 1), dtype=sample.dtype)
     for rows in orders:
         for offset in (0, n):
-            power += np.abs(np.fft.rfft(sample[:, rows + offset], length)) ** 2
+            waves_in = rfft(sample[:, rows + offset], length)
+            power += waves_in.real**2 + waves_in.imag**2
     return power
 
 
@@ -101,6 +108,12 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
     if scale_dof == inf:
         return float(chi2.sf(value, dof))
     return float(f.sf(value / dof, dof, max(scale_dof, 1.0)))
+
+
+def near_an_alarm(chance: float, draws: int) -> bool:
+    """Whether so many draws leave it open on which side of an alarm a chance lies."""
+    low, high = BATTERY.edge
+    return low < chance < high + BATTERY.sure * float(np.sqrt(high / draws))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +167,7 @@ class Frame:
         """Residual (2n,) without what the fitted parameters can follow."""
         return self.project(self.residual[:, None])[:, 0]
 
-    def draws(self, count: int, rng: np.random.Generator) -> Real:
+    def draws(self, count: int, rng: np.random.Generator) -> Drawn:
         """Residuals (count, 2n) that noise alone would leave, treated as the measured one was; see `standard`.
 
         Where the noise was estimated from the data's own scatter, that scatter is dealt out anew: the relative
@@ -162,25 +175,34 @@ class Frame:
         of the data, and scatter in gain and in phase as they do (Freedman and Lane 1983,
         doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal.
         """
+        noise: Drawn
         if not self._deals_out:
-            noise = rng.standard_normal((count, self.size))
+            noise = rng.standard_normal((count, self.size), dtype=DRAWN)
         else:
             order = self._dealt(count, rng)
-            sign = 2.0 * rng.integers(0, 2, (count, self.size // 2)) - 1.0
-            noise = self.whiten(self._deviations[order] * sign * self._relative_sd * self.model_stiffness)
-        noise -= (noise @ self.absorbed) @ self.absorbed.T
+            sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(2) - np.int8(1)
+            noise = self._in_their_places(self._deviations.astype(np.complex64)[order] * sign)
+        absorbed = self.absorbed.astype(DRAWN)
+        noise -= (noise @ absorbed) @ absorbed.T
         if self.scale_dof == inf or self._deals_out:
             return self.standard(noise)
-        variance = rng.chisquare(self.scale_dof, count) / self.scale_dof
-        return np.asarray(noise / np.sqrt(variance)[:, None], dtype=np.float64)
+        scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
+        return np.asarray(noise / scale[:, None])
 
-    def standard(self, rest: Real) -> Real:
+    def standard(self, rest: Drawn) -> Drawn:
         """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""
         if not self._deals_out:
             return rest
-        along = rest @ self.structured
+        along = rest @ self.structured.astype(rest.dtype)
         variance = (np.einsum("ij,ij->i", rest, rest) - np.einsum("ij,ij->i", along, along)) / self.rough_dof
-        return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-300))[:, None], dtype=np.float64)
+        return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-30))[:, None])
+
+    def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
+        """Whitened residuals (m, 2n) of relative deviations (m, n), in units of the noise of where they fell."""
+        size = self._relative_sd * np.abs(self.model_stiffness)
+        turned = deviations * (self.model_stiffness / np.abs(self.model_stiffness)).astype(np.complex64)
+        by_part = [(self.weights.real * size).astype(DRAWN), (self.weights.imag * size).astype(DRAWN)]
+        return np.concatenate([turned.real * by_part[0], turned.imag * by_part[1]], axis=-1)
 
     def _dealt(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Rows (count, n) in whose order the deviations are dealt out: within sweeps, whose noise may differ in size.

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.identification import Fit, Objective, fit, is_material, own_parameters, weighted
+from springpot.identification import Effort, Fit, Objective, fit, is_material, own_parameters, weighted
 from springpot.measurement import Measurement
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
@@ -153,7 +153,14 @@ def noise_objective(noise: Noise) -> Objective:
     return Objective("noise", "the differences over the standard deviations of the noise", OfNoise(noise.weights))
 
 
-def refit(model: Model, data: Averaged, noise: Noise, seeds: Sequence[Real] = (), starts: int = 8) -> Refit:
+def refit(
+    model: Model,
+    data: Averaged,
+    noise: Noise,
+    seeds: Sequence[Real] = (),
+    starts: int = 8,
+    effort: Effort | None = None,
+) -> Refit:
     """Fit `model` in units of the noise.
 
     Parameters
@@ -168,6 +175,8 @@ def refit(model: Model, data: Averaged, noise: Noise, seeds: Sequence[Real] = ()
         Starts worth trying beside those read off the data.
     starts : int
         Starts read off the data.
+    effort : Effort, optional
+        How far the fit goes, in units of the residual sum of squares.
     """
-    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds), negligible=float(__import__('os').environ.get('NEG','1e-13')))
+    found = fit(model, data.mean, noise_objective(noise), starts=starts, seeds_theta=list(seeds), effort=effort)
     return Refit(found, noise, data)

@@ -20,7 +20,7 @@ from springpot.identification import Window, settings
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Effect, Model, Real
 
-from .frame import Frame
+from .frame import DRAWN, Frame, near_an_alarm
 from .policy import BATTERY, SCAN
 
 
@@ -200,10 +200,10 @@ def scan(
     p_value = 1.0
     if rng is not None:
         simulated = _simulated_maxima(frame, tried, rng)
-        if len(simulated) and BATTERY.edge[0] < float(np.mean(simulated >= furthest)) < BATTERY.edge[1]:
-            # Near the alarm the chance is resolved by more draws, so that the seed does not decide.
-            more = [_simulated_maxima(frame, tried, rng) for _ in range(BATTERY.more)]
-            simulated = np.concatenate([simulated, *more])
+        for rounds in BATTERY.further:
+            if not len(simulated) or not near_an_alarm(float(np.mean(simulated >= furthest)), len(simulated)):
+                break
+            simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))])
         if len(simulated):
             threshold = float(np.quantile(simulated, 0.99))
         p_value = (1.0 + float(np.sum(simulated >= furthest))) / (1.0 + len(simulated))
@@ -217,12 +217,12 @@ def scan(
 
 def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.Generator) -> Real:
     """Largest score over the library in each of many draws of noise alone, shape (draws,)."""
-    unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(np.float32)
+    unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(DRAWN)
     if unit.shape[1] == 0:
         return np.zeros(0)
     maxima = np.empty(SCAN.draws)
     for part in np.array_split(np.arange(SCAN.draws), 4):
-        noise = frame.draws(len(part), rng).astype(np.float32)
+        noise = frame.draws(len(part), rng)
         maxima[part] = np.max(noise @ unit, axis=1)
     return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
 

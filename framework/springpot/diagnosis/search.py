@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from springpot.errors import DataError
-from springpot.identification import EDGE, is_material
+from springpot.identification import EDGE, Effort, is_material
 from springpot.measurement import CONDITIONS, Measurement, spread_of, telling
 from springpot.rheology import Effect, Model, Real
 
@@ -115,7 +115,8 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search = Search(base, frame, scanned, battery(frame, rng))
     search.left = search.structure
     search.repeats = repeats_structure(base.data, rng)
-    search.grown = [_grow(base, (), score) for score in scanned.scores[: SEARCH.singles]]
+    for score in scanned.scores[: SEARCH.singles]:
+        search.grown.append(_grow(search, base, (), score))
     _sort(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
@@ -134,7 +135,7 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
         if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
             for score in scan_effects(base, search.frame, [effect], threshold=search.scan.threshold).scores:
                 search.scan.scores.append(score)
-                search.grown += _clear(search, [_grow(base, (), score)])
+                search.grown += _clear(search, [_grow(search, base, (), score)])
                 effects.append(effect)
     _sort(search)
     return effects
@@ -213,11 +214,21 @@ def scan_effects(
     return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
-def _grow(base: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
+def _grow(search: Search, fitted: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
     """Refit with one more effect."""
-    grown = score.influence.model
-    fitted = refit(grown, base.data, base.noise, list(score.starts), starts=2)
-    return Grown((*before, score.influence.effect), fitted, score.predicted)
+    # Beside another effect the scan's own starts are near enough; those read off the data know of neither.
+    starts = 0 if before else 2
+    grown = refit(score.influence.model, fitted.data, fitted.noise, list(score.starts), starts, _effort(search))
+    return Grown((*before, score.influence.effect), grown, score.predicted)
+
+
+def _effort(search: Search) -> Effort:
+    """No longer than it takes to tell that a grown model is no rival of the best one."""
+    least = min((grown.refit.rss for grown in search.grown), default=inf)
+    if least == inf:
+        return Effort(SEARCH.negligible)
+    half = search.base.rss - SEARCH.hopeless * (search.base.rss - least)
+    return Effort(SEARCH.negligible, max(half, least + 2.0 * SEARCH.decisive))
 
 
 def _sort(search: Search) -> None:
@@ -230,7 +241,7 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
     pairs = [
         Grown(
             (pair.first.influence.effect, pair.second.influence.effect),
-            refit(pair.model, base.data, base.noise, [pair.start], starts=1),
+            refit(pair.model, base.data, base.noise, [pair.start], starts=1, effort=_effort(search)),
             base.rss - pair.gain,
         )
         for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together)
@@ -245,7 +256,11 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
             and not _twice(first.refit.model, effect)
         ]
         seconds = scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]
-        pairs += [_grow(first.refit, first.effects, score) for score in seconds if _fits(base, score.influence.model)]
+        pairs += [
+            _grow(search, first.refit, first.effects, score)
+            for score in seconds
+            if _fits(base, score.influence.model)
+        ]
     search.grown += _clear(search, pairs)
     _sort(search)
     _add_singles(search)
@@ -257,7 +272,7 @@ def _add_singles(search: Search) -> None:
     alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
     wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
     scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
-    search.grown += _clear(search, [_grow(search.base, (), score) for score in scores])
+    search.grown += _clear(search, [_grow(search, search.base, (), score) for score in scores])
     _sort(search)
 
 
@@ -335,7 +350,7 @@ def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
     alike = []
     for score in scan_effects(base, search.frame, effects, threshold=search.scan.threshold).scores:
-        grown = _grow(base, (), score)
+        grown = _grow(search, base, (), score)
         if grown.refit.log_evidence > least:
             search.scan.scores.append(score)
             alike.append(grown)

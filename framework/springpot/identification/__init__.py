@@ -5,7 +5,7 @@ from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
-from .native import Fit, default_objective, fit, fit_batch, scanned_starts
+from .native import Effort, Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
 from .prediction import Prediction
@@ -25,6 +25,7 @@ __all__ = [
     "BudgetSpent",
     "Card",
     "EDGE",
+    "Effort",
     "Fit",
     "Identification",
     "Objective",

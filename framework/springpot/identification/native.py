@@ -61,6 +61,27 @@ def default_objective(measurement: Measurement) -> Objective:
     return Objective("weighted", "the differences over their given standard deviations", _over_sd)
 
 
+@dataclass(frozen=True)
+class Effort:
+    """How far a fit goes.
+
+    Attributes
+    ----------
+    negligible : float
+        Share of the objective that is not worth a further step.
+    hopeless : float
+        Objective above which the model is of no interest: what the first steps leave above it is not searched
+        further.
+    """
+
+    negligible: float = FLAT
+    hopeless: float = np.inf
+
+    def of_part(self, share: float) -> Effort:
+        """The same for a share of the points."""
+        return Effort(self.negligible, self.hopeless * share)
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A model fitted to a measurement.
@@ -162,7 +183,7 @@ def fit(
     starts: int = 8,
     seeds_theta: Sequence[Real] = (),
     rng: np.random.Generator | None = None,
-    negligible: float = FLAT,
+    effort: Effort | None = None,
 ) -> Fit:
     """Fit a model to a measurement.
 
@@ -180,8 +201,8 @@ def fit(
         Further starts, such as the fit of a simpler model with a small effect added; they come first.
     rng : numpy.random.Generator, optional
         Moves the scanned shapes; without it they are always the same.
-    negligible : float
-        Share of the objective that is not worth a further step; by default what rounding leaves.
+    effort : Effort, optional
+        How far it goes; by default until nothing but rounding is left.
 
     Returns
     -------
@@ -208,16 +229,17 @@ def fit(
     elif starts and any(effect.by_levels for effect in model.effects):
         # A scan of one dimension for each level would find nothing; the data say where its factor lies.
         seeds_theta, starts = [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
+    effort = Effort() if effort is None else effort
     task = _task(model, measurement, objective)
     offset = 0.0 if rng is None else _offset(rng)
     size = task.coordinates.size[0]
     seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
     coarse = task.thin(COARSE_POINTS)
     if model.constrained:
-        solution = coarse.solve(seeds[None], flat=negligible)
+        solution = coarse.solve(seeds[None], flat=effort.negligible)
         evaluations = solution.evaluations
     else:
-        solution, evaluations = _search(coarse, seeds, starts, offset, negligible)
+        solution, evaluations = _search(coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count))
     if coarse is not task:
         solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
         evaluations += solution.evaluations
@@ -269,7 +291,7 @@ def _released_starts(model: Model, measurement: Measurement, objective: Objectiv
     return list(_within(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
-def _search(task: Task, seeds: Real, starts: int, offset: float, negligible: float) -> tuple[Solution, int]:
+def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort) -> tuple[Solution, int]:
     """Solutions for one data set from `seeds` (s, p) and from starts read off the data, and the evaluations spent.
 
     Most fits are settled by a few steps in all parameters. Where they are not, a narrow curved valley holds them up:
@@ -279,15 +301,18 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, negligible: flo
     if starts:
         shapes, placed = task.starts(starts, offset)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
-    quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=negligible)
+    quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=effort.negligible)
     evaluations += quick.evaluations
-    if _settled(quick, task.floor[0], AGREE, max(1e-9, ALIKE * negligible)):
+    settled = _settled(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
+    if settled or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
     best = quick.u[np.argsort(quick.cost)[:1]]
     v = task.shaped(np.concatenate([best, seeds]))
-    valley = task.solve_shapes((np.concatenate([v, shapes[0]]) if starts else v)[None], flat=max(negligible, 1e-10))
+    valley = task.solve_shapes(
+        (np.concatenate([v, shapes[0]]) if starts else v)[None], flat=max(effort.negligible, 1e-10)
+    )
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
-    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6, flat=negligible)
+    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6, flat=effort.negligible)
     return last, evaluations + valley.evaluations + last.evaluations
 
 

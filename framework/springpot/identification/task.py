@@ -60,6 +60,11 @@ class Task:
             1.0 if amplitude is None else float(np.mean(amplitude)),
         )
 
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return int(self.stiffness.shape[1])
+
     @cached_property
     def scale(self) -> Real:
         """Typical |K| of each data set, shape (B,)."""

@@ -73,7 +73,7 @@ class Held(Mapped):
 
 @dataclass(frozen=True, eq=False)
 class Fixed(Node):
-    """A node at given parameters: it has none of its own, and is evaluated once however many settings stand beside it.
+    """A node at given parameters: it has none of its own, and is evaluated once for all settings beside it.
 
     Parameters
     ----------
