@@ -112,7 +112,7 @@ def test_what_is_the_same_either_way_is_not_told():
 
 def test_the_size_is_that_beyond_the_noise():
     assert says(lambda s, r: 0.05 / (1 + 0.1 * s / 75 + (s / 75) ** 2)).startswith(
-        "what is left is about 7.5 % of |K| beyond the noise"
+        "what is left is about 7.5 % of |G*| beyond the noise"
     )
     ripple = says(lambda s, r: 0.03 * np.sqrt(2) * np.sin(6.0 * np.pi * decades(s)), level=0.02)
     assert ripple.startswith(("what is left is about 2.", "what is left is about 3"))
@@ -166,4 +166,4 @@ def test_one_frequency_is_no_ground_for_a_word_on_causality():
     data = Measurement(w, np.full(20, 110.0 + 10j), conditions={"amplitude": np.geomspace(0.1, 1.0, 20)})
     frame = Frame(data, np.full(20, 100.0 + 10j), np.full(20, 1.0 + 1.0j), np.zeros((0, 20), dtype=complex))
     [said] = discrepancy(frame)
-    assert said.startswith("what is left is about 9 % of |K|")
+    assert said.startswith("what is left is about 9 % of |G*|")

@@ -175,7 +175,7 @@ def examine(
         evidence = evidence.without_unknown()
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value)
-    diagnosis = _answer(measurement, search, floor, evidence, outliers, verdict)
+    diagnosis = _answer(measurement, search, floor, evidence, outliers, verdict, library)
     return Case(search, naming, floor, evidence, tuple(outliers), diagnosis)
 
 
@@ -211,6 +211,7 @@ def _answer(
     evidence: Evidence,
     outliers: Sequence[Outlier],
     verdict: Verdict,
+    library: Sequence[Effect],
 ) -> Diagnosis:
     """The answer as plain data and sentences."""
     naming = evidence.search
@@ -224,7 +225,7 @@ def _answer(
         split = split_in_words(search.base, floor, VERDICT.structure_alarm)
         classes = evidence.classes
         experiment = _next_experiment(evidence)
-    told = [*notes(evidence, verdict, outliers, len(measurement)), *header_notes(candidates, measurement)]
+    told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]
     return Diagnosis(
         data=search.base.data.raw.name,
         model=search.base.model,

@@ -246,8 +246,9 @@ class Clash:
             response = self.rival.model.network.respond(theta, old, GRADIENT)
         value, by_theta = self._evaluated(self.rival, theta)
         target, weights = self._target
-        slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
-        return weighted(target - np.concatenate([response.value, value]), weights), slopes
+        with np.errstate(over="ignore", invalid="ignore"):  # steps too far are cut off by `far`
+            slopes = weighted(np.concatenate([response.by_theta, by_theta], axis=1), weights)
+            return weighted(target - np.concatenate([response.value, value]), weights), slopes
 
     def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
         """K and dK/dtheta where the action would measure, the specimen being larger, absent or a known mass."""

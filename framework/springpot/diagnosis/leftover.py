@@ -17,6 +17,7 @@ from springpot.measurement import (
     distinct_log_omega,
     frequency_numbers,
     sweeps_of,
+    telling,
     temperatures_differ,
 )
 from springpot.rheology import Complex, Real, Shift
@@ -288,7 +289,7 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
         The model with what is missing.
     """
     for name in CONDITIONS:
-        folds = _folds_of_levels(base.fit.measurement, name)
+        folds = _folds_of(base.fit.measurement, name)
         if not folds:
             continue
         old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
@@ -309,9 +310,8 @@ def prediction_gain(before: Refit, after: Refit) -> float:
         A model, and the same with an effect.
     """
     measurement = after.fit.measurement
-    folds = next(
-        (folds for name in CONDITIONS if (folds := _folds_of_levels(measurement, name))), _folds_of_bands(measurement)
-    )
+    by_condition = (folds for name in CONDITIONS if (folds := _folds_of(measurement, name)))
+    folds = next(by_condition, _folds_of_bands(frequency_numbers(measurement)))
     if not folds:
         return 1.0
     # Both on the same data in units of the same noise: outliers may have been set aside on one rung only.
@@ -331,9 +331,7 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     """
     total, count = 0.0, 0
     for fold in folds:
-        less = refit(
-            fitted.model, _data_without(fitted.data, fold), _noise_of(fitted, ~fold), [fitted.theta], starts=0
-        )
+        less = refit(fitted.model, data_without(fitted.data, fold), noise_of(fitted, ~fold), [fitted.theta], starts=0)
         off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
         sd = fitted.noise.sd
         total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
@@ -341,26 +339,29 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     return float(np.sqrt(total / count))
 
 
-def _folds_of_levels(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
-    """Rows of a few inner levels of a condition; the ends would have to be extrapolated."""
+def _folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
+    """Rows of a few inner levels of a condition, or of inner bands where it was swept: ends would be extrapolated."""
     column = measurement.conditions.get(name)
     if column is None or (name == "temperature" and not temperatures_differ(measurement)):
         return []
     level = measurement.levels(name)
     count = int(level.max()) + 1
-    if count < VALIDATION.fewest_levels or len(level) < VALIDATION.points_of_each * count:
+    if count < VALIDATION.fewest_levels:
         return []
-    return [level == number for number in _inner(count)]
+    if len(level) >= VALIDATION.points_of_each * count:
+        return [level == number for number in _inner(count)]
+    if name not in telling(measurement):
+        return []
+    return _folds_of_bands(level)
 
 
-def _folds_of_bands(measurement: Measurement) -> list[NDArray[np.bool_]]:
-    """Rows of inner bands of frequency."""
-    which = frequency_numbers(measurement)
-    distinct = int(which.max()) + 1
+def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
+    """Rows of inner bands of frequencies, or of levels, by their numbers (n,); none where they are few."""
+    distinct = int(number.max()) + 1
     if distinct < 2 * VALIDATION.bands:
         return []
-    band = which * VALIDATION.bands // distinct
-    return [band == number for number in _inner(VALIDATION.bands)]
+    band = number * VALIDATION.bands // distinct
+    return [band == each for each in _inner(VALIDATION.bands)]
 
 
 def _inner(count: int) -> list[int]:
@@ -368,12 +369,13 @@ def _inner(count: int) -> list[int]:
     return sorted({round(x) for x in np.linspace(1, count - 2, min(VALIDATION.folds, count - 2)).tolist()})
 
 
-def _data_without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:
+def data_without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:
     """The averaged data without some rows; the reference temperature stays."""
     mean = data.mean.subset(np.flatnonzero(~fold))
     scatter = Scatter(*(column[~fold] for column in data.scatter))
     return Averaged(mean, mean, scatter, np.arange(len(mean)))
 
 
-def _noise_of(fitted: Refit, rows: NDArray[np.bool_]) -> Noise:
+def noise_of(fitted: Refit, rows: NDArray[np.bool_]) -> Noise:
+    """The noise of some rows."""
     return replace(fitted.noise, sd=fitted.noise.sd[rows])

@@ -12,6 +12,7 @@ from springpot.rheology import INERTANCE, Effect
 from .battery import Finding, judged, overtones
 from .evidence import Evidence
 from .leftover import discrepancy, log_shift_of, validation
+from .levels import notes_on_levels
 from .marginal import harmonic_evidence, likeliest_unknown
 from .outliers import Outlier
 from .policy import EVIDENCE, SCATTER, VERDICT
@@ -21,7 +22,9 @@ from .search import Search, moved_along
 from .words import percent, times
 
 
-def notes(evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
+def notes(
+    evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], measured: int, library: Sequence[Effect]
+) -> Iterator[str]:
     """Sentences on the data, on what is left, and on how well the grown model predicts the unseen.
 
     Parameters
@@ -34,6 +37,8 @@ def notes(evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], mea
         Points set aside.
     measured : int
         Rows of the data before thinning.
+    library : sequence of Effect
+        Those with a factor for each level tell whether any shift would do.
     """
     search = evidence.search
     yield from _of_data(search, outliers, measured)
@@ -44,6 +49,8 @@ def notes(evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], mea
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
     elif search.left.p_value < VERDICT.structure_alarm:
         yield from _of_rest(search)
+    if verdict == "unexplained":
+        yield from notes_on_levels(search.best, library)
     if evidence.narrow > VERDICT.worth_a_word:
         share = f"{100 * evidence.narrow:.0f} %"
         names = " and ".join(sorted(evidence.imitators))

@@ -321,6 +321,10 @@ class VerdictLevels:
     """Share of a misfit beyond the noise that may be left by what is said to explain most of it."""
     loud: float = 0.01
     """Share of the first harmonic from which a higher one is told of: less is the rig's."""
+    takes_most: float = 0.5
+    """Share of an error that an effect leaves at most to be named in the headline though something is left."""
+    most_alike: int = 3
+    """Effects of which one is so named at most: of more the headline would not be one."""
     mostly: float = 0.8
     """Share of a misfit, in chi-square, from which it is told as being all of one kind."""
     close_power: float = 0.35
@@ -426,6 +430,27 @@ LEFTOVER = LeftoverLevels()
 
 
 @dataclass(frozen=True)
+class LevelsLevels:
+    """Each temperature by itself."""
+
+    fewest: int = 3
+    """Levels from which one can stand out from the others."""
+    points: int = 6
+    """Points of a level from which a free spectrum can fail at it."""
+    stands_out: float = 2.0
+    """Error over the median of all levels from which a level is no material: the same rig, specimen and noise."""
+    alarm: float = 0.001
+    """Chance by scatter alone below which a level, or a shift, is said to fail."""
+    worse: float = 1.3
+    """Error of all levels together over that of each alone from which a shift fails: as the misfit of a model."""
+    told: int = 3
+    """Levels that are named in a sentence."""
+
+
+LEVELS = LevelsLevels()
+
+
+@dataclass(frozen=True)
 class ValidationLevels:
     """Prediction of what was left out."""
 
@@ -438,7 +463,7 @@ class ValidationLevels:
     fewest_levels: int = 4
     """Levels from which two inner ones can be left out between others."""
     bands: int = 6
-    """Bands into which frequencies are divided where no condition has levels."""
+    """Bands into which a condition that was swept is divided, or the frequency where no condition differs."""
 
 
 VALIDATION = ValidationLevels()

@@ -10,9 +10,9 @@ from .battery import drift_share
 from .evidence import Evidence
 from .marginal import likeliest_unknown
 from .outliers import Outlier
-from .policy import VERDICT
+from .policy import EVIDENCE, SEARCH, VERDICT
 from .result import Verdict
-from .search import Search
+from .search import Grown, Search
 from .words import times
 
 
@@ -184,7 +184,27 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         return f"{error}, but repeats drift by more than chance: something changed while they were measured"
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
+    if most := _most_of_it(own):
+        names = " or ".join(grown.names[0] for grown in most)
+        left = times(most[0].refit.relative_rms / most[0].refit.floor)
+        return f"{error}; {names} takes it to {left}, and something is missing beside it that no effect explains"
     return f"{error}; something is missing that no effect of the library explains"
+
+
+def _most_of_it(search: Search) -> list[Grown]:
+    """Effects one of which takes most of the error by itself, though something is left: that much the user can have.
+
+    Where many do so equally well their names say nothing of the cause.
+    """
+    singles = [grown for grown in search.grown if len(grown.effects) == 1 and not grown.effects[0].narrow]
+    if not singles or search.gain < SEARCH.decisive:
+        return []
+    least = singles[0].refit.log_evidence - EVIDENCE.as_good
+    alike = {grown.names[0]: grown for grown in reversed(singles) if grown.refit.log_evidence > least}
+    enough = VERDICT.takes_most * search.base.relative_rms
+    if len(alike) > VERDICT.most_alike or any(each.refit.relative_rms > enough for each in alike.values()):
+        return []
+    return sorted(alike.values(), key=lambda grown: -grown.refit.log_evidence)
 
 
 def _named(evidence: Evidence) -> str:

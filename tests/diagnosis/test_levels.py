@@ -1,0 +1,64 @@
+"""Each temperature by itself: what is no material there, and what no shift can join."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.diagnosis.floor import fitted_to_floor
+from springpot.diagnosis.levels import notes_on_levels
+from springpot.registry import plugins
+
+OMEGA = np.geomspace(0.1, 100.0, 16)
+CELSIUS = np.array([-10.0, 0.0, 10.0, 20.0, 30.0])
+MODEL = springpot.parse_model("fractional-zener")
+TRUTH = np.array([100.0, 900.0, 60.0, 0.5])
+
+
+def melt(seed, slow=0.0, phase=0.0):
+    """Five sweeps with 0.3 % noise; `slow` moves a second process by its own factor, `phase` turns the coldest."""
+    rng = np.random.default_rng(seed)
+    omega, celsius = np.tile(OMEGA, 5), np.repeat(CELSIUS, 16)
+    shift = np.exp(-0.12 * (celsius - 10.0))
+    stiffness = MODEL.stiffness(TRUTH, omega * shift)
+    if slow:
+        other = omega * shift**slow
+        stiffness = stiffness + 80.0 * 1j * other / (1.0 + 1j * other)
+    coldest = celsius == CELSIUS[0]
+    stiffness = stiffness * np.exp(1j * phase * coldest * np.log(omega / OMEGA[0]))
+    noise = 0.003 * (rng.normal(size=80) + 1j * rng.normal(size=80))
+    return springpot.Measurement(omega, stiffness * (1.0 + noise), conditions={"temperature": celsius})
+
+
+def notes(measurement):
+    base = fitted_to_floor(springpot.parse_model("material + wlf-shift"), measurement, [])
+    return list(notes_on_levels(base, list(plugins().items("effect"))))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_nothing_is_told_of_a_melt_that_one_shift_joins(seed):
+    assert notes(melt(seed)) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_level_that_is_no_material_is_named_and_no_other(seed):
+    (told,) = notes(melt(seed, phase=0.02))
+    assert told.startswith("no linear passive material behaves as at -10 degC: ")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_processes_that_shift_apart_are_told(seed):
+    (told,) = notes(melt(seed, slow=0.3))
+    assert told.startswith("no shift of times and moduli lays the temperatures over one another")
+    assert "not thermorheologically simple" in told
+
+
+def test_a_single_temperature_tells_nothing_of_shifts():
+    data = melt(0, slow=0.3)
+    assert notes_free(data.subset(np.arange(16))) == []
+
+
+def notes_free(measurement):
+    base = fitted_to_floor(springpot.parse_model("material"), measurement, [])
+    return list(notes_on_levels(base, list(plugins().items("effect"))))
