@@ -113,16 +113,21 @@ class Page:
 
     def violations(self) -> list[str]:
         """What axe-core finds."""
-        axe = pytest.importorskip("axe_core_python.base", reason="the extra 'browser' is not installed")
-        self.page.evaluate(axe.AXE_SCRIPT)
-        found = self.page.evaluate("() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] })")
-        return [f"{one['id']}: {one['nodes'][0]['html'][:160]}" for one in found["violations"]]
+        return violations_on(self.page)
 
     def close(self) -> None:
         """Nothing went wrong, and nothing left this machine."""
         assert self.faults == []
         assert [url for url in self.requests if not url.startswith(("http://127.0.0.1:", "data:", "blob:"))] == []
         self.context.close()
+
+
+def violations_on(page: Any) -> list[str]:
+    """What axe-core finds on a page, one line each."""
+    axe = pytest.importorskip("axe_core_python.base", reason="the extra 'browser' is not installed")
+    page.evaluate(axe.AXE_SCRIPT)
+    found = page.evaluate("() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] })")
+    return [f"{one['id']}: {one['nodes'][0]['html'][:160]}" for one in found["violations"]]
 
 
 @pytest.fixture(scope="module")
@@ -310,6 +315,7 @@ def the_report_is_the_page_with_its_hovers(here: Page, report: bytes, folder: Pa
     page.goto((folder / "report.html").as_uri())
     assert page.locator("#plot-ladder .rung-mark.accepted").count() == 2
     assert page.inner_text("#verdict").startswith(f"{MODEL} + inertia: adequate")
+    assert violations_on(page) == []
     page.click("#rungs button >> nth=0")
     assert page.inner_text("#verdict").startswith(f"{MODEL}: effect-missing")
     page.hover("#effect-inertia")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, quoteattr
 
 from springpot.rheology import Node
 from springpot.rheology.drawing import Leaf, Row, Signal, Sketch, Stack, sketch
@@ -199,10 +199,11 @@ def network_svg(node: Node) -> str:
     width, height, drawn = _picture(node)
     lines = "\n".join(_svg_line(mark) for mark in drawn if isinstance(mark, Line))
     labels = "\n".join(_svg_label(mark) for mark in drawn if isinstance(mark, Label))
+    named = ", ".join(mark.text for mark in drawn if isinstance(mark, Label))
     # Attributes rather than a style sheet, which would reach every other picture on the page.
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.1f} {height:.1f}" role="img">\n'
+        f'viewBox="0 0 {width:.1f} {height:.1f}" role="img" aria-label={quoteattr(f"network of {named}")}>\n'
         f'<g fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round">\n{lines}\n</g>\n'
         f'<g fill="currentColor" font-family="sans-serif" font-size="{FONT}" text-anchor="middle">\n{labels}\n</g>\n'
         "</svg>\n"
