@@ -36,7 +36,9 @@ def test_what_is_printed_is_the_text_of_the_command_line(ladder, compared, capsy
     from springpot.cli.group import run
 
     run(["discover", DATA, "--model", MODEL, "--accept", "inertia"])
-    assert capsys.readouterr().out == f"{ladder}\n"
+    said = capsys.readouterr().out
+    assert said.startswith(f"{ladder}\n\nnext: ")
+    assert f"next: springpot discover {DATA} --model {MODEL} --accept inertia --accept " in said
     run(["compare", DATA, "--model", MODEL, "--model", f"{MODEL} + inertia"])
     assert capsys.readouterr().out.startswith(f"{compared}\n\nnext: ")
     run(["diagnose", DATA, "--model", MODEL])

@@ -19,6 +19,7 @@ from .common import (
     known_from,
     known_options,
     opened,
+    quoted,
     seed_option,
     verbose_option,
     window,
@@ -104,7 +105,19 @@ def command(
     for path in (figure, report):
         if path is not None and not as_json:
             print(f"\nwritten: {path}")
+    if not as_json:
+        print(f"\nnext: {_next(ladder, data, model)}")
     return code
+
+
+def _next(ladder: Ladder, data: str, model: str | None) -> str:
+    """The command to go on with: one effect more where one is named, or else the parameters of what was reached."""
+    if ladder.diagnosis.best is None:
+        return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
+    named = [step.accepted for step in ladder.steps if step.accepted and not step.accepted.startswith("-")]
+    accept = " ".join(f"--accept {quoted(name)}" for name in [*named, ladder.diagnosis.best.effect])
+    judged = "" if model is None else f" --model {quoted(model)}"
+    return f"springpot discover {quoted(data)}{judged} {accept}"
 
 
 def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
