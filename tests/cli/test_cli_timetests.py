@@ -170,3 +170,21 @@ def test_without_a_model_any_material_is_judged(springpot, relaxed):
 def test_of_several_tests_the_one_that_lacks_a_unit_is_named(springpot, relaxed, write):
     bare = write("time,compliance [1/MPa]\n0.1,1\n1,2\n10,3\n", "bare.csv")
     springpot("identify", relaxed, bare, "-m", "fractional-maxwell").is_one_line("write time [s]")
+
+
+def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write):
+    drifting = write(table("time [s],relaxation [kPa]", MODEL.relaxation(THETA, T) + 0.5 * T, 3), "drifting.csv")
+    answer = springpot("diagnose", drifting, "-m", "fractional-maxwell", "--json").json
+    assert answer["verdict"] == "effect-missing"
+    assert "force-drift" in answer["candidates"][0]["class"]
+    shown = springpot("diagnose", drifting, "-m", "fractional-maxwell").out
+    assert "force-drift: the zero of the force transducer drifts" in shown
+    named = springpot("identify", drifting, "-m", "fractional-maxwell + force-drift", "--json").json
+    assert named["parameters"]["force-drift.rate"]["value"] == pytest.approx(0.5, rel=0.1)
+    ladder = springpot("discover", drifting, "-m", "fractional-maxwell", "--accept", "force-drift", "--json").json
+    assert ladder["verdict"] == "adequate"
+
+
+def test_a_sweep_has_no_effect_of_a_test_in_time(springpot, swept):
+    springpot("identify", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
+    springpot("diagnose", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
