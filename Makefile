@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# Bytecode is made of what is imported, when it is: of all that is installed it takes as long as the rest of it.
+PIP := --quiet --disable-pip-version-check --no-compile
 
 # The matrices of a fit are small: more threads only wait for one another.
 export OPENBLAS_NUM_THREADS ?= 1
@@ -32,7 +34,7 @@ soak: $(READY)  ## the long tests: more seeds and sizes, and all that can be bro
 	$(BIN)/python tests/reliability/soak.py
 
 solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[solvers]' --constraint constraints.txt
+	$(BIN)/python -m pip install $(PIP) --editable '.[solvers]' --constraint constraints.txt
 
 site: $(READY)  ## the documentation as a site with its gallery, in build/site/
 	$(BIN)/python docs/make_gallery.py
@@ -46,5 +48,5 @@ clean:  ## remove the environment and whatever tools left behind
 # Made anew only when what it is made from has changed.
 $(READY): pyproject.toml constraints.txt
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]' --constraint constraints.txt
+	$(BIN)/python -m pip install $(PIP) --editable '.[dev]' --constraint constraints.txt
 	@touch $@

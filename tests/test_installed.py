@@ -99,7 +99,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Environment:
     folder = base / "environment"
     venv.create(folder, with_pip=False)
     python = _binary(folder, "python")
-    _pip("--python", python, "install", "--no-deps", "--no-index", *wheels.glob("*.whl"))
+    _pip("--python", python, "install", "--no-deps", "--no-index", "--no-compile", *wheels.glob("*.whl"))
     places = {"base": str(folder), "platbase": str(folder)}
     site = Path(sysconfig.get_path("purelib", "venv", vars=places))
     # After the wheels: pip must not take the running environment's springpot for an older one to be replaced.

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import springpot
+from soaked import soaked
 from springpot.errors import SpringpotError
 from springpot.registry import plugins
 
@@ -57,9 +58,11 @@ def test_a_polymer_melt_at_six_temperatures_lacks_a_shift(shared):
     assert after < before / 10.0
 
 
-def test_discovery_finds_both_shifts_of_the_melt(shared):
+@pytest.mark.parametrize("celsius", [(0, 20, 50), soaked((0, 10, 20, 30, 40, 50))], ids=["three", "all"])
+def test_discovery_finds_both_shifts_of_the_melt(shared, celsius):
     """NIST reduced these data by a horizontal and a vertical (density) shift."""
-    ladder = springpot.discover(shared("nist-srm2491"), "maxwell-5")
+    data = shared("nist-srm2491")
+    ladder = springpot.discover(data.subset(np.isin(data.conditions["temperature"], celsius)), "maxwell-5")
     assert ladder.steps[1].accepted in SHIFTS
     assert [step.accepted for step in ladder.steps[2:]] == ["vertical-shift"]
     assert ladder.verdict == "adequate"
