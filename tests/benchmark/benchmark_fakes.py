@@ -86,7 +86,7 @@ class Moody(Walk):
         subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
 
     def swallow(self, problem: Recorder, rng: np.random.Generator) -> None:
-        for _ in range(5000):
+        for _ in range(1000):
             try:
                 problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
             except BaseException:
