@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MODEL = ("--model", "fractional-maxwell")
 OMEGA = np.geomspace(1.0, 100.0, 15)
 

@@ -6,6 +6,7 @@ from hidden_data import KELVIN, ZENER, design, exact, hidden, measured
 
 import springpot
 from soaked import soaked
+from springpot.diagnosis.policy import EVIDENCE
 
 SWEEP = design(60, 0.1, 100.0)
 FIELD = design(12, 0.3, 30.0, temperatures=(5.0, 20.0, 35.0, 50.0))
@@ -63,7 +64,7 @@ def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
 
 
 def test_a_step_is_sought_among_many_frequencies_too():
-    dense = design(320, 0.1, 100.0)
+    dense = design(EVIDENCE.most_steps + 10, 0.1, 100.0)
     (note,) = told(
         springpot.diagnose(measured(dense, exact(KELVIN, dense) * gain(dense, "steps"), level=0.01), KELVIN.name),
         "steps at",
