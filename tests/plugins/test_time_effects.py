@@ -1,4 +1,4 @@
-"""Effects of tests in time keep their contract, and a broken one is told apart."""
+"""Effects of tests in time do what their names say, and a broken one is told apart; see test_contracts for the rest."""
 
 from __future__ import annotations
 
@@ -14,15 +14,9 @@ from springpot.rheology import FORCE, Parameter
 from springpot.testing import check_time_effect
 from springpot.timetests import identify, recorded
 
-EFFECTS = list(plugins().items("time effect"))
 MODEL = parse_model("fractional-zener")
 THETA = MODEL.theta(k1=50.0, k2=400.0, c=60.0, alpha=0.55)
 T = np.linspace(0.0, 15.0, 400)
-
-
-@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
-def test_each_keeps_its_contract(effect):
-    assert check_time_effect(effect) == []
 
 
 def offset(record: Record, response, size):
