@@ -1,4 +1,4 @@
-"""Effects of tests in time do what their names say, and a broken one is told apart; see test_contracts for the rest."""
+"""Effects of tests in time do what their names say; a broken one is told apart. Their contract: see test_contracts."""
 
 from __future__ import annotations
 
