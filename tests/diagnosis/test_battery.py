@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import springpot
+from soaked import soaked
 from springpot.diagnosis.battery import TESTS, battery
 from springpot.diagnosis.floor import fitted_to_floor
 from springpot.diagnosis.frame import near_an_alarm
@@ -42,7 +43,7 @@ def judged(data):
     return battery(fitted_to_floor(MODEL, data).frame(), np.random.default_rng(1))
 
 
-@pytest.mark.parametrize("kind", ["normal", "long tails", "gain only", "one noisy sweep"])
+@pytest.mark.parametrize("kind", ["normal", "long tails", "one noisy sweep", soaked("gain only")])
 @pytest.mark.parametrize(("draws", "few", "rare"), [(24, 5, 2), pytest.param(60, 9, 4, marks=pytest.mark.soak)])
 def test_chances_on_noise_alone_are_chances(kind, draws, few, rare):
     """So many may be below 0.05, and so many below 0.01, but for one run in 1,000, and one in 500."""

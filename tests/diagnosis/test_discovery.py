@@ -8,6 +8,7 @@ import pytest
 from hidden_data import AMPLITUDES, BOTH, KELVIN, MAXWELL, SWEEP, WARM, design, exact, hidden, measured
 
 import springpot
+from soaked import soaked
 
 FINE = design(32)
 
@@ -100,7 +101,7 @@ def test_what_a_later_effect_makes_idle_is_dropped():
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
-@pytest.mark.parametrize("pair", [("hysteretic-loss", "inertia"), ("inertia", "series-spring")], ids="+".join)
+@pytest.mark.parametrize("pair", [("hysteretic-loss", "inertia"), soaked(("inertia", "series-spring"))], ids="+".join)
 def test_every_effect_of_the_last_model_is_needed(pair):
     """Backward pruning: leaving any of them out brings the misfit back."""
     base, at, sizes = PAIRS[pair]

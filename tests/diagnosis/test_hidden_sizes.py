@@ -40,7 +40,7 @@ FEW_POINTS = ("self-heating", "rig-drag")
 """Seen in sweeps of six points only, where structure looks most like scatter; in the soak also these."""
 MORE_OF_FEW_POINTS = ("cubic-damping", "entropic-spring", "arrhenius-dashpot")
 
-KINDS = ("parallel-springpot", "retardation-mode", "phase-error", "specimen-inertia", "parallel-spring", "dead-zone",
+KINDS = ("parallel-springpot", "retardation-mode", "phase-error", "specimen-inertia", "parallel-spring",
          "cubic-stiffness", "backlash", "vertical-shift")  # fmt: skip
 """With the others at least one of every law and of every place in the chain."""
 

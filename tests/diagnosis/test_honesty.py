@@ -57,7 +57,7 @@ def test_a_misstated_sigma_is_doubted_and_invents_nothing(factor, seed):
     assert [c.effect for c in diagnosis.candidates if c.verdict == "missing"] == []
 
 
-@pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.parametrize("factor", [2.0, soaked(0.5)])
 def test_a_misstated_sigma_hides_no_real_effect(factor):
     data = hidden(KELVIN, FINE, "inertia", 2000.0, seed=2)
     data = springpot.Measurement(data.omega, data.stiffness, sd=data.sd * factor, units=data.units)
