@@ -1,4 +1,4 @@
-"""Effects of tests in time do what their names say; a broken one is told apart. Their contract: see test_contracts."""
+"""Effects of tests in time do what their names say; a broken one is told apart. Contract: see test_contracts."""
 
 from __future__ import annotations
 
