@@ -21,7 +21,13 @@ NEAR = 1.5
 """An error within this factor of the noise floor leaves nothing to explain."""
 GOAL = 12
 """Sets of the sixteen that must be near the floor or have a named cause."""
-CAUSES = ("what is missing looks like", "repeats differ")
+CAUSES = (
+    "what is missing looks like",
+    "repeats differ",
+    "no linear passive material behaves as",
+    "no shift of times and moduli",
+    "odd nonlinearity",
+)
 """How a note begins that names a cause which is no effect of the library."""
 ONLY_POINTS = "nothing else is missing"
 """What the headline says where single points are all that is wrong; beside other structure they explain nothing."""
@@ -33,7 +39,8 @@ NOTE = (
     "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
     "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
     "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
-    "a note tells of repeats, single points, or the measuring chain."
+    "a note tells of repeats, single points, the measuring chain, temperatures at which no linear material behaves so "
+    "or that no shift joins, or force harmonics that the model does not make."
 )
 
 
