@@ -19,6 +19,7 @@ PLUGINS = ROOT / "plugins" / "springpot_plugins"
 FLOORS = {
     "plain": -1,
     "errors": 0,
+    "distributions": 0,
     "rheology": 1,
     "measurement": 2,
     "identification": 3,

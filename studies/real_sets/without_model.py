@@ -39,8 +39,8 @@ NOTE = (
     "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
     "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
     "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
-    "a note tells of repeats, single points, the measuring chain, temperatures at which no linear material behaves so "
-    "or that no shift joins, or force harmonics that the model does not make."
+    "a note tells of repeats, single points, the measuring chain, temperatures at which no linear material "
+    "behaves so or that no shift joins, or force harmonics that the model does not make."
 )
 
 

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
+from springpot.distributions import chi2_sf
 from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Real
 
@@ -498,7 +498,7 @@ def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -
     if len(rows) == 0:
         return
     value = float(np.sum((share[rows] / relative[rows]) ** 2))
-    chance = float(chi2.sf(value, 2 * len(rows)))
+    chance = float(chi2_sf(value, 2 * len(rows)))
     typical = float(np.median(share[rows]))
     growth = _growth(measurement, share, rows)
     words = f"{word} nonlinearity: harmonic {order} is {100 * typical:.2g} % of the first{growth}"

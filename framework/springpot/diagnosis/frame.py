@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft
 from scipy.linalg import svd
-from scipy.stats import chi2, f
 
+from springpot.distributions import chi2_sf, f_sf
 from springpot.identification import weighted
 from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
 from springpot.rheology import Complex, Real
@@ -106,8 +106,8 @@ def drift_shapes(count: int) -> Real:
 def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
     """Chance of at least `value` for a sum of `dof` squares of unit noise, whose unit may itself be estimated."""
     if scale_dof == inf:
-        return float(chi2.sf(value, dof))
-    return float(f.sf(value / dof, dof, max(scale_dof, 1.0)))
+        return float(chi2_sf(value, dof))
+    return float(f_sf(value / dof, dof, max(scale_dof, 1.0)))
 
 
 def near_an_alarm(chance: float, draws: int) -> bool:

@@ -9,8 +9,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
-from scipy.stats import norm
 
+from springpot.distributions import normal_quantile
 from springpot.measurement import (
     CONDITIONS,
     Measurement,
@@ -253,7 +253,7 @@ def _no_rougher(frame: Frame) -> Frame:
     bend = np.concatenate([np.diff(frame.rest[rows + k], 2) for rows in lines for k in (0, n)])
     if len(bend) < LEFTOVER.fewest:
         return frame
-    scatter = float(np.median(np.abs(bend))) / (norm.ppf(0.75) * np.sqrt(6.0))
+    scatter = float(np.median(np.abs(bend))) / (normal_quantile(0.75) * np.sqrt(6.0))
     return replace(frame, weights=frame.weights / max(scatter, 1.0))
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
 
+from springpot.distributions import f_sf
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Real
 
@@ -103,7 +103,7 @@ def _no_material(levels: Sequence[Level]) -> list[Level]:
         others = [other for other in levels if other is not level]
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
-        chance = float(f_distribution.sf(level.variance / max(variance, 1e-300), max(level.fitted.fit.dof, 1), dof))
+        chance = float(f_sf(level.variance / max(variance, 1e-300), max(level.fitted.fit.dof, 1), dof))
         if level.error > LEVELS.stands_out * middle and chance < LEVELS.alarm / len(levels):
             strange.append(level)
     return strange
@@ -119,7 +119,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     spare = sum(level.fitted.fit.dof for level in levels)
     spent = max(together.fit.dof - spare, 1)
     ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
-    if ratio <= 1.0 or float(f_distribution.sf(ratio, spent, max(spare, 1))) > LEVELS.alarm:
+    if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > LEVELS.alarm:
         return
     if together.relative_rms < LEVELS.worse * _rms(levels):
         return

@@ -9,9 +9,8 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
 
+from springpot.distributions import chi2_quantile, f_sf
 from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Model, Real
 
@@ -333,7 +332,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
     if free < 1.0:
         return None, 0.0
     unit = max(left / free, 1e-300)
-    differ = [f_distribution.sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < NOISE.runs_differ
+    differ = [f_sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < NOISE.runs_differ
               for part in (by_gain, by_slope)]  # fmt: skip
     if not differ[0] or differ[1]:
         return None, 0.0
@@ -397,7 +396,7 @@ def checked(noise: Noise, variance: float, dof: float) -> Noise:
 
 def plausible(dof: float) -> tuple[float, float]:
     """Least and largest variance of whitened scatter that standard deviations of the right size leave."""
-    low, high = chi2.ppf([NOISE.doubt / 2, 1 - NOISE.doubt / 2], dof) / dof
+    low, high = chi2_quantile([NOISE.doubt / 2, 1 - NOISE.doubt / 2], dof) / dof
     return float(low), float(high)
 
 

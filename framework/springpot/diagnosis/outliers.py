@@ -7,8 +7,8 @@ from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, f
 
+from springpot.distributions import chi2_sf, f_log_density, f_sf
 from springpot.measurement import Measurement, sweeps_of
 
 from .frame import Frame
@@ -100,7 +100,7 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     )
     worst = int(np.argmax(scaled))
     if frame.scale_dof == inf:
-        return int(rows[worst]), float(chi2.sf(scaled[worst], 2))
+        return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
     return int(rows[worst]), _chance(scaled / variance)
 
 
@@ -115,15 +115,15 @@ def _chance(squares: NDArray[np.float64]) -> float:
     doubtful = max(2, int(OUTLIERS.most * len(half)))
     inner = np.maximum(half[:-doubtful], 1e-12)
     likelihood = [
-        float(np.sum(f.logpdf(inner / scale, 2, nu) - np.log(scale)))
-        + doubtful * float(f.logsf(inner[-1] / scale, 2, nu))
+        float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
+        + doubtful * float(np.log(np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)))
         for nu, scale in TAILS
     ]
     best = int(np.argmax(likelihood))
     if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
-    return float(f.sf(half[-1] / scale, 2, nu))
+    return float(f_sf(half[-1] / scale, 2, nu))
 
 
 def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:

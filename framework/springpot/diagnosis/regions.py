@@ -16,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.stats import chi2
 
+from springpot.distributions import chi2_quantile
 from springpot.rheology import Real
 
 from .policy import WHERE
@@ -176,7 +176,7 @@ def scales(dof: float) -> Real | float:
     """Equally likely values (SCALES,) of estimated over true variance, from so many degrees of freedom."""
     if dof == inf:
         return 1.0
-    return np.asarray(chi2.ppf((np.arange(WHERE.scales) + 0.5) / WHERE.scales, dof) / dof, dtype=np.float64)
+    return np.asarray(chi2_quantile((np.arange(WHERE.scales) + 0.5) / WHERE.scales, dof) / dof, dtype=np.float64)
 
 
 def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:

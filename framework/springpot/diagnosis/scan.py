@@ -291,6 +291,8 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
         How many pairs.
     """
     seen = [score for score in scores if score.directions.unit.shape[1]]
+    if not seen:
+        return []
     chosen = [_representatives(frame, score) for score in seen]
     unit = np.concatenate([score.directions.unit[:, rows] for score, rows in zip(seen, chosen, strict=True)], axis=1)
     owner = np.repeat(np.arange(len(seen)), [len(rows) for rows in chosen])

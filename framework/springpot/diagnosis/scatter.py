@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, f, gamma
-from scipy.stats import f as f_distribution
 
+from springpot.distributions import chi2_quantile, f_quantile, f_sf, gamma_sf
 from springpot.measurement import sweeps_of
 from springpot.rheology import Real
 
@@ -69,7 +68,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
     left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
     ratio = (explained / spent) / (left / (scatter.dof - spent))
-    return bool(f_distribution.sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
+    return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
 
 
 def _ripple(frame: Frame, scatter: Trimmed) -> float:
@@ -89,7 +88,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
         return 0.0
     peak = first + int(np.argmax(power[first:]))
     mean = float(np.sum(left**2)) / lines
-    chance = longest * float(gamma.sf(power[peak] / mean, lines))
+    chance = longest * float(gamma_sf(power[peak] / mean, lines))
     if chance > SCATTER.ripple_alarm:
         return 0.0
     fine = np.linspace(peak - 1.0, peak + 1.0, 41)[1:-1]
@@ -117,7 +116,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
     _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
-    usual, middle = chi2.ppf(1.0 - SCATTER.outlying_frequency, count), chi2.median(count)
+    usual, middle = chi2_quantile(1.0 - SCATTER.outlying_frequency, count), chi2_quantile(0.5, count)
     kept = np.ones(len(count), dtype=bool)
     for turn in range(10):
         rows = kept[group]
@@ -154,6 +153,6 @@ def _scatter(frame: Frame) -> tuple[float, float]:
             if efficient < SCATTER.enough_neighbours:
                 continue
             near = float(np.mean(left**2)) / power / kept
-            if near < variance * f.ppf(SCATTER.faster_alarm, efficient, dof):
+            if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
                 variance, dof = near, efficient
     return variance, dof

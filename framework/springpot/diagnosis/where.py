@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
+from springpot.distributions import chi2_sf
 from springpot.measurement import HELD, Measurement, Units, frequency_numbers, sweeps_of, temperatures_differ
 from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
@@ -106,7 +106,7 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     relative = np.bincount(level, part.relative[rows]) / count
     whitened = np.bincount(level, part.whitened[rows]) / count
     middle = float(np.average(whitened, weights=count))
-    uneven = float(chi2.sf(np.sum(count * (whitened - middle) ** 2), len(count) - 1)) < WHERE.levels_differ
+    uneven = float(chi2_sf(np.sum(count * (whitened - middle) ** 2), len(count) - 1)) < WHERE.levels_differ
     if np.ptp(relative) <= WHERE.alike * np.abs(np.mean(relative)):
         these = "these " if _some(measurement, name, rows) else ""
         return f"the same at all {these}{name}s"

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import chi2
 
+from springpot.distributions import chi2_sf
 from springpot.identification.uncertainty import student
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.levels import KELVIN
@@ -205,7 +205,7 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
     theta, square, slopes = task.solve(_starts(task.low, task.high))
     evidence = square + len(theta) * float(np.log(max(len(used), 2)))
     spare = len(used) - len(theta)
-    chance = float(chi2.sf(square, spare)) if spare > 0 else float("nan")
+    chance = float(chi2_sf(square, spare)) if spare > 0 else float("nan")
     verdict: Verdict = "cannot-tell" if spare == 0 else "departs" if chance < ALARM else "holds"
     if verdict == "departs":
         theta, _, slopes = task.solve([theta], task.own_error(theta, spare))

@@ -11,9 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as fisher
-from scipy.stats import norm
 
+from springpot.distributions import f_sf, normal_sf
 from springpot.identification import Objective, fit, weighted
 from springpot.measurement import Measurement
 from springpot.rheology import Continuum, Model, Real
@@ -281,7 +280,7 @@ def _chance(rows: Rows, alone: Alone) -> float:
     extra = float(np.sum(alone.excess(rows)))
     if spare <= inner:
         return 1.0
-    return float(fisher.sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
+    return float(f_sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
 
 
 def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
@@ -291,7 +290,7 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
     values, found = rows.elements[0].shown, []
     for level in np.flatnonzero(alone.strange).tolist():
         ratio = (alone.error[level] / usual) ** 2
-        chance = float(fisher.sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
+        chance = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
         if chance < ALARM:
             off, at = alone.error[level], rows.named(level)
             says = (
@@ -310,7 +309,7 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     for level in np.flatnonzero(judged & (error > NEARLY * alone.error)).tolist():
         count = 2.0 * float(np.sum(rows.number == level))
         ratio = (excess[level] + alone.dof[level]) / count
-        chance = float(fisher.sf(ratio, count, alone.dof[level])) * int(judged.sum())
+        chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
         if chance < ALARM:
             off, own = _percent(error[level]), _percent(alone.error[level])
             share = float(excess[level]) / whole
@@ -397,7 +396,7 @@ def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tupl
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)
     score = np.abs(size) * np.sqrt(square)
-    chance = np.minimum(2.0 * norm.sf(score) * len(score), 1.0)
+    chance = np.minimum(2.0 * normal_sf(score) * len(score), 1.0)
     return size, np.where(seen, chance, 1.0), score**2 / _total(excess)
 
 

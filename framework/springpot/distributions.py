@@ -1,0 +1,63 @@
+"""Chances and quantiles of the usual distributions, by the special functions of SciPy.
+
+``scipy.stats`` holds the same, and takes most of a second to import: as long as a whole diagnosis of thirty points.
+
+Examples
+--------
+>>> from springpot.distributions import chi2_sf, f_sf
+>>> round(float(chi2_sf(3.841, 1)), 3), round(float(f_sf(4.965, 1, 10)), 3)
+(0.05, 0.05)
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import betaln, chdtrc, fdtrc, fdtri, gammaincc, gammaincinv, ndtr, ndtri
+
+Chance: TypeAlias = NDArray[np.float64] | Any
+
+
+def chi2_sf(value: ArrayLike, dof: ArrayLike) -> Chance:
+    """Chance that chi-square with `dof` degrees of freedom exceeds `value`."""
+    return chdtrc(dof, value)
+
+
+def chi2_quantile(chance: ArrayLike, dof: ArrayLike) -> Chance:
+    """Value below which chi-square with `dof` degrees of freedom lies with this chance."""
+    return 2.0 * gammaincinv(np.asarray(dof) / 2.0, chance)
+
+
+def f_sf(value: ArrayLike, first: ArrayLike, second: ArrayLike) -> Chance:
+    """Chance that the ratio of two variances, of `first` and `second` degrees of freedom, exceeds `value`."""
+    return fdtrc(first, second, value)
+
+
+def f_quantile(chance: ArrayLike, first: ArrayLike, second: ArrayLike) -> Chance:
+    """Value below which that ratio lies with this chance."""
+    return fdtri(first, second, chance)
+
+
+def f_log_density(value: ArrayLike, first: float, second: float) -> Chance:
+    """Logarithm of the density of that ratio, at values above zero."""
+    x = np.asarray(value, dtype=np.float64)
+    half, other = 0.5 * first, 0.5 * second
+    scale = half * np.log(first / second) - betaln(half, other)
+    return scale + (half - 1.0) * np.log(x) - (half + other) * np.log1p(first / second * x)
+
+
+def gamma_sf(value: ArrayLike, shape: ArrayLike) -> Chance:
+    """Chance that a sum of `shape` exponentials of mean one exceeds `value`."""
+    return gammaincc(shape, value)
+
+
+def normal_quantile(chance: ArrayLike) -> Chance:
+    """Value below which a standard normal number lies with this chance."""
+    return ndtri(chance)
+
+
+def normal_sf(value: ArrayLike) -> Chance:
+    """Chance that a standard normal number exceeds `value`."""
+    return ndtr(-np.asarray(value))
