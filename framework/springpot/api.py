@@ -16,7 +16,7 @@ from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.progress import silent
 from springpot.errors import DataError, ModelError, OptionError
-from springpot.identification import Identification, Objective, Optimiser, Standing
+from springpot.identification import Identification, Objective, Optimiser, Standing, require_conditions
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
@@ -254,7 +254,8 @@ def discover(
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
     grown = start
     for effect in wanted or ():
-        grown = grown.taking(effect)  # told before the first fit
+        grown = grown.taking(effect)
+    require_conditions(grown, data)  # what cannot be accepted is told before the first fit, not after it
     return discover_objects(data, start, found, np.random.default_rng(seed), wanted, progress, reached)
 
 
