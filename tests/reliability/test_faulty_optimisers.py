@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from faulty_optimisers import DEEDS, TOLD, TRUE, race
 
+from soaked import soaked
 from springpot.benchmark import Store, run_study
 
 QUICK = [deed for deed in DEEDS if deed not in ("sleep", "ignore signals", "hold the interpreter")]
@@ -31,20 +32,21 @@ def undisturbed(tmp_path_factory):
     return trials(run_study(race([], 3), engine="serial", out=folder, quiet=True, tables=False).store)
 
 
-def check(found, undisturbed, deeds):
+def check(found, undisturbed, deeds, repetitions=3):
     innocent = {key: row for key, row in found.items() if key[0].startswith("innocent")}
-    assert innocent == undisturbed
+    assert innocent == {key: row for key, row in undisturbed.items() if key[1] < repetitions}
     for deed in deeds:
-        for repetition in range(3):
+        for repetition in range(repetitions):
             status, reason, best, *_ = found[f"faulty {deed}", repetition]
             assert status in TOLD or (status in TRUE and best > 1e-6), (deed, status, reason)
             assert (reason != "") == (status in TOLD), deed
 
 
-def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp_path):
-    outcome = run_study(race(QUICK, 3), workers=2, out=tmp_path, quiet=True, tables=False)
+@pytest.mark.parametrize("repetitions", [1, soaked(3)])
+def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp_path, repetitions):
+    outcome = run_study(race(QUICK, repetitions), workers=2, out=tmp_path, quiet=True, tables=False)
     found = trials(outcome.store)
-    check(found, undisturbed, QUICK)
+    check(found, undisturbed, QUICK, repetitions)
     for deed in ("patch the objective", "patch the model", "clear the data", "clear the weights", "move the box"):
         assert found[f"faulty {deed}", 0][0] == "changed", deed
     assert found["faulty forge the trace", 0][0] == "changed"
