@@ -61,6 +61,7 @@ def test_what_is_not_there_is_told(choice: dict[str, str], says: str):
     ("call", "says"),
     [
         (lambda: Points(W, temperature=170), r"use Points.at\(omega, temperature=...\)"),
+        (lambda: Points([100.0, 1e3, 1e4]), r"use Points.at\(omega\) for omega in rad/s"),
         (lambda: Points(np.log(W), temperature=np.full(4, 20.0)), "temperature is in kelvin here"),
         (lambda: Units("bananas"), r"unknown unit \[bananas\]"),
         (lambda: Units("kN/m", "furlong"), r"unknown unit \[furlong\] for the amplitude"),

@@ -336,6 +336,7 @@ def test_the_story_by_keyboard_alone(page: Open, damper: bytes):
     tab_to(here, "paste-first")
     here.page.keyboard.insert_text("# name: damper\n" + damper.decode())
     press("Tab")
+    playwright.expect(here.page.locator("button:focus")).to_be_enabled()
     press("Enter")
     here.shows("material")
 

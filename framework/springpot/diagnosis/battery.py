@@ -24,7 +24,7 @@ from .frame import DRAWN, Drawn, Frame, near_an_alarm, orthonormal, spectrum
 from .noise import Averaged
 from .outliers import outlying
 from .policy import BATTERY, OUTLIERS, SWEEPS, VERDICT
-from .words import times
+from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
 MAINS = (50.0, 60.0)
@@ -357,7 +357,11 @@ def _one_frequency(frame: Frame, sample: Drawn) -> Real:
 def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
     along = np.abs(frame.rest @ frame.narrow)
     size = float(np.max(along, initial=0.0))
-    return size, f"at one frequency, with its neighbours or alone, the residual is off by {size:.2g} sd in all sweeps"
+    words = "at one frequency, with its neighbours or alone, the residual is off by"
+    return size, f"{words} {plain(size, 2)} sd in all sweeps"
+        size,
+        f"at one frequency, with its neighbours or alone, the residual is off by {plain(size, 2)} sd in all sweeps",
+    )
 
 
 def _largest(frame: Frame, sample: Drawn) -> Real | None:
@@ -369,7 +373,7 @@ def _largest(frame: Frame, sample: Drawn) -> Real | None:
 
 def _largest_in_words(frame: Frame) -> tuple[float, str]:
     size = float(np.max(np.abs(frame.rest)))
-    return size, f"the furthest point is off by {size:.2g} sd"
+    return size, f"the furthest point is off by {plain(size, 2)} sd"
 
 
 def _points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, bool, str]:

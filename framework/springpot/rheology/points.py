@@ -18,6 +18,9 @@ KELVIN = 273.15
 COLDEST = 75.0
 """Kelvin below which a number is rather one in degC: specimens are cooled by nitrogen, which boils at 77.4 K."""
 
+FURTHEST = 700.0
+"""Logarithm of a frequency that is no floating-point number any more: it was meant as the frequency itself."""
+
 
 @dataclass(frozen=True, eq=False)
 class Points:
@@ -39,7 +42,8 @@ class Points:
     Raises
     ------
     DataError
-        If temperatures look like degC, or a condition is not given for each point: see `at`, which takes these.
+        If temperatures look like degC, frequencies were given for their logarithms, or a condition is not given for
+        each point: see `at`, which takes these.
     """
 
     log_omega: Real
@@ -54,6 +58,8 @@ class Points:
                 raise DataError(f"{name} is one number for each point: use Points.at(omega, {name}=...)")
         if self.temperature is not None and np.min(self.temperature, initial=COLDEST) < COLDEST:
             raise DataError("temperature is in kelvin here: use Points.at(omega, temperature=...) for degC")
+        if np.max(np.real(self.log_omega), initial=0.0) > FURTHEST:
+            raise DataError("log_omega is the natural logarithm of omega: use Points.at(omega) for omega in rad/s")
 
     @classmethod
     def at(
