@@ -359,9 +359,6 @@ def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
     size = float(np.max(along, initial=0.0))
     words = "at one frequency, with its neighbours or alone, the residual is off by"
     return size, f"{words} {plain(size, 2)} sd in all sweeps"
-        size,
-        f"at one frequency, with its neighbours or alone, the residual is off by {plain(size, 2)} sd in all sweeps",
-    )
 
 
 def _largest(frame: Frame, sample: Drawn) -> Real | None:
