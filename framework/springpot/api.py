@@ -18,7 +18,7 @@ from springpot.diagnosis.progress import silent
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, Standing, require_conditions
 from springpot.identification import identify as identify_objects
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, OpenQuestion
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
 from springpot.superposition import MasterCurve, level_of
@@ -369,11 +369,21 @@ def _opened(spec: str | Path) -> Measurement:
     """The measurement in a file; of one that holds tests in time it is told how these are opened."""
     try:
         return open_measurement(spec)
-    except DataError:
-        if not open_in_time(spec):
+    except DataError as error:
+        if not _holds_tests_in_time(spec, isinstance(error, OpenQuestion)):
             raise
         how = "open it by springpot.open_in_time, fit it by springpot.timetests.identify"
         raise DataError(f"{spec} holds a test in time, no sweep: {how}") from None
+
+
+def _holds_tests_in_time(spec: str | Path, asked: bool) -> bool:
+    """Whether a file opens as tests in time; what keeps it from that is told, unless its reader asked already."""
+    try:
+        return bool(open_in_time(spec))
+    except DataError:
+        if asked:
+            return False
+        raise
 
 
 def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
