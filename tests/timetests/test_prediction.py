@@ -106,3 +106,23 @@ def test_a_stiffness_is_no_modulus(fit):
     omega = np.ones(3)
     with pytest.raises(DataError, match="a stiffness is no modulus"):
         predict_test(fit, Measurement(omega, omega + 1j, units=Units("kN/m", "mm")))
+
+
+@pytest.mark.parametrize(("effect", "converts"), [("friction", True), ("power-law-damper", False)])
+def test_a_force_of_a_power_law_is_not_carried_into_another_unit_of_length(effect, converts):
+    """F |v|^a with v in mm/s is 1000^a times another F with v in m/s: no whole power of a length."""
+    model = parse_model(f"kelvin + {effect}")
+    omega = np.tile(np.geomspace(1.0, 30.0, 8), 2)
+    amplitude = np.repeat([1.0, 3.0], 8)
+    at = springpot.rheology.Points(np.log(omega), amplitude=amplitude)
+    stiffness = model.stiffness(np.array([100.0, 5.0, 20.0, 0.5][: len(model.names)]), at)
+    noise = 1.0 + 0.002 * np.random.default_rng(3).normal(size=16)
+    data = Measurement(omega, stiffness * noise, conditions={"amplitude": amplitude}, units=Units("N/mm", "mm"))
+    found = springpot.identify(data, model)
+    units = Units("N/m", "m")
+    there = Measurement(omega, 1e3 * stiffness, conditions={"amplitude": 1e-3 * amplitude}, units=units)
+    if converts:
+        assert predict_test(found, there).holds
+        return
+    with pytest.raises(DataError, match="cannot be converted from mm to m"):
+        predict_test(found, there)

@@ -357,7 +357,31 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
     longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
     powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters]
     factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
+    _require_same_model(known, factors, stiffer, longer, units)
     return known.theta * factors, known.covariance * np.outer(factors, factors)
+
+
+def _require_same_model(known: Known, factors: Real, stiffer: float, longer: float, units: Units) -> None:
+    """Check that converted parameters are the same model: the force of a power law has no whole power of a length.
+
+    Raises
+    ------
+    DataError
+        If they are not.
+    """
+    if longer == 1.0 or "amplitude" not in known.model.needs:
+        return
+    rates, one = np.log(np.array([1.0, 10.0])), np.ones(2)
+    kelvin = np.full(2, known.reference)
+    here = Points(rates, amplitude=one, temperature=kelvin, reference_temperature=known.reference)
+    there = replace(here, amplitude=longer * one)
+    before = stiffer * known.model.stiffness(known.theta, here)
+    after = known.model.stiffness(known.theta * factors, there)
+    if not np.allclose(after, before, rtol=1e-6):
+        raise DataError(
+            f"{known.model.name} cannot be converted from {known.units.amplitude} to {units.amplitude}: the unit of "
+            f"a parameter depends on another parameter; give the test in {known.units.amplitude}"
+        )
 
 
 class _Compared(NamedTuple):
