@@ -20,10 +20,10 @@ from springpot.distributions import chi2_sf
 from springpot.measurement import CONDITIONS, Measurement, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .frame import DRAWN, Drawn, Frame, near_an_alarm, orthonormal, spectrum
+from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal, spectrum
 from .noise import Averaged
 from .outliers import outlying
-from .policy import BATTERY, OUTLIERS, SWEEPS, VERDICT
+from .policy import BATTERY, OUTLIERS, VERDICT
 from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -181,8 +181,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
-    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(data.raw)), SWEEPS.drift_degree)
-    drift = orthonormal(np.asarray(slow, dtype=np.float64))
+    drift = orthonormal(drift_curves(len(data.raw)))
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
         "neighbours": sum(np.sum(_kinship(sample[:, :, sweep.rows]), axis=1) for sweep in sweeps_of(data.raw)),
@@ -199,7 +198,7 @@ def drift_share(data: Averaged) -> float:
     size = float(np.sum(np.abs(measured) ** 2))
     if size == 0.0:
         return 0.0
-    slow = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(measured)), SWEEPS.drift_degree)
+    slow = drift_curves(len(measured))
     count = np.bincount(data.group)
     # The deviations have lost the means of the repeats; so must the curves.
     lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]

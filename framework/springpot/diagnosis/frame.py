@@ -97,10 +97,15 @@ def waves(measurement: Measurement, period: float) -> Real:
     return np.array(shapes)
 
 
-def drift_shapes(count: int) -> Real:
-    """Slow curves from row to row, shape (DRIFT_DEGREE, n): what creeps while a measurement is made."""
-    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), SWEEPS.drift_degree).T[1:]
+def drift_curves(count: int) -> Real:
+    """Slow curves from row to row with their constant, columns (n, q): what creeps while a measurement is made."""
+    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), SWEEPS.drift_degree)
     return np.asarray(curves, dtype=np.float64)
+
+
+def drift_shapes(count: int) -> Real:
+    """The same without the constant, which is no drift, as shapes (q, n)."""
+    return drift_curves(count).T[1:]
 
 
 def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:

@@ -196,7 +196,7 @@ class SearchLevels:
     is weighed in tenths."""
     hopeless: float = 0.5
     """Share of what the best grown model explains below which another one, after its first ten steps, is no rival and
-    is not searched further; the answers to 60 artificial cases are the same with and without."""
+    is not searched further. Of 60 artificial cases all verdicts and 58 leading classes stay as they were."""
     better: float = 0.5
     """Gain in log-likelihood from which a fit has found another minimum."""
     decisive: float = 10.0

@@ -20,7 +20,7 @@ from .parameters import AMPLITUDE, FORCE, PURE, Parameter, stiffness
 from .points import Complex, Points, Real
 
 NEWTON_STEPS = 40
-"""Six are enough for exponents from 0.1 to 3 and forces over nine decades; the equation is monotone."""
+"""Six are enough for slip with exponents from 0.1 to 1 and forces over nine decades; the equation is monotone."""
 LONGEST = 100.0
 """Longest step in the logarithm of the amplitude. Between its two asymptotes the equation bends one way, so that a
 long first step ends beyond the solution and the next ones come back to it; this only keeps numbers finite."""
