@@ -3,9 +3,27 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 from typing import NoReturn
+
+
+class CtrlC:
+    """The handler of Ctrl-C, which remembers that it was pressed.
+
+    A library that is just being imported may turn the interruption into an error of its own (numpy into an
+    `ImportError`, a half-made module into an `AttributeError`): whoever sees that error asks here for its cause.
+    """
+
+    def __init__(self) -> None:
+        self.pressed = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> NoReturn:
+        """Interrupt what runs."""
+        self.pressed = True
+        raise KeyboardInterrupt
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -19,9 +37,13 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     # The matrices of a fit are small: threads only wait for one another, a factor of twenty on a busy machine.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    ctrl_c = CtrlC()
+    signal.signal(signal.SIGINT, ctrl_c)
     try:
         from .faults import exit_code
         from .group import run
-    except KeyboardInterrupt:
+    except BaseException:
+        if not ctrl_c.pressed:
+            raise
         sys.exit(130)
     sys.exit(exit_code(lambda: run(sys.argv[1:] if arguments is None else list(arguments))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable
 
@@ -21,7 +22,13 @@ def exit_code(action: Callable[[], int]) -> int:
     Nothing that is printed meanwhile can command the terminal.
     """
     with plain_streams():
-        return _exit_code(action)
+        code = _exit_code(action)
+    return INTERRUPTED if _was_interrupted() else code
+
+
+def _was_interrupted() -> bool:
+    """Whether Ctrl-C was pressed in this process, as its handler (`springpot.cli.CtrlC`) remembers."""
+    return getattr(signal.getsignal(signal.SIGINT), "pressed", False)
 
 
 def _exit_code(action: Callable[[], int]) -> int:
@@ -60,6 +67,8 @@ def _usage(error: click.UsageError) -> str:
 
 
 def _fault(error: Exception) -> int:
+    if _was_interrupted():
+        return INTERRUPTED  # what a half-imported library makes of Ctrl-C is no fault to be reported
     if os.environ.get(TRACEBACK):
         import traceback
 
