@@ -21,9 +21,12 @@ _known: dict[tuple[str, bytes], Any] = {}
 def remember(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the public functions look first whether they were asked the same before."""
     import springpot.api
+    import springpot.standing
 
     for name in EXAMINATIONS:
         monkeypatch.setattr(springpot.api, name, _remembering(name, getattr(springpot.api, name)))
+    compare = _remembering("compare_objects", springpot.standing.compare)
+    monkeypatch.setattr(springpot.standing, "compare", compare)
 
 
 def _remembering(name: str, examine: Callable[..., Any]) -> Callable[..., Any]:

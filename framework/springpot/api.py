@@ -16,22 +16,18 @@ from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.progress import silent
 from springpot.errors import DataError, ModelError, OptionError
-from springpot.identification import Identification, Objective, Optimiser, Standing, require_conditions
+from springpot.identification import Identification, Objective, Optimiser, require_conditions
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement, OpenQuestion
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
+from springpot.standing import standing_of
 from springpot.superposition import MasterCurve, level_of
 from springpot.superposition import mastercurve as mastercurve_of
 
 T = TypeVar("T", Model, Effect)
 
 INTERVALS = ("jacobian", "profile", "bootstrap")
-FEWEST_SPARE = 4
-"""Degrees of freedom from which the scatter about a model says how large the noise is."""
-BELIEVED = 0.1
-"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
-rigs and rheometers repeat a stiffness within a few per cent."""
 
 
 def read(spec: str | Path) -> Measurement:
@@ -131,26 +127,6 @@ def identify(
         start={name: own_value(judged, data.units, name, value) for name, value in (start or {}).items()},
     )
     return replace(found, judge=standing_of)
-
-
-def standing_of(found: Identification) -> Standing | None:
-    """How the error of a fit stands against noise and any material; None where the data are too few to tell.
-
-    Parameters
-    ----------
-    found : Identification
-        The fit. Only its model and data count: the floors are those of `compare`.
-    """
-    if found.fit.dof < FEWEST_SPARE:
-        return None
-    try:
-        [judged] = compare_objects(found.measurement, [found.model], np.random.default_rng(found.seed)).judgements
-    except DataError:
-        return None
-    error, good, says = judged.error, not (judged.fails or judged.unclear), judged.says
-    if good and error.noise_source == "estimated" and error.relative_rms > BELIEVED:
-        good, says = False, f"{says}, but noise of {100 * error.noise_floor:.2g} % is no good measurement: repeat it"
-    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)
 
 
 def diagnose(

@@ -17,10 +17,11 @@ from springpot.diagnosis import Candidate, Diagnosis, Error, NextExperiment, Val
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Identification, Objective, default_objective
-from springpot.identification.kept import fit_of, uncertainty_of
+from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
 from springpot.measurement import material_of
 from springpot.registry import parse_model, parse_timed, plugins
 from springpot.rheology import Model
+from springpot.standing import standing_of
 from springpot.timetests import Known
 
 if TYPE_CHECKING:
@@ -216,8 +217,6 @@ def _read(path: Path) -> Any:
 
 
 def _fit(answer: dict[str, Any]) -> Identification:
-    from springpot.api import standing_of
-
     kept, objective = answer["kept"], answer["objective"]
     fit = fit_of(
         kept, parse_model(answer["model"]), _objective(objective["name"], kept), _number(objective["value"]),
@@ -231,8 +230,6 @@ def _fit(answer: dict[str, Any]) -> Identification:
 
 
 def _objective(name: str, kept: dict[str, Any]) -> Objective:
-    from springpot.identification.kept import measurement_of
-
     standard = default_objective(measurement_of(kept["measurement"]))
     if standard.name == name:
         return standard

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import pluggy
 
-from springpot import hooks
+import springpot.hooks as hooks  # not from the package, whose table of names leads back here
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
 from springpot.identification import Optimiser

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Continuum, Model, Real
 
+from .estimate import Estimate
 from .material import is_material
 from .native import Fit
 from .objective import Objective
 from .uncertainty import Uncertainty
 
-if TYPE_CHECKING:
-    from .result import Identification
 
-
-def kept(found: Identification) -> dict[str, Any]:
+def kept(found: Estimate, seed: int) -> dict[str, Any]:
     """Theta with its intervals in the units of the measurement, what was held and bounded, and the measurement."""
     model = found.model
     material = model.material
@@ -32,7 +30,7 @@ def kept(found: Identification) -> dict[str, Any]:
         "rates": list(material.rates) if isinstance(material, Continuum) else None,
         "absolute": found.uncertainty.absolute,
         "converged": found.fit.converged,
-        "seed": found.seed,
+        "seed": seed,
         "measurement": measurement_to_dict(found.measurement),
     }
 

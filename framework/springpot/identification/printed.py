@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.measurement import Units
 from springpot.rheology import Parameter, Real, SearchForm
 
+from .estimate import Estimate
 from .uncertainty import ends, spread_of
 from .value import Value
-
-if TYPE_CHECKING:
-    from .result import Identification
 
 
 def printed(parameters: Sequence[Parameter], values: Real, low: Real, high: Real, units: Units) -> dict[str, Value]:
@@ -39,7 +36,7 @@ def printed(parameters: Sequence[Parameter], values: Real, low: Real, high: Real
     return rows
 
 
-def all_parameters(found: Identification) -> dict[str, Value]:
+def all_parameters(found: Estimate) -> dict[str, Value]:
     """All parameters of a fit, those that were held in their places."""
     units = found.measurement.units
     free = printed(found.model.parameters, found.theta, found.low, found.high, units)
@@ -58,7 +55,7 @@ def all_parameters(found: Identification) -> dict[str, Value]:
     return rows
 
 
-def search_parameters(found: Identification) -> dict[str, Value]:
+def search_parameters(found: Estimate) -> dict[str, Value]:
     """The parameters in the model's published search form, by linear propagation; none where it has no such form."""
     form = found.model.search
     if form is None:
@@ -78,7 +75,7 @@ def search_parameters(found: Identification) -> dict[str, Value]:
     return printed(form.parameters, x, low, high, found.measurement.units)
 
 
-def _at_ends(found: Identification, q: int) -> list[Real]:
+def _at_ends(found: Estimate, q: int) -> list[Real]:
     """The parameters of the form, those at a bound moved in turn to the ends of their one-sided interval."""
     moved = []
     at_bound = found.uncertainty.at_bound[:q]
@@ -92,14 +89,14 @@ def _at_ends(found: Identification, q: int) -> list[Real]:
     return moved
 
 
-def _shared(found: Identification, form: SearchForm, x: Real) -> list[tuple[int, int]]:
+def _shared(found: Estimate, form: SearchForm, x: Real) -> list[tuple[int, int]]:
     """Places (in the form, in the model) of parameters that both have: these have one interval, not two."""
     names = found.model.names[: len(form.parameters)]
     places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
     return [(i, j) for i, j in places if np.isclose(x[i], found.theta[j], rtol=1e-12)]
 
 
-def _reach(found: Identification, form: SearchForm, x: Real) -> Real:
+def _reach(found: Estimate, form: SearchForm, x: Real) -> Real:
     """Half the width of the intervals of ln x (logarithmic parameters) or x."""
     known, coordinates = found.uncertainty, found.fit.task.coordinates
     q = len(form.parameters)

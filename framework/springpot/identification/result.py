@@ -14,17 +14,15 @@ from numpy.typing import ArrayLike
 from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Model, Real
+from springpot.rheology import Complex, Real
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 
+from .estimate import Estimate
 from .kept import kept
 from .material import is_material
-from .native import Fit
 from .prediction import Prediction, predict
 from .printed import all_parameters, search_parameters
 from .regularised import Spectrum, regularised
-from .uncertainty import Uncertainty
 from .value import Value
 
 if TYPE_CHECKING:
@@ -61,7 +59,7 @@ class Standing:
 
 
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(Estimate):
     """The parameters of a model identified from a measurement.
 
     Attributes
@@ -95,10 +93,6 @@ class Identification:
     array([  0. , 219.1])
     """
 
-    fit: Fit
-    low: Real
-    high: Real
-    uncertainty: Uncertainty
     optimiser: str
     status: str
     evaluations: int
@@ -106,24 +100,6 @@ class Identification:
     notes: tuple[str, ...] = ()
     seed: int = 0
     judge: Callable[[Identification], Standing | None] | None = None
-
-    @property
-    def model(self) -> Model:
-        """The model; parameters that were held are none of its own."""
-        return self.fit.model
-
-    @property
-    def measurement(self) -> Measurement:
-        """The measurement."""
-        return self.fit.measurement
-
-    @property
-    def theta(self) -> Real:
-        """The free parameters, shape (p,), in the units of the measurement: a mass of data in kN/m is in Mg.
-
-        `parameters` has them as they are printed.
-        """
-        return self.fit.theta
 
     @cached_property
     def parameters(self) -> Mapping[str, Value]:
@@ -282,7 +258,7 @@ class Identification:
             "status": self.status,
             "notes": list(self.notes),
             **spectrum,
-            "kept": kept(self),
+            "kept": kept(self, self.seed),
         }
 
     def _spectrum(self, found: Spectrum) -> dict[str, Any]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from typing import TYPE_CHECKING
 
 from springpot.drawing import draw
 from springpot.errors import OutputError
 from springpot.markup import Html, joined, table, tag
 
-if TYPE_CHECKING:
-    from .measurement import Measurement
+from .rows import Rows
 
 SHOWN = 8
 """Rows of a table; the curve shows the rest."""
 
 
-def html_of(data: Measurement) -> Html:
+def html_of(data: Rows) -> Html:
     """The first rows in their units, and the curve where pictures can be drawn."""
     unit = data.units.stiffness
     units = {"temperature": "degC", "amplitude": data.units.amplitude}
@@ -30,7 +28,7 @@ def html_of(data: Measurement) -> Html:
     return tag("div", tag("p", tag("b", data.name)), table(headers, rows), beside, _curve(data))
 
 
-def _curve(data: Measurement) -> Html:
+def _curve(data: Rows) -> Html:
     try:
         figure = draw(data)
     except OutputError:  # without matplotlib the table is all there is

@@ -18,15 +18,16 @@ from springpot.errors import DataError
 from springpot.plain import plain
 from springpot.rheology import HELD, Complex, Points, Real
 
+from .conversion import Conversion, to_modulus, to_stiffness
 from .display import html_of
-from .moduli import Moduli
+from .geometry import Geometry
+from .geometry_text import said
+from .rows import Rows, rows_without
 from .units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .geometry import Geometry
 
 KELVIN = 273.15
 CONDITIONS = ("temperature", "amplitude")
@@ -42,7 +43,7 @@ _KINDS = {"f": "real numbers", "c": "numbers", "i": "whole numbers", "U": "words
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement(Moduli):
+class Measurement(Rows):
     """Measured complex stiffness (or modulus) with its conditions.
 
     Parameters
@@ -261,9 +262,7 @@ class Measurement(Moduli):
         >>> len(data), len(data.excluding(frequency="..1"))
         (40, 34)
         """
-        from .selection import without
-
-        return without(self, {name: str(value) for name, value in unwanted.items()})
+        return self.subset(rows_without(self, {name: str(value) for name, value in unwanted.items()}))
 
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """Storage and loss against frequency, or against amplitude or temperature where only these vary.
@@ -289,15 +288,25 @@ class Measurement(Moduli):
 
     def as_modulus(self, geometry: Geometry, unit: str = "Pa") -> Measurement:
         """The material that a specimen or damper of this geometry is made of; see `interface.as_modulus`."""
-        from .interface import as_modulus
-
-        return as_modulus(self, geometry, unit)
+        return self._through(to_modulus(self, geometry, unit))
 
     def as_stiffness(self, geometry: Geometry, unit: str | None = None, amplitude: str | None = None) -> Measurement:
         """A damper of this geometry, made of the measured material; see `interface.as_stiffness`."""
-        from .interface import as_stiffness
+        return self._through(to_stiffness(self, geometry, unit, amplitude))
 
-        return as_stiffness(self, geometry, unit, amplitude)
+    def _through(self, change: Conversion) -> Measurement:
+        """The other side of a geometry."""
+        conditions = dict(self.conditions)
+        if "amplitude" in conditions:
+            conditions["amplitude"] = change.amplitude(conditions["amplitude"])
+        return replace(
+            self,
+            stiffness=change.stiffness(self.stiffness),
+            sd=None if self.sd is None else change.stiffness(self.sd),
+            conditions=conditions,
+            units=change.units,
+            provenance={**self.provenance, "geometry": said(change.geometry)},
+        )
 
     def levels(self, name: str) -> NDArray[np.int64]:
         """Number (n,) of the level of a condition that each row belongs to, ascending.

@@ -30,8 +30,8 @@ from springpot.measurement import (
     unguarded_line,
 )
 
-from . import generic
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
+from .generic import read as read_any
 from .names import role_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
@@ -66,7 +66,7 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line with file, line, column and what to mend.
     """
     if choice:
-        return generic.read(path, choice)
+        return read_any(path, choice)
     return parse(text_of(path), path.stem)
 
 

@@ -1,0 +1,152 @@
+"""Rows of a test and what is known of each, and which of them have what a user asks for: ``temperature=20``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+from .moduli import Moduli
+from .units import Units
+
+KELVINS = 0.5
+"""Temperatures that agree to this belong to one choice."""
+CLOSE = {"amplitude": 0.05}
+"""Relative agreement of a condition, where it is coarser than one per cent."""
+SHOWN = 12
+"""Values listed where none fits; of more the first ones and the last."""
+
+
+class Rows(Moduli):
+    """What has conditions, words and repeats beside each complex stiffness.
+
+    Attributes
+    ----------
+    name : str
+        Shown in messages.
+    conditions : mapping of str to ndarray, shape (n,)
+        Columns of numbers beside the frequency.
+    labels : mapping of str to ndarray of str, shape (n,)
+        Columns of words beside the frequency.
+    repeat : ndarray of int, shape (n,), or None
+        Which repetition a row belongs to.
+    units : Units
+        Of stiffness, amplitude and frequency.
+    """
+
+    name: str
+    conditions: Mapping[str, Real]
+    labels: Mapping[str, NDArray[np.str_]]
+    repeat: NDArray[np.int64] | None
+    units: Units
+
+
+def rows_with(measured: Rows, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
+    """A mask (n,) of the rows that have all the wanted conditions; see `springpot.measurement.select`.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, with those that there are.
+    """
+    rows = np.ones(len(measured), dtype=bool)
+    for key, value in wanted.items():
+        rows &= _matching(measured, key, value)
+    return rows
+
+
+def rows_without(measured: Rows, unwanted: Mapping[str, str]) -> NDArray[np.bool_]:
+    """A mask (n,) of the rows that lack one of the conditions.
+
+    Raises
+    ------
+    DataError
+        If there is no such column or value, or nothing would be left.
+    """
+    rows = ~rows_with(measured, unwanted)
+    if not rows.any():
+        raise DataError(f"{measured.name}: nothing would be left")
+    return rows
+
+
+def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
+    if key in measured.labels:
+        return _matching_words(measured, key, value)
+    column = _column(measured, key)
+    if ".." in value:
+        return _between(measured, key, value, column)
+    number = _number(measured, key, value)
+    reach = CLOSE.get(key, 0.01) * abs(number)
+    if key == "temperature":
+        reach = KELVINS
+    elif key == "row":
+        reach = 0.0
+    rows: NDArray[np.bool_] = np.abs(column - number) <= reach * (1 + 1e-9)
+    if not rows.any():
+        known = np.unique([float(f"{v:.3g}") for v in np.unique(column[np.isfinite(column)])])
+        raise DataError(f"{measured.name}: no {key} near {value} (there are: {_listed([f'{v:g}' for v in known])})")
+    return rows
+
+
+def _column(measured: Rows, key: str) -> Real:
+    """The numbers that a condition stands for."""
+    own = {
+        "frequency": measured.frequency,
+        "omega": measured.omega,
+        "row": np.arange(1.0, len(measured) + 1.0),
+        **measured.conditions,
+    }
+    if measured.repeat is not None:
+        own["repeat"] = measured.repeat.astype(float)
+    if key not in own:
+        there = [
+            *measured.conditions,
+            *measured.labels,
+            *(["repeat"] if measured.repeat is not None else []),
+        ]
+        raise DataError(f"{measured.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})")
+    return own[key]
+
+
+def _between(measured: Rows, key: str, value: str, column: Real) -> NDArray[np.bool_]:
+    """Rows between two ends, either of which may be left open."""
+    first, _, last = value.partition("..")
+    low = _number(measured, key, first) if first.strip() else -np.inf
+    high = _number(measured, key, last) if last.strip() else np.inf
+    slack = 1e-9 * float(np.max(np.abs(column)))  # a frequency in Hz was once rad/s, and ends are included
+    rows: NDArray[np.bool_] = (column >= low - slack) & (column <= high + slack)
+    if not rows.any():
+        least, most = float(np.min(column)), float(np.max(column))
+        raise DataError(f"{measured.name}: no {key} in {value} (there are {least:.4g} to {most:.4g})")
+    return rows
+
+
+def _number(measured: Rows, key: str, value: str) -> float:
+    try:
+        return float(value)
+    except ValueError:
+        raise DataError(f"{measured.name}: {key}={value} is no number or range such as 1..10") from None
+
+
+def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
+    column = measured.labels[key]
+    known = [str(word) for word in np.unique(column)]
+    low = value.lower()
+    exact = [word for word in known if word.lower() == low]
+    begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
+    within = [word for word in known if low in word.lower()]
+    found = exact or begins or within
+    if len(found) != 1:
+        many = f"several values of {key} match '{value}'" if found else f"no {key} '{value}'"
+        raise DataError(f"{measured.name}: {many} (there are: {_listed(found or known)})")
+    return np.asarray(column == found[0])
+
+
+def _listed(values: list[str]) -> str:
+    shown = values if len(values) <= SHOWN else [*values[: SHOWN - 2], "...", values[-1]]
+    return ", ".join(shown)
