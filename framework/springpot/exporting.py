@@ -108,28 +108,36 @@ def exported(
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
     known = lesser(_known(source, values, unit), without)
-    model, theta = known.model, known.theta
-    _refuse_rig(model)
-    omega = _band(band)
+    _refuse_rig(known.model)
     kelvin = None if temperature is None else temperature + KELVIN
-    spectrum = model.spectrum(theta, omega, temperature=kelvin, reference_temperature=known.reference)
-    prony: Prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot and writer.dashpot)
-    is_named = source.endswith(".json") or unit is not None
-    shown_unit = known.units.stiffness if is_named else ""
-    shown = _printed(known, shown_unit)
+    spectrum = known.model.spectrum(
+        known.theta, _band(band), temperature=kelvin, reference_temperature=known.reference
+    )
+    prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot and writer.dashpot)
+    # Numbers given for a model expression have a unit only if the user says which.
+    shown_unit = known.units.stiffness if source.endswith(".json") or unit is not None else ""
+    handoff = _handoff(known, prony, shown_unit, kelvin, poisson)
+    text = writer.written(handoff)
+    data = None if writer.data is None else writer.data(handoff)
+    return Exported(text, writer, handoff, data)
+
+
+def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisson: float | None) -> Handoff:
+    """What a writer is given: the series, and the parameters as a user knows them."""
+    model, theta, reference = known.model, known.theta, known.reference
+    at = reference if kelvin is None else kelvin
+    shown = _printed(known, unit)
     if "temperature" in model.needs:
-        shown["temperature"] = f"{(known.reference if kelvin is None else kelvin) - KELVIN:.6g} degC"
-    handoff = Handoff(
+        shown["temperature"] = f"{at - KELVIN:.6g} degC"
+    return Handoff(
         prony,
         model.name,
         shown,
-        shown_unit,
-        is_named and known.units.is_modulus,
+        unit,
+        bool(unit) and known.units.is_modulus,
         poisson,
-        exact=lambda at: model.stiffness(theta, _points(at, kelvin, known.reference)),
+        exact=lambda omega: model.stiffness(theta, _points(omega, at, reference)),
     )
-    text = writer.written(handoff)
-    return Exported(text, writer, handoff, None if writer.data is None else writer.data(handoff))
 
 
 def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
@@ -160,14 +168,16 @@ def _printed(known: Known, unit: str) -> dict[str, str]:
     shown = {}
     for parameter in known.model.released().parameters:
         if not parameter.detail:
-            factor, label = known.units.of(parameter.unit) if unit else (1.0, "")
+            factor, label = 1.0, ""
+            if unit:
+                factor, label = known.units.of(parameter.unit)
             shown[parameter.name] = f"{factor * values[parameter.name]:.9g} {label}".strip()
     return shown
 
 
-def _points(omega: Real, kelvin: float | None, reference: float) -> Points:
-    at = np.log(omega)
-    return Points(at, None, np.full(len(at), reference if kelvin is None else kelvin), reference)
+def _points(omega: Real, kelvin: float, reference: float) -> Points:
+    """Points (n,) at one temperature."""
+    return Points(np.log(omega), None, np.full(len(omega), kelvin), reference)
 
 
 def _band(text: str) -> tuple[float, float]:

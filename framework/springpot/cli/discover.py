@@ -78,9 +78,8 @@ def command(
     from springpot.report.ladder import figure_ladder
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
-    if auto == bool(accept):
-        words = "give --auto or --accept EFFECT, not both" if auto else "give --auto, or --accept EFFECT once or more"
-        raise click.UsageError(words, click.get_current_context())
+    _require_one_choice(auto, accept)
+    # A path that cannot be written is told before minutes are spent on what should be written there.
     if report is not None:
         check_report_path(report)
     if figure is not None:
@@ -89,7 +88,9 @@ def command(
     effects = [effect_in_time(name) for name in accept]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        given = [name for name in ("fix", "bounds", "exclude") if options[name]] + ["report"] * (report is not None)
+        given = [name for name in ("fix", "bounds", "exclude") if options[name]]
+        if report is not None:
+            given.append("report")
         timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
         return 0
     measurement = opened(data, geometry)
@@ -102,12 +103,21 @@ def command(
     if report is not None:
         write_report(ladder, measurement, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
-    for path in (figure, report):
-        if path is not None and not as_json:
-            print(f"\nwritten: {path}")
-    if not as_json:
+    if not as_json:  # a program that reads the JSON reads nothing else
+        for path in (figure, report):
+            if path is not None:
+                print(f"\nwritten: {path}")
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
+
+
+def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
+    """Either the evidence decides, or the user names what is accepted."""
+    if auto and accept:
+        raise click.UsageError("give --auto or --accept EFFECT, not both", click.get_current_context())
+    if not auto and not accept:
+        words = "give --auto, or --accept EFFECT once or more"
+        raise click.UsageError(words, click.get_current_context())
 
 
 def _next(ladder: Ladder, data: str, model: str | None) -> str:

@@ -96,22 +96,27 @@ def identify(
     require_enough(model, measurement)
     objective = default_objective(measurement) if objective is None else objective
     if optimiser is None or optimiser.name == NATIVE:
-        seeds = [] if not start else [_start(model, measurement, objective, start)]
-        found, status, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, seeds)
         name = NATIVE
-    elif is_material(model):
-        raise ModelError(f"{model.name}: the spectrum of a material is no search; leave out the optimiser")
-    elif start:
-        raise OptionError(f"the optimiser {optimiser.name} draws its own starts: leave out the start values, or it")
+        found, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, start or {})
+        status = "converged" if found.converged else "not converged"
     else:
+        name = optimiser.name
+        _refuse_search(model, optimiser, start)
         problem = Problem.of(model, measurement, objective)
         found, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
-        name = optimiser.name
     known = Uncertainty.of(found)
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
     return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes), seed or 0)
+
+
+def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
+    """Refuse what only the native solver can do."""
+    if is_material(model):
+        raise ModelError(f"{model.name}: the spectrum of a material is no search; leave out the optimiser")
+    if start:
+        raise OptionError(f"the optimiser {optimiser.name} draws its own starts: leave out the start values, or it")
 
 
 def _start(model: Model, measurement: Measurement, objective: Objective, start: Mapping[str, float]) -> Real:
@@ -136,26 +141,43 @@ def _by_native(
     restarts: int,
     seed: int | None,
     simpler: Sequence[Model],
-    seeds: Sequence[Real],
-) -> tuple[Fit, str, list[str]]:
-    """The native fit, checked against the simpler models that it contains."""
+    start: Mapping[str, float],
+) -> tuple[Fit, list[str]]:
+    """The native fit, checked against the simpler models that it contains, and notes on how that went."""
+    seeds = [_start(model, measurement, objective, start)] if start else []
     rng = None if seed is None else np.random.default_rng(seed)
     found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
-    notes: list[str] = []
     if is_material(model):
-        return found, "converged" if found.converged else "not converged", notes
+        # A spectrum has a solver of its own (`fit_spectrum`), which takes no further starts.
+        return found, []
     if not (found.converged and found.confirmed):
         found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[found.theta]))
-    inner = [fit(part, measurement, objective, starts=STARTS) for part in (*_without_effects(model), *simpler)]
-    best = min(inner, key=lambda other: other.cost, default=None)
-    if best is not None and best.cost < found.cost * (1.0 - NESTING) - found.task.floor[0]:
-        seeds = [*_grown(best, model), found.theta]
-        found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=seeds))
-        if best.cost < found.cost * (1.0 - NESTING) - found.task.floor[0]:
-            notes.append(f"the simpler {best.model.name} fits better than {model.name}: the search has failed")
+    found, notes = _no_worse_than_simpler(found, simpler)
     if not found.converged:
         notes.append("the search did not come to rest: the parameters may be improved by more restarts")
-    return found, "converged" if found.converged else "not converged", notes
+    return found, notes
+
+
+def _no_worse_than_simpler(found: Fit, simpler: Sequence[Model]) -> tuple[Fit, list[str]]:
+    """A fit that is repeated from the best simpler one if that is better, and a note where it stays so.
+
+    A model contains what it is without one of its effects, so its least objective cannot be the larger one.
+    """
+    model, measurement, objective = found.model, found.measurement, found.objective
+    inner = [fit(part, measurement, objective, starts=STARTS) for part in (*_without_effects(model), *simpler)]
+    best = min(inner, key=lambda other: other.cost, default=None)
+    if best is None or not _beats(best, found):
+        return found, []
+    seeds = [*_grown(best, model), found.theta]
+    found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=seeds))
+    if _beats(best, found):
+        return found, [f"the simpler {best.model.name} fits better than {model.name}: the search has failed"]
+    return found, []
+
+
+def _beats(simpler: Fit, found: Fit) -> bool:
+    """Whether a simpler model fits better by more than rounding."""
+    return bool(simpler.cost < found.cost * (1.0 - NESTING) - found.task.floor[0])
 
 
 def _better(one: Fit, other: Fit) -> Fit:

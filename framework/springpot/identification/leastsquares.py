@@ -7,7 +7,7 @@ rows, so that one call costs about as much for one start as for twenty.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -88,6 +88,40 @@ class _State:
             setattr(self, name, value[which])
 
 
+@dataclass(frozen=True)
+class _Rules:
+    """The boxes of all rows, and when a row or its team may stop; see `levenberg_marquardt`."""
+
+    lower: Real
+    upper: Real
+    floors: Real
+    team: Rows | None
+    confirm: int
+    flat: float
+
+    @classmethod
+    def of(
+        cls,
+        u0: Real,
+        lower: Real,
+        upper: Real,
+        floor: Real | float,
+        team: Rows | None,
+        confirm: int,
+        flat: float,
+    ) -> _Rules:
+        """The rules with one box and one floor for each row of `u0`."""
+        floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
+        boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
+        return cls(*boxes, floors, team, confirm, flat)
+
+    def of_rows(self, rows: Rows) -> _Rules:
+        """Those of the rows still at work; the same object while these are all."""
+        if len(rows) == len(self.floors):
+            return self
+        return replace(self, lower=self.lower[rows], upper=self.upper[rows], floors=self.floors[rows])
+
+
 def levenberg_marquardt(
     evaluate: Evaluate,
     u0: Real,
@@ -137,29 +171,34 @@ def levenberg_marquardt(
     grows as in H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05. A variable at a bound towards
     which the objective falls is frozen for the step.
     """
-    count = len(u0)
-    if lower.shape != u0.shape or upper.shape != u0.shape:
-        lower, upper = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-    floors = np.broadcast_to(np.asarray(floor, dtype=float), (count,))
+    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat)
+    # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted for it.
     with np.errstate(all="ignore"):
-        state = _first(evaluate, np.clip(u0, lower, upper), damping)
+        state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping)
         ended = _State(**{name: value.copy() for name, value in vars(state).items()})
-        converged = np.zeros(count, dtype=bool)
-        evaluations = count
-        finished = state.cost <= floors
-        for _ in range(iterations):
-            if finished.any():
-                converged[state.rows[finished]] = True
-                _retire(state, ended, finished, team, converged, floors, confirm)
-            if not len(state.rows):
-                break
-            low, high = (lower, upper) if len(state.rows) == count else (lower[state.rows], upper[state.rows])
-            evaluations += len(state.rows)
-            finished = _advance(evaluate, state, low, high, floors[state.rows], flat)
-        if len(state.rows):
+        converged, steps = _descend(evaluate, state, ended, rules, iterations)
+    return Solution(ended.u, ended.cost, ended.jtj, ended.residual, converged, len(u0) + steps)
+
+
+def _descend(
+    evaluate: Evaluate, state: _State, ended: _State, rules: _Rules, iterations: int
+) -> tuple[NDArray[np.bool_], int]:
+    """Step until all rows have retired to `ended`; says which converged (R,), and how many steps rows took in all."""
+    converged = np.zeros(len(state.rows), dtype=bool)
+    steps = 0
+    finished = state.cost <= rules.floors
+    for _ in range(iterations):
+        if finished.any():
             converged[state.rows[finished]] = True
-            _store(state, ended)
-    return Solution(ended.u, ended.cost, ended.jtj, ended.residual, converged, evaluations)
+            _retire(state, ended, finished, converged, rules)
+        if not len(state.rows):
+            break
+        steps += len(state.rows)
+        finished = _advance(evaluate, state, rules.of_rows(state.rows))
+    if len(state.rows):
+        converged[state.rows[finished]] = True
+        _store(state, ended)
+    return converged, steps
 
 
 def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
@@ -177,11 +216,9 @@ def _normal(residual: Real, jacobian: Real) -> tuple[Real, Real, Real]:
     return cost, gradient, np.matmul(jacobian, jacobian.transpose(0, 2, 1))
 
 
-def _advance(
-    evaluate: Evaluate, state: _State, lower: Real, upper: Real, floor: Real, flat: float
-) -> NDArray[np.bool_]:
-    """One damped step of every row; says which rows are finished."""
-    trial = np.minimum(np.maximum(state.u + _step(state, lower, upper), lower), upper)
+def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.bool_]:
+    """One damped step of every row, by its own rules; says which rows are finished."""
+    trial = np.minimum(np.maximum(state.u + _step(state, rules.lower, rules.upper), rules.lower), rules.upper)
     step = trial - state.u
     bent = np.matmul(state.jtj, step[:, :, None])[:, :, 0]
     predicted = -(step * (2.0 * state.gradient + bent)).sum(axis=1)
@@ -190,11 +227,12 @@ def _advance(
     gain = state.cost - cost
     better = gain > 0.0
     still = np.abs(step).max(axis=1, initial=0.0) <= STILL
-    within = np.where(state.damping <= START_DAMPING, flat, FLAT)
+    # A damped step foretells less than is left to gain: only a nearly free one may stop early.
+    within = np.where(state.damping <= START_DAMPING, rules.flat, FLAT)
     level = np.abs(predicted) <= within * state.cost
     _damp(state, better, gain / predicted)
     state.put(better, (trial, cost, gradient, jtj, residual))
-    finished: NDArray[np.bool_] = still | level | (state.cost <= floor)
+    finished: NDArray[np.bool_] = still | level | (state.cost <= rules.floors)
     return finished
 
 
@@ -241,19 +279,13 @@ def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
 
 
 def _retire(
-    state: _State,
-    ended: _State,
-    finished: NDArray[np.bool_],
-    team: Rows | None,
-    converged: NDArray[np.bool_],
-    floors: Real,
-    confirm: int,
+    state: _State, ended: _State, finished: NDArray[np.bool_], converged: NDArray[np.bool_], rules: _Rules
 ) -> None:
     """Store the rows and let go those that are finished, with the team-mates that are no longer needed."""
     _store(state, ended)
     done = finished
-    if team is not None:
-        done = done | _settled(team, converged, ended.cost, floors, confirm)[team[state.rows]]
+    if rules.team is not None:
+        done = done | _settled(rules.team, converged, ended.cost, rules)[rules.team[state.rows]]
     state.keep(~done)
 
 
@@ -262,13 +294,13 @@ def _store(state: _State, ended: _State) -> None:
         getattr(ended, name)[state.rows] = getattr(state, name)
 
 
-def _settled(team: Rows, converged: NDArray[np.bool_], cost: Real, floors: Real, confirm: int) -> NDArray[np.bool_]:
+def _settled(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules) -> NDArray[np.bool_]:
     """Teams of which one row has reached its floor or enough rows agree on the best objective."""
     teams = int(team.max()) + 1
     best = np.full(teams, np.inf)
     np.minimum.at(best, team, cost)
     agree = converged & (cost <= best[team] * (1.0 + 1e-9))
     votes = np.bincount(team, weights=agree, minlength=teams)
-    reached = np.bincount(team, weights=converged & (cost <= floors), minlength=teams)
-    settled: NDArray[np.bool_] = (votes >= confirm) | (reached > 0)
+    reached = np.bincount(team, weights=converged & (cost <= rules.floors), minlength=teams)
+    settled: NDArray[np.bool_] = (votes >= rules.confirm) | (reached > 0)
     return settled

@@ -223,26 +223,9 @@ def fit(
     objective = default_objective(measurement) if objective is None else objective
     if is_material(model):
         return _fit_material(model, measurement, objective, starts, seeds_theta)
-    if model.constrained:
-        # The scan of shapes needs gains that scale a whole branch; here some are held or end at a bound.
-        seeds_theta, starts = [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
-    elif starts and any(effect.by_levels for effect in model.effects):
-        # A scan of one dimension for each level would find nothing; the data say where its factor lies.
-        seeds_theta, starts = [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
-    effort = Effort() if effort is None else effort
     task = _task(model, measurement, objective)
-    offset = 0.0 if rng is None else _offset(rng)
-    size = task.coordinates.size[0]
-    seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
-    coarse = task.thin(COARSE_POINTS)
-    if model.constrained:
-        solution = coarse.solve(seeds[None], flat=effort.negligible)
-        evaluations = solution.evaluations
-    else:
-        solution, evaluations = _search(coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count))
-    if coarse is not task:
-        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
-        evaluations += solution.evaluations
+    seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
+    solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
     best = int(np.argmin(solution.cost))
     theta = _within(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
     return Fit(
@@ -256,6 +239,40 @@ def fit(
         perf_counter() - began,
         _settled(solution, task.floor[0], 2, 1e-6),
     )
+
+
+def _placed(
+    model: Model, measurement: Measurement, objective: Objective, seeds_theta: Sequence[Real], starts: int
+) -> tuple[Sequence[Real], int]:
+    """Given starts (p,) and the number of those read off the data; where none can be read, others are placed."""
+    if model.constrained:
+        # The scan of shapes needs gains that scale a whole branch; here some are held or end at a bound.
+        return [*seeds_theta, *_released_starts(model, measurement, objective, starts)], 0
+    if starts and any(effect.by_levels for effect in model.effects):
+        # A scan of one dimension for each level would find nothing; the data say where its factor lies.
+        return [*seeds_theta, _superposed_start(model, measurement, objective, starts)], 0
+    return seeds_theta, starts
+
+
+def _solved(
+    task: Task, seeds_theta: Sequence[Real], starts: int, rng: np.random.Generator | None, effort: Effort
+) -> tuple[Solution, int]:
+    """Solutions from all starts, and the evaluations spent; of many points a few show the way."""
+    size = task.coordinates.size[0]
+    seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
+    offset = 0.0 if rng is None else _offset(rng)  # drawn for any model, that the generator goes on alike
+    coarse = task.thin(COARSE_POINTS)
+    if task.model.constrained:
+        # Every start is given, and gains cannot be projected out of a model that holds some of them.
+        solution = coarse.solve(seeds[None], flat=effort.negligible)
+        evaluations = solution.evaluations
+    else:
+        solution, evaluations = _search(coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count))
+    if coarse is not task:
+        # The best two, because with all points the second may turn out to be the better one.
+        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
+        evaluations += solution.evaluations
+    return solution, evaluations
 
 
 def _fit_material(
