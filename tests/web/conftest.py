@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -14,6 +15,9 @@ pytest.importorskip("uvicorn", reason="the extra 'workbench' is not installed")
 import springpot
 from springpot.web import Workbench
 from springpot.web.datatext import measured_in
+
+if TYPE_CHECKING:
+    from browsing import Open
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 
@@ -40,3 +44,31 @@ def bench() -> Iterator[Workbench]:
     running = Workbench().start()
     yield running
     running.close()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """One Chromium for all tests that need one, with the network cut."""
+    from browsing import CHROMIUM, CUT, playwright
+
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=CHROMIUM, args=CUT)
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def page(browser: Any, bench: Workbench) -> Iterator[Open]:
+    """Opens pages of the one workbench, each of a person of its own; at the end none of them had a fault."""
+    from browsing import Page
+
+    opened: list[Page] = []
+
+    def open_page(width: int = 1280, height: int = 800, **settings: Any) -> Page:
+        context = browser.new_context(viewport={"width": width, "height": height}, **settings)
+        opened.append(Page(context, bench))
+        return opened[-1]
+
+    yield open_page
+    for one in opened:
+        one.close()

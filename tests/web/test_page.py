@@ -6,21 +6,17 @@ import csv
 import io
 import json
 import re
-import shutil
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from browsing import IN_A_BROWSER, PATIENCE, Open, Page, playwright, tab_to, violations_on
 
 from springpot.web import Workbench
 
-playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'browser' is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here: 'apt-get install chromium'")
+pytestmark = IN_A_BROWSER
 
-PATIENCE = 120_000
 MODEL = "fractional-maxwell"
 COST_OF_A_PREVIEW = """() => {
     const timed = (work) => {
@@ -45,113 +41,6 @@ COST_OF_A_PREVIEW = """() => {
     }
     return [middle(previews), middle(yardsticks)];
 }"""
-Open = Callable[..., Any]
-
-
-class Page:
-    """A page of the workbench, and every request that it made."""
-
-    def __init__(self, context: Any, bench: Workbench) -> None:
-        self.requests: list[str] = []
-        self.faults: list[str] = []
-        self.context, self.bench = context, bench
-        context.on("request", lambda request: self.requests.append(request.url))
-        self.page = context.new_page()
-        self.page.set_default_timeout(PATIENCE)
-        self.page.on("pageerror", lambda error: self.faults.append(str(error)))
-        self.page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
-        self.page.goto(bench.address)
-
-    def done(self) -> None:
-        """Wait until nothing is computed any more."""
-        self.page.locator("body:not([aria-busy])").wait_for(state="attached")
-
-    def drop(self, name: str, content: bytes) -> None:
-        """Drop a file on the page as a hand does."""
-        self.page.locator("#model-body #judge").wait_for()
-        self.page.evaluate(
-            """([name, text]) => {
-                const files = new DataTransfer();
-                files.items.add(new File([text], name));
-                const drop = { dataTransfer: files, bubbles: true, cancelable: true };
-                document.body.dispatchEvent(new DragEvent("drop", drop));
-            }""",
-            [name, content.decode()],
-        )
-
-    def judge(self, model: str) -> None:
-        """Name a model."""
-        self.done()
-        self.page.fill("#expression", model)
-        self.page.press("#expression", "Enter")
-        self.shows(model)
-
-    def shows(self, expression: str) -> None:
-        """Wait for the answer on a model."""
-        playwright.expect(self.page.locator("#verdict")).to_contain_text(f"{expression}:", timeout=PATIENCE)
-        self.done()
-
-    def error(self) -> float:
-        """Of the present rung, as a share of |K|."""
-        told = re.search(r"([\d.]+) %", self.page.inner_text("#rungs li.last"))
-        assert told is not None
-        return float(told[1]) / 100
-
-    def download(self, kind: str) -> tuple[str, bytes]:
-        """What a button of the leaving dialog gives."""
-        with self.page.expect_download() as found:
-            self.page.click(f'[data-leave="{kind}"]')
-            self.page.locator("#done:not(:empty)").wait_for()
-            if self.page.locator("#done a").count():  # it took long: the browser wants another click
-                self.page.click("#done a")
-        return found.value.suggested_filename, Path(found.value.path()).read_bytes()
-
-    def reads(self, selector: str) -> str:
-        """Text of an element."""
-        text: str = self.page.inner_text(selector)
-        return text
-
-    def violations(self) -> list[str]:
-        """What axe-core finds."""
-        return violations_on(self.page)
-
-    def close(self) -> None:
-        """Nothing went wrong, and nothing left this machine."""
-        assert self.faults == []
-        assert [url for url in self.requests if not url.startswith(("http://127.0.0.1:", "data:", "blob:"))] == []
-        self.context.close()
-
-
-def violations_on(page: Any) -> list[str]:
-    """What axe-core finds on a page, one line each."""
-    axe = pytest.importorskip("axe_core_python.base", reason="the extra 'browser' is not installed")
-    page.evaluate(axe.AXE_SCRIPT)
-    found = page.evaluate("() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] })")
-    return [f"{one['id']}: {one['nodes'][0]['html'][:160]}" for one in found["violations"]]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as driver:
-        # Any name is nowhere: whatever the page asks of another machine fails, and is seen among its requests.
-        cut = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
-        running = driver.chromium.launch(executable_path=CHROMIUM, args=cut)
-        yield running
-        running.close()
-
-
-@pytest.fixture
-def page(browser: Any, bench: Workbench) -> Iterator[Open]:
-    opened: list[Page] = []
-
-    def open_page(width: int = 1280, height: int = 800, **settings: Any) -> Page:
-        context = browser.new_context(viewport={"width": width, "height": height}, **settings)
-        opened.append(Page(context, bench))
-        return opened[-1]
-
-    yield open_page
-    for one in opened:
-        one.close()
 
 
 def test_the_readme_story_by_mouse(page: Open, damper: bytes, tmp_path: Path):
@@ -392,22 +281,6 @@ def test_the_story_by_keyboard_alone(page: Open, damper: bytes):
     assert "left out" not in here.reads("#facts")
 
 
-def tab_to(here: Page, name: str, start: str = "") -> set[str]:
-    """Go on with Tab until something of that id, label or kind has the focus; all that had it on the way."""
-    if start:
-        here.page.locator(f"#{start}").focus()
-    seen: set[str] = set()
-    for _ in range(80):
-        here.page.keyboard.press("Tab")
-        focused = here.page.evaluate(
-            "() => { const at = document.activeElement; return [at.id, at.ariaLabel, at.dataset.leave]; }"
-        )
-        seen |= {str(one) for one in focused}
-        if name in focused:
-            return seen
-    raise AssertionError(f"Tab does not lead to {name}: {seen}")
-
-
 def test_a_phone_in_the_dark(page: Open, damper: bytes):
     here = page(390, 844, has_touch=True, is_mobile=True, color_scheme="dark")
     here.drop("damper.csv", damper)
@@ -462,7 +335,7 @@ def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(pag
     here.page.locator("#work").wait_for()
     playwright.expect(here.page.locator("#stage")).not_to_contain_text("computing", timeout=PATIENCE)
     assert re.fullmatch(r".+, \d+\.\d s", here.reads("#stage"))
-    assert here.page.locator("#judge").get_attribute("title") == "wait for the computation, or cancel it"
+    assert here.page.locator("#rank").get_attribute("title") == "wait for the computation, or cancel it"
     here.page.select_option("#view", "cole-cole")  # the page is not held up meanwhile
     assert "K''" in here.page.text_content("#plot-view")
     here.page.click("#cancel")

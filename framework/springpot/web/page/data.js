@@ -13,6 +13,13 @@ const ASKED = {
   part: () => "open the part ",
 };
 
+// As a user types it behind the name of a file: #PART?COLUMN=UNIT,COLUMN=UNIT.
+export function choiceOf(said) {
+  const parts = said.filter((piece) => piece.startsWith("#"));
+  const columns = said.filter((piece) => !piece.startsWith("#"));
+  return parts.join("") + (columns.length ? `?${columns.join(",")}` : "");
+}
+
 // Where data come from; in the page while it is empty, and in a dialog later.
 function dropZone(app, done, place) {
   const id = (name) => `${name}-${place}`;
@@ -36,7 +43,7 @@ function dropZone(app, done, place) {
       h("button", { type: "button", onclick: () => {
         if (!paste.value.trim()) return;
         done();
-        app.openFile("pasted.csv", new TextEncoder().encode(paste.value), [], joining());
+        app.openFiles([new File([paste.value], "pasted.csv")], joining());
       } }, "Open table")),
     join);
 }
@@ -100,10 +107,17 @@ export class Data {
     const { app } = this;
     listSets(this.zone.querySelector(".datasets"), app.installed);
     const parts = [];
-    if (app.question) parts.push(this.form(app.question));
+    if (app.question) parts.push(this.asking(app.question));
     if (app.data) parts.push(...this.understood(app.data));
     else parts.push(this.zone); // the same one each time: what stands in it is not lost
     put(this.parent, parts);
+  }
+
+  // The same form each time: what was chosen in it is not lost.
+  asking(question) {
+    if (this.asked !== question) this.shownForm = this.form(question);
+    this.asked = question;
+    return this.shownForm;
   }
 
   // An open question of the reader: each thing that it cannot know, with the answers that it takes, the usual first.
@@ -114,7 +128,7 @@ export class Data {
     return h("form", { class: "question", id: "question", onsubmit: (event) => {
       event.preventDefault();
       const said = [...event.target.querySelectorAll("select")].map((select) => select.value);
-      this.app.openFile(question.name, question.bytes, [...question.said, ...said], question.onto);
+      this.app.openFiles([question.file], question.join, [...question.said, ...said]);
     } }, h("p", {}, question.says), ...fields, h("button", { class: "primary" }, "Open with these"));
   }
 

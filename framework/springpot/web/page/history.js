@@ -46,10 +46,9 @@ export class History {
     if (this.canRedo) this.branch.at += 1;
   }
 
-  // A second way from a rung of the present ladder; the first one stays as it is.
-  fork(rungs) {
+  // A second way from a state, such as a rung of the present ladder; the first one stays as it is.
+  fork(state) {
     if (this.branches.length === NAMES.length) return;
-    const state = { ...this.state, accepted: this.state.accepted.slice(0, rungs) };
     const name = [...NAMES].find((letter) => this.branches.every((branch) => branch.name !== letter));
     this.branches.push({ name, states: [state], at: 0 });
     this.at = this.branches.length - 1;

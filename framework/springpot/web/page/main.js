@@ -2,21 +2,26 @@
 
 import * as api from "./api.js";
 import { Compare, verdict } from "./compare.js";
-import { Data, listenForDrops, openDialog } from "./data.js";
+import { Data, choiceOf, listenForDrops, openDialog } from "./data.js";
 import { byId, download, enable, usable } from "./dom.js";
+import { Hands } from "./hands.js";
 import { History } from "./history.js";
 import { Ladder } from "./ladder.js";
 import { leaveDialog } from "./leave.js";
+import { masterSpec } from "./master.js";
 import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
-import { percent } from "./numbers.js";
-import { range } from "./plot.js";
 import { Race } from "./race.js";
+import { keyOf, lacking, rowsOf } from "./wants.js";
+import { Work } from "./work.js";
 
 const SAVED = "springpot-session";
 const PULSE = 5000; // ms between looks whether the server is still there
 const LOOKS = { view: "storage-loss", plane: "stiffness", plan: 0 };
+const READING = "reading"; // the work that brings data: no step ends it
+const BEGINNING = { model: "", accepted: [], seed: 0 };
+const WAIT = "wait for the computation, or cancel it";
 
 const ERROR = "error: root mean square of |K - K_model| / |K_model| over all points; noise floor: the error that noise alone leaves";
 
@@ -24,18 +29,22 @@ class App {
   constructor() {
     this.known = new Map(); // data by digest
     this.answers = new Map(); // answers by state
+    this.left = new Set(); // what was refused or cancelled: it is not asked for again before the next step
     this.history = new History();
     this.looks = { ...LOOKS };
     this.hovered = null;
     this.edited = null;
-    this.busy = null;
+    this.named = null; // a model that waits for data
+    this.refused = "";
+    this.work = new Work(() => this.render());
+    this.hands = new Hands(this);
     this.panels = [
-      (this.data_ = new Data(byId("data-body"), this)),
+      new Data(byId("data-body"), this),
       (this.model = new ModelPanel(byId("model-body"), this)),
       (this.compare = new Compare(byId("compare-body"), this)),
       (this.ladder = new Ladder(byId("ladder-body"), this)),
       (this.missing = new Missing(byId("missing-body"), this)),
-      (this.next = new Next(byId("next-body"), this)),
+      new Next(byId("next-body"), this),
     ];
     this.race = new Race(byId("race"));
   }
@@ -49,10 +58,17 @@ class App {
   // The answer to the present state; while it is being computed, the last one that there was.
   get answer() {
     if (!this.state) return null;
-    const found = this.answers.get(JSON.stringify(this.state));
+    const found = this.answers.get(keyOf(this.state));
     if (found) this.last = found;
     return this.last?.state.data === this.state.data ? this.last : null;
   }
+
+  // Whether what is drawn is of another state than the one a person asked for.
+  get waiting() { return Boolean(this.state) && !this.answers.has(keyOf(this.state)); }
+
+  get reading() { return this.work.name === READING; }
+
+  get busy() { return this.work.name !== null; }
 
   get steps() { return this.answer?.discovery.steps || []; }
 
@@ -62,7 +78,7 @@ class App {
     const branch = this.history.beside;
     if (!branch) return null;
     const state = branch.states[branch.at];
-    const found = this.answers.get(JSON.stringify(state));
+    const found = this.answers.get(keyOf(state));
     return found && state.data === this.state.data ? { ...found, branch: branch.name } : null;
   }
 
@@ -83,9 +99,12 @@ class App {
     byId("verdict").textContent = answer ? verdict(answer) : word;
     byId("verdict").title = answer ? ERROR : "";
     byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
-    enable(byId("undo"), this.history.canUndo ? "" : "there is nothing to undo");
+    enable(byId("undo"), this.history.canUndo || this.reading ? "" : "there is nothing to undo");
     enable(byId("redo"), this.history.canRedo ? "" : "there is nothing to redo");
-    enable(byId("leave"), answer ? "" : "there is nothing to leave with yet");
+    let why = "";
+    if (!answer) why = "there is nothing to leave with yet";
+    else if (this.waiting) why = WAIT;
+    enable(byId("leave"), why);
     // Panels make their elements anew: what had the focus has it still.
     const focused = document.activeElement?.id;
     for (const panel of this.panels) panel.render();
@@ -100,45 +119,66 @@ class App {
 
   // ---- data -------------------------------------------------------------------------------------------------
 
-  // `said`: what was answered to the reader's questions, such as "storage=kPa" or "#2".
-  async openFile(name, bytes, said = [], onto = false) {
-    this.question = null;
-    const query = { name, choice: choiceOf(said), ...(onto && this.state ? { onto: this.state.data } : {}) };
-    const found = await this.compute((how) => api.upload(bytes, query, how));
-    if (found?.question) this.ask({ ...found.question, name, bytes, said, onto });
-    else if (found) this.opened(found, onto);
+  // Several files are one test: time signals of one frequency each, or one sweep each. `said`: what was answered to
+  // the reader's questions, such as "storage=kPa" or "#2".
+  openFiles(files, join = false, said = []) {
+    const onto = join && this.state ? this.state.data : "";
+    return this.read(async (how) => {
+      let found = null;
+      let last = onto;
+      for (const file of files) {
+        const bytes = await file.arrayBuffer();
+        const query = { name: file.name, choice: choiceOf(said), ...(last ? { onto: last } : {}) };
+        found = await api.upload(bytes, query, how);
+        if (found.question && files.length > 1) throw new api.Failed(`${found.question.says} (open it alone to be asked)`);
+        if (found.question) return { question: { ...found.question, file, said, join } };
+        last = found.digest;
+      }
+      return found;
+    }, onto);
   }
 
-  ask(question) {
+  openSet(name) {
+    return this.read((how) => api.upload(new Uint8Array(), { dataset: name }, how));
+  }
+
+  // A step that is made meanwhile neither ends the reading nor is undone by it.
+  async read(action, onto = "") {
+    this.question = null;
+    this.refused = "";
+    const { found, refused } = await this.work.run(READING, action);
+    if (!found && !refused) return; // ended: by newer data, which go on from here, or by hand
+    if (found?.digest) this.opened(found, onto);
+    else this.notOpened(refused, found?.question);
+  }
+
+  opened(found, onto) {
+    this.known.set(found.digest, found);
+    if (found.session) {
+      this.history = new History(found.session);
+      Object.assign(this.looks, LOOKS, found.session.view);
+      if (this.named !== null) this.history.push(this.judging(this.named));
+    } else this.history.push(this.stateOn(found.digest, onto));
+    this.named = null;
+    this.arrive();
+  }
+
+  // The model and what was accepted stay when further data join; other data begin a ladder of their own.
+  stateOn(data, onto) {
+    const before = this.state || BEGINNING;
+    const excluded = onto && before.data === onto ? before.excluded : [];
+    const state = { ...before, data, accepted: onto ? before.accepted : [], excluded };
+    return this.named === null ? state : { ...state, model: this.named, accepted: [] };
+  }
+
+  // What waited for these data is for those that are open, if any are.
+  notOpened(refused = "", question = null) {
+    if (this.data && this.named !== null) this.judge(this.named);
+    this.refused = refused;
     this.question = question;
     this.render();
-    byId("question").querySelector("select").focus();
-  }
-
-  // Several files are one test: time signals of one frequency each, or one sweep each.
-  async openFiles(files, join) {
-    if (files.length === 1) {
-      await this.openFile(files[0].name, await files[0].arrayBuffer(), [], join);
-      return;
-    }
-    let onto = join ? this.state.data : "";
-    let found = null;
-    for (const { name, bytes } of await Promise.all(files.map(async (file) => ({ name: file.name, bytes: await file.arrayBuffer() })))) {
-      const query = { name, ...(onto ? { onto } : {}) };
-      found = await this.compute((how) => api.upload(bytes, query, how));
-      if (found?.question) this.refused = `${found.question.says} (open it alone to be asked)`;
-      if (!found || found.question) {
-        this.render();
-        return;
-      }
-      onto = found.digest;
-    }
-    this.opened(found, join);
-  }
-
-  async openSet(name) {
-    const found = await this.compute((how) => api.upload(new Uint8Array(), { dataset: name }, how));
-    if (found) this.opened(found);
+    if (question) byId("question").querySelector("select").focus();
+    this.pursue();
   }
 
   openMore() {
@@ -147,137 +187,118 @@ class App {
     if (join) join.checked = true;
   }
 
-  // The model and what was accepted stay when further data join; other data begin a ladder of their own.
-  async opened(found, onto = false) {
-    this.question = null;
-    this.known.set(found.digest, found);
-    if (found.session) {
-      this.history = new History(found.session);
-      this.look({ ...LOOKS, ...found.session.view }, false);
-    } else {
-      const before = this.state || { model: this.startModel || "", accepted: [], seed: 0 };
-      const excluded = onto && this.state ? this.state.excluded : [];
-      this.history.push({ ...before, data: found.digest, accepted: onto ? before.accepted : [], excluded });
-    }
-    this.ranking = null;
-    this.master = null;
-    await this.arrive();
-  }
-
   leaveOut(excluded) {
     this.step({ ...this.state, excluded });
   }
 
   // ---- the ladder -------------------------------------------------------------------------------------------
 
+  // A model that is named before there are data, or while they are read, is judged as soon as they are here.
   judge(model) {
-    if (this.data) this.step({ ...this.state, model, accepted: [] });
+    this.named = null;
+    if (this.data && !this.reading) {
+      this.step(this.judging(model));
+      return;
+    }
+    this.named = model;
+    this.render();
   }
 
-  accept(effect) { this.step({ ...this.state, accepted: [...this.state.accepted, effect] }); }
+  judging(model) { return { ...this.state, model, accepted: [] }; }
 
-  goTo(rung) { this.step({ ...this.state, accepted: this.state.accepted.slice(0, rung) }); }
+  accept(effect) {
+    if (!this.waiting) this.step({ ...this.state, accepted: [...this.state.accepted, effect] });
+  }
 
-  remove(i) { this.step({ ...this.state, accepted: this.state.accepted.filter((_, j) => j !== i) }); }
+  // A rung is one of the ladder that is drawn, which may still be that of the state before.
+  upTo(rung) {
+    const { model, accepted } = this.answer.state;
+    return { ...this.state, model, accepted: accepted.slice(0, rung) };
+  }
+
+  goTo(rung) { this.step(this.upTo(rung)); }
+
+  remove(i) {
+    const whole = this.upTo(this.rung);
+    this.step({ ...whole, accepted: whole.accepted.filter((_, j) => j !== i) });
+  }
 
   step(state) {
     this.history.push(state);
     this.arrive();
   }
 
-  undo() { this.history.undo(); this.arrive(); }
+  // While data are read, that is what was done last.
+  undo() {
+    if (this.reading) {
+      this.cancel();
+      return;
+    }
+    this.history.undo();
+    this.arrive();
+  }
 
   redo() { this.history.redo(); this.arrive(); }
 
-  fork(rung) { this.history.fork(rung); this.arrive(); }
+  fork(rung) { this.history.fork(this.upTo(rung)); this.arrive(); }
 
   select(i) { this.history.at = i; this.arrive(); }
 
   drop(i) { this.history.drop(i); this.arrive(); }
 
   // Show the present state: at once if its answer is here, else after asking for it.
-  async arrive() {
+  arrive() {
     this.hovered = null;
     this.refused = "";
+    this.left.clear();
     this.save();
-    const { state } = this;
-    if (!state) return;
-    if (!this.known.has(state.data)) {
-      const found = await this.compute((how) => api.ask("again", { state }, how));
-      if (!found) return;
-      this.known.set(found.digest, found);
-    }
-    const key = JSON.stringify(state);
+    if (!this.reading && this.work.name !== lacking(this)?.name) this.work.end();
     this.render();
-    if (this.answers.has(key)) {
-      this.busy?.abort();
-      return;
-    }
-    const found = await this.compute((how) => api.ask("answer", { state }, how));
-    if (!found) {
-      this.retreat(state);
-      return;
-    }
-    this.answers.set(key, found);
-    this.render();
-    if (this.history.beside) this.fetchBeside();
-    if (this.looks.view === "master-curve") this.look({});
+    this.pursue();
   }
 
-  // A model or effect that was refused is not where one is; data that were opened are, also without an answer.
-  retreat(state) {
-    if (!this.refused || this.state !== state || !this.history.canUndo) return;
-    this.history.undo();
-    if (this.state.data !== state.data || !this.answers.has(JSON.stringify(this.state))) this.history.redo();
-    this.save();
-    this.render();
-  }
-
-  async fetchBeside() {
-    const branch = this.history.beside;
-    const state = branch?.states[branch.at];
-    if (!state || this.answers.has(JSON.stringify(state)) || !this.known.has(state.data)) return;
-    const found = await this.compute((how) => api.ask("answer", { state }, how));
-    if (found) {
-      this.answers.set(JSON.stringify(state), found);
+  // Ask for what is lacking, until nothing is; whoever else computes calls this when it has ended.
+  async pursue() {
+    if (this.pursuing || this.busy) return;
+    this.pursuing = true;
+    try {
+      for (let want = lacking(this); want && !this.busy; want = lacking(this)) {
+        const { found, refused } = await this.work.run(want.name, want.ask);
+        if (found) want.take(found);
+        if (refused) this.leave(want, refused);
+      }
+    } finally {
+      this.pursuing = false;
       this.render();
     }
   }
 
-  // One computation at a time: a newer one takes the place of an older one, which is ended.
-  async compute(action) {
-    this.busy?.abort();
-    const control = new AbortController();
-    this.busy = control;
-    this.refused = "";
-    const begun = performance.now();
-    let stage = "computing";
-    const told = () => { byId("stage").textContent = `${stage}, ${((performance.now() - begun) / 1000).toFixed(1)} s`; };
-    const clock = setInterval(told, 100);
-    byId("work").hidden = false;
-    document.body.setAttribute("aria-busy", "true");
-    told();
-    this.render();
-    try {
-      return await action({ signal: control.signal, told: (text) => { stage = text; told(); } });
-    } catch (error) {
-      if (error.name !== "AbortError") this.refused = error.message;
-      return null;
-    } finally {
-      clearInterval(clock);
-      if (this.busy === control) {
-        this.busy = null;
-        byId("work").hidden = true;
-        document.body.removeAttribute("aria-busy");
-        this.render();
-      }
-    }
+  leave(want, refused) {
+    this.left.add(want.name);
+    this.refused = refused;
+    want.leave?.();
+  }
+
+  // A model or effect that was refused is not where one is; data that were opened are, also without an answer.
+  retreat(state) {
+    if (this.state !== state || !this.history.canUndo) return;
+    this.history.undo();
+    if (this.state.data !== state.data || this.waiting) this.history.redo();
+    else this.model.keepText();
+    this.save();
   }
 
   // What was not computed is not where one is: the page goes back to the last state with an answer.
   cancel() {
-    this.busy?.abort();
-    if (this.history.canUndo && !this.answers.has(JSON.stringify(this.state))) this.undo();
+    const { reading } = this;
+    const want = lacking(this);
+    const answering = this.waiting && this.work.name === want?.name;
+    if (want && this.work.name === want.name) this.leave(want, "");
+    this.work.end();
+    if (reading) this.notOpened();
+    else if (answering && this.waiting && this.history.canUndo) this.undo();
+    else this.render();
+    this.pursue();
   }
 
   // ---- previews and looks -----------------------------------------------------------------------------------
@@ -289,86 +310,27 @@ class App {
     this.missing.show(effect);
   }
 
-  async look(change, save = true) {
+  look(change) {
     Object.assign(this.looks, change);
-    if (save) this.save();
-    if (this.looks.view === "master-curve" && this.state && this.master?.of !== JSON.stringify(this.state)) {
-      const { state } = this;
-      const found = await this.compute((how) => api.ask("mastercurve", { state: { ...state, model: "", accepted: [] } }, how));
-      if (!found) {
-        const { refused } = this;
-        this.looks.view = "storage-loss";
-        this.refused = refused;
-      } else this.master = { ...found, of: JSON.stringify(state), data: state.data };
-    }
+    this.save();
     this.render();
+    this.pursue();
   }
 
   get hasMaster() { return Boolean(this.master) && this.master.data === this.state?.data; }
 
-  // The sweeps laid over one another by their factors, against reduced frequency.
-  masterSpec() {
-    const { scene, master } = this;
-    const factors = new Map(master.curve.levels.map((level) => [level.value, level]));
-    const points = scene.rows.flatMap((row, i) => {
-      const here = scene.conditions[master.column][i];
-      const nearest = [...factors.keys()].reduce((a, b) => (Math.abs(b - here) < Math.abs(a - here) ? b : a));
-      const { a, b = 1 } = factors.get(nearest);
-      const colour = `var(--sweep-${Math.round((8 * scene.sweep[i]) / Math.max(1, scene.sweeps.length - 1))})`;
-      const x = (scene.omega[i] / 2 / Math.PI) * a;
-      const out = this.state.excluded.includes(row);
-      return [{ x, y: scene.storage[i] / b, kind: "storage", row, colour, out }, { x, y: scene.loss[i] / b, kind: "loss", row, colour, out }];
-    });
-    const x = { label: "reduced frequency a f [Hz]", log: true };
-    const y = { label: `K'/b, K''/b [${scene.units.stiffness}]`, log: true };
-    [x.min, x.max] = range(points.map((point) => point.x), true, 0.03);
-    [y.min, y.max] = range(points.map((point) => point.y), true, 0.1);
-    return { x, y, points, lines: [], upright: true };
-  }
-
-  // ---- parameters by hand -----------------------------------------------------------------------------------
+  masterSpec() { return masterSpec(this.scene, this.master, this.state.excluded); }
 
   setEdited(edited) {
     this.edited = edited;
     if (this.compare.main.spec && this.scene) this.compare.drawBeside();
   }
 
-  // The newest position of a slider wins; those between are never asked for.
-  async drawByHand(hands) {
-    this.wanted = hands;
-    if (this.drawing) return;
-    this.drawing = true;
-    try {
-      while (this.wanted) {
-        const asked = this.wanted;
-        this.wanted = null;
-        const found = await api.ask("curve", { state: this.answer.state, hands: asked });
-        this.setEdited(found);
-        this.model.says(`edited: error ${percent(found.error)}`);
-      }
-    } catch (error) {
-      this.model.says(error.message);
-    } finally {
-      this.drawing = false;
-    }
-  }
-
-  async fitByHand(hands) {
-    const { answer } = this;
-    const found = await this.compute((how) => api.ask("held", { state: answer.state, hands }, how));
-    if (!found) return;
-    this.model.take(found.values);
-    this.setEdited(found);
-    this.model.says(`fitted within these: error ${percent(found.error)}`);
-  }
-
-  async rankModels() {
+  rankModels() {
     if (!usable(this.model.rank)) return;
-    const found = await this.compute((how) => api.ask("ranking", { state: { ...this.state, model: "", accepted: [] } }, how));
-    if (found) {
-      this.ranking = found;
-      this.render();
-    }
+    this.refused = "";
+    this.toRank = rowsOf(this.state);
+    this.pursue();
   }
 
   // ---- leaving ----------------------------------------------------------------------------------------------
@@ -418,29 +380,22 @@ class App {
       this.history = new History(session);
       Object.assign(this.looks, session.view);
       if (this.state) {
-        await this.arrive();
+        this.arrive();
         return;
       }
     }
-    const given = await this.compute(() => api.start());
-    this.startModel = given?.model || "";
-    this.model.input.value = this.startModel;
-    if (given?.data?.error) {
-      this.refused = given.data.error;
-      this.render();
-    } else if (given?.data?.result.question) {
-      const { name, content } = given.data.result.question;
+    await this.read(async () => {
+      const given = await api.start();
+      // What a person has named or opened meanwhile comes before what was given on the command line.
+      if (this.named === null && !this.state && given.model) this.named = given.model;
+      if (given.data?.error) throw new api.Failed(given.data.error);
+      const found = given.data?.result || {};
+      if (!found.question) return found;
+      const { name, content } = found.question;
       const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
-      this.ask({ ...given.data.result.question, name, bytes, said: [], onto: false });
-    } else if (given?.data) await this.opened(given.data.result);
+      return { question: { ...found.question, file: new File([bytes], name), said: [], join: false } };
+    });
   }
-}
-
-// As a user types it behind the name of a file: #PART?COLUMN=UNIT,COLUMN=UNIT.
-function choiceOf(said) {
-  const parts = said.filter((piece) => piece.startsWith("#"));
-  const columns = said.filter((piece) => !piece.startsWith("#"));
-  return parts.join("") + (columns.length ? `?${columns.join(",")}` : "");
 }
 
 function listen(app) {
@@ -467,7 +422,7 @@ function listen(app) {
   on("tab-race", () => show(true));
   document.addEventListener("keydown", (event) => {
     const typing = /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) && event.target.type !== "range" && event.target.type !== "checkbox";
-    if (typing) return;
+    if (typing || document.querySelector("dialog[open]")) return;
     const key = event.key.toLowerCase();
     if ((event.ctrlKey || event.metaKey) && key === "z") {
       if (event.shiftKey) app.redo();

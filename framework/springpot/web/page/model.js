@@ -2,6 +2,7 @@
 
 import { byId, enable, h, put, usable } from "./dom.js";
 import { number, percent, withInterval } from "./numbers.js";
+import { rowsOf } from "./wants.js";
 
 const REACH = 1; // decades on each side of the fitted value that a slider covers
 const STEPS = 200;
@@ -19,9 +20,9 @@ export class ModelPanel {
     this.ranked = h("div", { id: "ranked" });
     this.table = h("div", { id: "parameters" });
     put(parent,
-      h("form", { onsubmit: (event) => { event.preventDefault(); if (usable(this.judge)) app.judge(this.input.value.trim()); } },
+      h("form", { onsubmit: (event) => { event.preventDefault(); app.judge(this.input.value.trim()); } },
         h("label", { for: "expression" }, "Expression"), this.input, this.options,
-        h("p", { id: "expression-says", class: "quiet" }, "Left empty, any linear passive material is judged."),
+        (this.about = h("p", { id: "expression-says", class: "quiet" })),
         h("p", { class: "bar" }, this.judge, this.rank)),
       h("details", { id: "all-models", ontoggle: () => this.list() }, h("summary", {}, "All models"), h("label", { for: "search", class: "hidden" }, "Search models"), this.search, this.models),
       this.ranked, this.table);
@@ -64,18 +65,35 @@ export class ModelPanel {
     let why = "";
     if (!app.data) why = "open data first";
     else if (app.busy) why = "wait for the computation, or cancel it";
-    enable(this.judge, why);
     enable(this.rank, why);
-    if (document.activeElement !== this.input) this.input.value = app.state?.model || "";
-    byId("expression-says").classList.toggle("hidden", Boolean(app.state?.model));
+    this.renderExpression();
     this.renderRanked();
     if (this.drawn !== app.answer) this.renderParameters();
     this.drawn = app.answer;
+    this.renderButtons();
+  }
+
+  // What a person types stays until the page goes on to another model than the one that it showed.
+  renderExpression() {
+    const { named, state } = this.app;
+    const model = named ?? state?.model ?? "";
+    if (model !== this.shown && document.activeElement !== this.input) this.input.value = model;
+    this.shown = model;
+    let says = "";
+    if (named !== null) says = `${named || "material"} is judged as soon as there are data.`;
+    else if (!model) says = "Left empty, any linear passive material is judged.";
+    this.about.textContent = says;
+    this.about.classList.toggle("hidden", !says);
+  }
+
+  // A text that was refused stands where it can be mended, though the page goes back to the model before.
+  keepText() {
+    this.shown = this.app.state.model;
   }
 
   renderRanked() {
-    const { ranking } = this.app;
-    if (!ranking) {
+    const { ranking, state } = this.app;
+    if (!ranking || ranking.of !== rowsOf(state)) {
       put(this.ranked);
       return;
     }
@@ -88,7 +106,7 @@ export class ModelPanel {
   renderParameters() {
     const { answer } = this.app;
     this.hands = new Map();
-    this.app.setEdited(null);
+    this.app.hands.forget();
     if (!answer) {
       put(this.table);
       return;
@@ -96,7 +114,7 @@ export class ModelPanel {
     const movable = answer.parameters.length && answer.state.model !== "" && answer.state.model !== "material";
     const rows = answer.parameters.map((parameter) => this.row(parameter, movable));
     this.told = h("p", { id: "edited-says", class: "quiet", role: "status" });
-    this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.fitByHand(this.asked()); } }, "Fit within these");
+    this.fit = h("button", { type: "button", id: "fit", onclick: () => { if (usable(this.fit)) this.app.hands.fit(this.asked()); } }, "Fit within these");
     this.reset = h("button", { type: "button", id: "reset", onclick: () => { if (usable(this.reset)) this.renderParameters(); } }, "Back to the fit");
     put(this.table, h("h3", {}, "Parameters"),
       answer.parameters.length ? h("div", { class: "parameters" }, ...rows)
@@ -109,7 +127,10 @@ export class ModelPanel {
   renderButtons() {
     if (!this.fit) return;
     const edited = [...this.hands.values()].some((hand) => hand.touched);
-    enable(this.fit, edited ? "" : "move, fix or bound a parameter first");
+    let why = "";
+    if (!edited) why = "move, fix or bound a parameter first";
+    else if (this.app.busy) why = "wait for the computation, or cancel it";
+    enable(this.fit, why);
     enable(this.reset, edited ? "" : "nothing was edited: this is the fit");
   }
 
@@ -146,7 +167,7 @@ export class ModelPanel {
     hand.value = value;
     if (by === "slider") hand.box.value = Number(value.toPrecision(4));
     this.touched(hand);
-    this.app.drawByHand(this.asked());
+    this.app.hands.draw(this.asked());
   }
 
   touched(hand) {

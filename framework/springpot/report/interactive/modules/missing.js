@@ -25,14 +25,21 @@ export class Missing {
   }
 
   render() {
-    const diagnosis = this.app.answer?.discovery.diagnosis;
+    const { answer } = this.app;
+    // The same answer keeps its elements, so that a click or a finger on one of them is not lost to a rendering.
+    if (this.drawn === answer && this.candidates) {
+      this.show(this.app.hovered);
+      return;
+    }
+    this.drawn = answer;
+    const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
     this.candidates = diagnosis ? inClasses(diagnosis.candidates) : [];
     this.says.textContent = diagnosis ? sentence(diagnosis, this.app.fixed) : "Effects are ranked here as soon as there are data.";
     put(this.list, this.candidates.map((candidate, i) => this.option(candidate, i, diagnosis.error.noise_floor)));
     this.list.hidden = this.candidates.length === 0;
     this.accept.hidden = Boolean(this.app.fixed) || this.candidates.length === 0;
-    this.describe(null);
+    this.show(this.app.hovered);
   }
 
   option(candidate, i, floor) {
@@ -95,7 +102,7 @@ export class Missing {
     const diagnosis = this.app.answer?.discovery.diagnosis;
     const candidate = this.candidates?.find((one) => one.effect === effect);
     let why = "point at an effect first";
-    if (this.app.busy) why = "wait for the computation, or cancel it";
+    if (this.app.waiting) why = "wait for the computation, or cancel it";
     else if (candidate) why = "";
     enable(this.accept, why);
     if (!candidate) {

@@ -1,0 +1,21 @@
+// The sweeps laid over one another by their factors, against reduced frequency.
+
+import { range } from "./plot.js";
+
+export function masterSpec(scene, master, excluded) {
+  const factors = new Map(master.curve.levels.map((level) => [level.value, level]));
+  const points = scene.rows.flatMap((row, i) => {
+    const here = scene.conditions[master.column][i];
+    const nearest = [...factors.keys()].reduce((a, b) => (Math.abs(b - here) < Math.abs(a - here) ? b : a));
+    const { a, b = 1 } = factors.get(nearest);
+    const colour = `var(--sweep-${Math.round((8 * scene.sweep[i]) / Math.max(1, scene.sweeps.length - 1))})`;
+    const x = (scene.omega[i] / 2 / Math.PI) * a;
+    const out = excluded.includes(row);
+    return [{ x, y: scene.storage[i] / b, kind: "storage", row, colour, out }, { x, y: scene.loss[i] / b, kind: "loss", row, colour, out }];
+  });
+  const x = { label: "reduced frequency a f [Hz]", log: true };
+  const y = { label: `K'/b, K''/b [${scene.units.stiffness}]`, log: true };
+  [x.min, x.max] = range(points.map((point) => point.x), true, 0.03);
+  [y.min, y.max] = range(points.map((point) => point.y), true, 0.1);
+  return { x, y, points, lines: [], upright: true };
+}

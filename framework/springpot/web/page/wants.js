@@ -1,0 +1,73 @@
+// What the page still lacks of where a person is, the most wanted first.
+//
+// Nothing remembers what was to be asked for next: it follows from the state alone, each time that a computation has
+// ended. So nothing that is clicked, dropped or named while one runs is lost to it.
+
+import * as api from "./api.js";
+
+export const keyOf = (state) => JSON.stringify(state);
+
+// The rows that are used: what does not depend on a model is the same for all states of the same rows.
+export const rowsOf = ({ data, excluded, seed }) => JSON.stringify([data, excluded, seed]);
+
+const withoutModel = (state) => ({ ...state, model: "", accepted: [] });
+
+// Each is named, asks, keeps what came, and is left alone when it was refused or cancelled.
+export function lacking(app) {
+  const { state } = app;
+  if (!state) return null;
+  if (!app.known.has(state.data)) return wanted(app, theData(app, state));
+  const wants = [theAnswer(app, state), theMasterCurve(app, state), theRanking(app, state), theOneBeside(app)];
+  return wants.find((want) => wanted(app, want)) || null;
+}
+
+const wanted = (app, want) => (want && !app.left.has(want.name) ? want : null);
+
+function theData(app, state) {
+  return {
+    name: `data ${state.data}`,
+    ask: (how) => api.ask("again", { state }, how),
+    take: (found) => app.known.set(found.digest, found),
+  };
+}
+
+function theAnswer(app, state) {
+  const key = keyOf(state);
+  if (app.answers.has(key)) return null;
+  return {
+    name: `answer ${key}`,
+    ask: (how) => api.ask("answer", { state }, how),
+    take: (found) => app.answers.set(key, found),
+    leave: () => app.retreat(state),
+  };
+}
+
+function theMasterCurve(app, state) {
+  const of = rowsOf(state);
+  if (app.looks.view !== "master-curve" || app.master?.of === of) return null;
+  return {
+    name: `master curve ${of}`,
+    ask: (how) => api.ask("mastercurve", { state: withoutModel(state) }, how),
+    take: (found) => { app.master = { ...found, of, data: state.data }; },
+    leave: () => { app.looks.view = "storage-loss"; },
+  };
+}
+
+function theRanking(app, state) {
+  const of = rowsOf(state);
+  if (app.toRank !== of || app.ranking?.of === of) return null;
+  return {
+    name: `ranking ${of}`,
+    ask: (how) => api.ask("ranking", { state: withoutModel(state) }, how),
+    take: (found) => { app.ranking = { ...found, of }; },
+    leave: () => { app.toRank = null; },
+  };
+}
+
+function theOneBeside(app) {
+  const branch = app.history.beside;
+  const state = branch?.states[branch.at];
+  if (!state || !app.known.has(state.data)) return null;
+  const want = theAnswer(app, state);
+  return want && { ...want, leave: null };
+}

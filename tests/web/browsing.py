@@ -1,0 +1,138 @@
+"""A page of the workbench in a real browser, for the tests that use one."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from springpot.web import Workbench
+
+playwright = pytest.importorskip("playwright.sync_api", reason="the extra 'browser' is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+IN_A_BROWSER = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here: 'apt-get install chromium'")
+
+PATIENCE = 120_000
+"""Milliseconds for an answer: a machine of many tests is slow, and what is lost for good is still seen."""
+# Any name is nowhere: whatever the page asks of another machine fails, and is seen among its requests.
+CUT = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
+Open = Callable[..., Any]
+
+
+class Page:
+    """A page of the workbench, and every request that it made."""
+
+    def __init__(self, context: Any, bench: Workbench) -> None:
+        self.requests: list[str] = []
+        self.faults: list[str] = []
+        self.context, self.bench = context, bench
+        context.on("request", lambda request: self.requests.append(request.url))
+        self.page = context.new_page()
+        self.page.set_default_timeout(PATIENCE)
+        self.page.on("pageerror", lambda error: self.faults.append(str(error)))
+        self.page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
+        self.page.goto(bench.address)
+
+    def done(self) -> None:
+        """Wait until nothing is read or computed any more: the page is busy from the very event that asks for it."""
+        self.page.locator("body:not([aria-busy])").wait_for(state="attached")
+
+    def drop(self, name: str, content: bytes) -> None:
+        """Drop a file on the page as a hand does."""
+        self.page.locator("#model-body #judge").wait_for()
+        self.page.evaluate(
+            """([name, text]) => {
+                const files = new DataTransfer();
+                files.items.add(new File([text], name));
+                const drop = { dataTransfer: files, bubbles: true, cancelable: true };
+                document.body.dispatchEvent(new DragEvent("drop", drop));
+            }""",
+            [name, content.decode()],
+        )
+
+    def name(self, model: str) -> None:
+        """Name a model, whatever the page is doing."""
+        self.page.fill("#expression", model)
+        self.page.press("#expression", "Enter")
+
+    def judge(self, model: str) -> None:
+        """Name a model, and wait for its answer."""
+        self.name(model)
+        self.shows(model)
+
+    def shows(self, expression: str) -> None:
+        """Wait for the answer on a model."""
+        playwright.expect(self.page.locator("#verdict")).to_contain_text(f"{expression}:", timeout=PATIENCE)
+        self.done()
+
+    def error(self) -> float:
+        """Of the present rung, as a share of |K|."""
+        told = re.search(r"([\d.]+) %", self.page.inner_text("#rungs li.last"))
+        assert told is not None
+        return float(told[1]) / 100
+
+    def download(self, kind: str) -> tuple[str, bytes]:
+        """What a button of the leaving dialog gives."""
+        with self.page.expect_download() as found:
+            self.page.click(f'[data-leave="{kind}"]')
+            self.page.locator("#done:not(:empty)").wait_for()
+            if self.page.locator("#done a").count():  # it took long: the browser wants another click
+                self.page.click("#done a")
+        return found.value.suggested_filename, Path(found.value.path()).read_bytes()
+
+    def reads(self, selector: str) -> str:
+        """Text of an element."""
+        text: str = self.page.inner_text(selector)
+        return text
+
+    @contextmanager
+    def held(self, task: str) -> Iterator[None]:
+        """Whatever the page asks of this task is only sent when this ends: a server as slow as one likes."""
+        waiting: list[Any] = []
+        pattern = f"**/api/{task}*"
+        self.page.route(pattern, lambda route: waiting.append(route))
+        yield
+        self.page.unroute(pattern)
+        assert waiting, f"the page did not ask for {task}"
+        for route in waiting:
+            with suppress(playwright.Error):  # the page may have taken it back
+                route.continue_()
+
+    def violations(self) -> list[str]:
+        """What axe-core finds."""
+        return violations_on(self.page)
+
+    def close(self) -> None:
+        """Nothing went wrong, and nothing left this machine."""
+        assert self.faults == []
+        assert [url for url in self.requests if not url.startswith(("http://127.0.0.1:", "data:", "blob:"))] == []
+        self.context.close()
+
+
+def violations_on(page: Any) -> list[str]:
+    """What axe-core finds on a page, one line each."""
+    axe = pytest.importorskip("axe_core_python.base", reason="the extra 'browser' is not installed")
+    page.evaluate(axe.AXE_SCRIPT)
+    found = page.evaluate("() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] })")
+    return [f"{one['id']}: {one['nodes'][0]['html'][:160]}" for one in found["violations"]]
+
+
+def tab_to(here: Page, name: str, start: str = "") -> set[str]:
+    """Go on with Tab until something of that id, label or kind has the focus; all that had it on the way."""
+    if start:
+        here.page.locator(f"#{start}").focus()
+    seen: set[str] = set()
+    for _ in range(80):
+        here.page.keyboard.press("Tab")
+        focused = here.page.evaluate(
+            "() => { const at = document.activeElement; return [at.id, at.ariaLabel, at.dataset.leave]; }"
+        )
+        seen |= {str(one) for one in focused}
+        if name in focused:
+            return seen
+    raise AssertionError(f"Tab does not lead to {name}: {seen}")

@@ -1,0 +1,161 @@
+"""Whatever a person does while the page reads or computes is kept: each test holds an answer back for as long."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from browsing import IN_A_BROWSER, Open, Page, playwright
+
+pytestmark = IN_A_BROWSER
+
+MODEL = "fractional-maxwell"
+GROWN = f"{MODEL} + inertia"
+BAD = b"hello\nworld\n"
+
+
+@pytest.fixture
+def judged(page: Open, damper: bytes) -> Page:
+    """The README's file with the README's model; the server has the answer from the first test that asked for it."""
+    here: Page = page()
+    here.drop("damper.csv", damper)
+    here.judge(MODEL)
+    return here
+
+
+def models_asked(here: Page) -> list[str]:
+    """The models whose answers the page asks for from now on."""
+    found: list[str] = []
+
+    def heard(request: Any) -> None:
+        if request.url.endswith("/api/answer"):
+            found.append(request.post_data_json["state"]["model"])
+
+    here.page.on("request", heard)
+    return found
+
+
+@pytest.mark.parametrize("dropped_first", [True, False])
+def test_a_model_that_is_named_before_its_data_are_read_is_judged(page: Open, damper: bytes, dropped_first: bool):
+    here = page()
+    asked = models_asked(here)
+    with here.held("data"):
+        if dropped_first:
+            here.drop("damper.csv", damper)
+        here.name(MODEL)
+        assert here.reads("#expression-says") == f"{MODEL} is judged as soon as there are data."
+        here.page.locator("#verdict").focus()
+        if not dropped_first:
+            here.drop("damper.csv", damper)
+        assert here.page.input_value("#expression") == MODEL
+    here.shows(MODEL)
+    assert asked == [MODEL], "and nobody waited for another"
+
+
+def test_a_model_that_is_named_during_the_first_answer_takes_its_place(page: Open, damper: bytes):
+    here = page()
+    with here.held("answer"):
+        here.drop("damper.csv", damper)
+        here.page.locator("#facts").wait_for()
+        here.name(MODEL)
+    here.shows(MODEL)
+    assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
+
+
+def test_what_is_typed_stays_while_an_answer_arrives(page: Open, damper: bytes):
+    here = page()
+    with here.held("answer"):
+        here.drop("damper.csv", damper)
+        here.page.locator("#facts").wait_for()
+        here.page.fill("#expression", "zen")
+        here.page.locator("#undo").focus()
+    here.shows("material")
+    assert here.page.input_value("#expression") == "zen"
+
+
+def test_a_step_on_the_data_that_are_open_ends_no_reading(judged: Page, damper: bytes):
+    here = judged
+    with here.held("data"):
+        here.drop("other.csv", damper.replace(b"73.2", b"73.9"))
+        here.page.click("text=Open instead")
+        here.page.click("#effect-inertia")
+        here.name("kelvin")
+    here.shows("kelvin")
+    assert here.reads("#data-name") == "other"
+    assert here.page.locator("#rungs li").count() == 1
+
+
+def test_a_file_that_is_refused_ends_no_answer(judged: Page):
+    here = judged
+    with here.held("answer"):
+        here.page.click("#effect-inertia")
+        here.drop("bad.csv", BAD)
+        here.page.click("text=Open instead")
+        here.page.locator("#refused").wait_for()
+    here.shows(GROWN)
+    assert here.reads("#refused").startswith("bad.csv: ")
+
+
+def test_another_view_ends_no_answer(judged: Page):
+    here = judged
+    with here.held("answer"):
+        here.page.click("#effect-inertia")
+        here.page.select_option("#view", "master-curve")
+    here.shows(GROWN)
+    playwright.expect(here.page.locator("#refused")).to_contain_text("no column 'amplitude' to shift by")
+    assert here.page.input_value("#view") == "storage-loss"
+
+
+def test_a_second_click_accepts_nothing_twice_and_undo_takes_it_back(judged: Page):
+    here = judged
+    before = here.reads("#verdict")
+    with here.held("answer"):
+        here.page.dblclick("#effect-inertia")
+        assert here.page.locator("#accept").get_attribute("title") == "wait for the computation, or cancel it"
+        here.page.click("#undo")
+        here.done()
+        assert here.reads("#verdict") == before
+        here.page.click("#redo")
+    here.shows(GROWN)
+    assert here.page.locator("#redo").get_attribute("title") == "there is nothing to redo"
+
+
+def test_a_curve_of_the_model_before_is_not_drawn_over_the_next(judged: Page):
+    here = judged
+    with here.page.expect_response("**/api/curve"), here.held("curve"):
+        here.page.locator("[aria-label='move k']").focus()
+        here.page.keyboard.press("ArrowRight")
+        here.page.click("#effect-inertia")
+        here.shows(GROWN)
+    assert here.page.locator("#plot-view .line.edited").count() == 0
+
+
+def test_the_file_that_was_dropped_last_is_open_however_slowly_the_first_was_read(page: Open, damper: bytes):
+    here = page()
+    here.page.evaluate(
+        """() => {
+            const read = File.prototype.arrayBuffer;
+            File.prototype.arrayBuffer = async function () {
+                if (this.name === "slow.csv") await new Promise((go) => { window.go = go; });
+                return read.call(this);
+            };
+        }"""
+    )
+    here.drop("slow.csv", damper.replace(b"73.2", b"73.9"))
+    here.drop("damper.csv", damper)
+    here.shows("material")
+    here.page.evaluate("() => window.go()")
+    here.done()
+    assert here.reads("#data-name") == "damper"
+
+
+def test_answers_to_a_question_are_not_asked_for_again_by_an_answer_that_arrives(judged: Page):
+    here = judged
+    rows = b"".join(b"%d,%d,%d\n" % (i, 9 + i, i) for i in range(1, 9))
+    with here.held("answer"):
+        here.page.click("#effect-inertia")
+        here.drop("mine.csv", b"frequency [Hz],storage,loss\n" + rows)
+        here.page.click("text=Open instead")
+        here.page.select_option("#asked-0", label="kPa")
+    here.shows(GROWN)
+    assert here.page.locator("#asked-0").evaluate("choice => choice.selectedOptions[0].label") == "kPa"
