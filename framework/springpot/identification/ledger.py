@@ -26,22 +26,7 @@ class BudgetSpent(BaseException):
 
 @dataclass(eq=False)
 class Ledger:
-    """Counts every evaluation, keeps the best point and its trace, and ends the run at the budget.
-
-    Points are moved into the parameters' own limits (a stiffness is positive, an order at most one) before they are
-    evaluated, not into the search box: the paper's swarm may leave it. A value that is not a number is counted, is
-    never the best, and reaches the optimiser as infinity.
-
-    Parameters
-    ----------
-    problem : Problem, or whatever else can be searched
-        What is minimised.
-    budget : int
-        Evaluations allowed; none beyond it is made or recorded.
-    target : float
-        The run ends once the objective is this small.
-    diary : list, optional
-        Gets every point in the order of evaluation, with its penalty; see `all_points`.
+    """The truth about a run; see `springpot.identification.Recorder` for what it does and its parameters.
 
     Attributes
     ----------

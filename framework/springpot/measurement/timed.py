@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-import numpy as np
-
 from springpot.errors import ModelError
-from springpot.rheology import Effect, Model, Parameter, Real
+from springpot.rheology import Effect, HasParameters, Model, Parameter, Real
 
 from .timeeffect import Stage, TimeEffect
 
@@ -16,7 +14,7 @@ STAGES = tuple(Stage)
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
+class Timed(HasParameters):
     """A model with effects of time tests.
 
     Parameters
@@ -53,11 +51,6 @@ class Timed:
         return (*self.material.parameters, *own)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters' names in the order of theta."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
     def effects(self) -> tuple[Effect | TimeEffect, ...]:
         """All that joined the material."""
         return (*self.material.effects, *self.time_effects)
@@ -66,19 +59,6 @@ class Timed:
     def needs(self) -> frozenset[str]:
         """Conditions without which the material cannot be evaluated."""
         return self.material.needs
-
-    def vector(self, values: dict[str, float]) -> Real:
-        """Parameter vector from a mapping of names to values.
-
-        Raises
-        ------
-        ModelError
-            If a name is unknown or missing.
-        """
-        wrong = sorted(set(values) ^ set(self.names))
-        if wrong:
-            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
-        return np.array([values[name] for name in self.names], dtype=float)
 
     def parts(self, theta: Real) -> tuple[Real, list[tuple[TimeEffect, slice]]]:
         """The material's own parameters, and where those of each effect stand in theta, by stages."""

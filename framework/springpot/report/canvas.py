@@ -114,7 +114,25 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
 
 
 def finished(figure: Figure, path: str | Path | None) -> Figure | Path:
-    """The figure itself, or where it was written if there is a path; see `save`."""
+    """The figure itself, or where it was written if there is a path: what all functions ``figure_...`` end with.
+
+    Parameters
+    ----------
+    figure : Figure
+        Drawn in `blank`.
+    path : str or Path or None
+        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
+
+    Returns
+    -------
+    Figure or Path
+        The figure, or where it was written.
+
+    Raises
+    ------
+    OutputError
+        If matplotlib is missing or the file cannot be written.
+    """
     return figure if path is None else save(figure, path)
 
 

@@ -42,17 +42,7 @@ def figure_identification(
     fits : sequence of Fit
         The models with their parameters.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Returns
-    -------
-    Figure or Path
-        The figure, or where it was written.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     scene = Scene(measurement, fits)
     with blank(7.2, 5.8) as figure:

@@ -10,7 +10,7 @@ import numpy as np
 from springpot.diagnosis import Ladder, Step
 from springpot.diagnosis.words import plain
 
-from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .floors import draw_floors
 from .numbers import percent
 
@@ -36,23 +36,13 @@ def figure_ladder(ladder: Ladder, path: str | Path | None = None) -> Figure | Pa
     ladder : Ladder
         The discovery.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Returns
-    -------
-    Figure or Path
-        The figure, or where it was written.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(max(6.4, 1.15 * len(ladder.steps) + 1.2), 4.4) as figure:
         axes = figure.subplots()
         draw_ladder(axes, ladder)
-        axes.set_title(f"{ladder.steps[0].model.name} of {ladder.data}".replace("$", r"\$"), fontsize=11.0)
-        return figure if path is None else save(figure, path)
+        entitled(axes, f"{ladder.steps[0].model.name} of {ladder.data}")
+        return finished(figure, path)
 
 
 def draw_ladder(axes: Axes, ladder: Ladder) -> None:
@@ -67,7 +57,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     axes.plot(place, error, "o-", color=COLOURS[0], label="error", zorder=4, markersize=6.0)
     for x, step in enumerate(steps):
         words = f"{percent(step.relative_rms, 2)}\n{_ratio(step)}"
-        axes.annotate(words, (x, error[x]), (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
+        beside_mark(axes, (x, error[x]), words)
     _names(axes, steps)
     logarithmic(axes, "y")
     lines = np.concatenate([floor, material, error])
@@ -75,6 +65,16 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     logarithmic(axes, "y")
     axes.set_ylabel("error [%]")
     axes.legend(loc="upper right")
+
+
+def entitled(axes: Axes, title: str) -> None:
+    """Set the title of a picture of one panel, as it stands: a dollar sign in a file's name begins no formula."""
+    axes.set_title(title.replace("$", r"\$"), fontsize=11.0)
+
+
+def beside_mark(axes: Axes, place: tuple[float, float], words: str) -> None:
+    """Write words to the upper right of a mark."""
+    axes.annotate(words, place, (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
 
 
 def _ratio(step: Step) -> str:

@@ -12,7 +12,7 @@ from springpot.rheology.levels import KELVIN
 from springpot.superposition import MasterCurve, level_text
 from springpot.superposition.laws import LawFit
 
-from .canvas import COLOURS, INK, QUIET, blank, logarithmic, save
+from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .numbers import number, percent, seconds, with_interval
 from .text import Table, wrapped
 
@@ -123,17 +123,7 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
     found : MasterCurve
         The curve.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Returns
-    -------
-    Figure or Path
-        The figure, or where it was written.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(9.6, 7.6) as figure:
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
@@ -143,7 +133,7 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
         if found.vertical:
             _draw_factors(places[1], found, vertical=True)
         _draw_errors(places[-1], found)
-        return figure if path is None else save(figure, path)
+        return finished(figure, path)
 
 
 def _colours(found: MasterCurve) -> tuple[Any, Any]:

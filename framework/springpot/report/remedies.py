@@ -10,9 +10,9 @@ import numpy as np
 from springpot.diagnosis import Diagnosis
 
 from .answers import worth_showing
-from .canvas import COLOURS, INK, blank, finished, logarithmic
+from .canvas import COLOURS, blank, finished, logarithmic
 from .floors import draw_floors
-from .ladder import ROOM, broken
+from .ladder import ROOM, beside_mark, broken, entitled
 from .numbers import percent
 
 if TYPE_CHECKING:
@@ -28,18 +28,12 @@ def figure_diagnosis(diagnosis: Diagnosis, path: str | Path | None = None) -> Fi
     diagnosis : Diagnosis
         What to draw.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(6.4, 4.4) as figure:
         axes = figure.subplots()
         draw_diagnosis(axes, diagnosis)
-        title = f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}"
-        axes.set_title(title.replace("$", r"\$"), fontsize=11.0)
+        entitled(axes, f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}")
         return finished(figure, path)
 
 
@@ -57,8 +51,7 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     if shown:
         axes.plot(places[1:], predicted, "D", color=COLOURS[1], markerfacecolor="white", label="predicted", zorder=3)
     for x, error in enumerate(after):
-        words = percent(error / 100.0, 2)
-        axes.annotate(words, (x, error), (7, 5), textcoords="offset points", fontsize=9.0, color=INK, zorder=5)
+        beside_mark(axes, (x, error), percent(error / 100.0, 2))
     axes.set_xticks(places, ["as it is", *(broken(_named(diagnosis, one.effect, one.says)) for one in shown)])
     axes.tick_params(axis="x", length=0)
     axes.grid(False, axis="x")

@@ -106,12 +106,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
         values, width = residual_in(plane.name, data, fit)
         bands.append(width)
         largest = max(largest, float(np.max(np.abs(values[shown]))))
-        for i, sweep in enumerate(scene.sweeps):
-            x = scene.axis.values[sweep.rows]
-            for part, side in enumerate((values.real, values.imag)):
-                colour = scene.fit_colour(j, i, part)
-                style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
-                axes.plot(x, side[sweep.rows], marker="o", **style)
+        views.draw_parts(axes, scene, j, values)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
@@ -144,17 +139,7 @@ def figure_compared(comparison: Comparison, path: str | Path | None = None) -> F
     comparison : Comparison
         What to draw.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Returns
-    -------
-    Figure or Path
-        The figure, or where it was written.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     measurement, fits = comparison.measurement, fits_of(comparison)
     everything = Scene(measurement, fits)

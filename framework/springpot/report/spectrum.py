@@ -34,17 +34,7 @@ def figure_material(found: Identification, path: str | Path | None = None) -> Fi
     found : Identification
         Of a model whose spectrum the data choose.
     path : str or Path, optional
-        Where to write; the suffix (.png, .svg, .pdf) chooses the format.
-
-    Returns
-    -------
-    Figure or Path
-        The figure, or where it was written.
-
-    Raises
-    ------
-    OutputError
-        If matplotlib is missing or the file cannot be written.
+        Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     scene = Scene(found.measurement, [Fit(found.model, found.theta)])
     with blank(7.2, 8.6) as figure:

@@ -18,26 +18,8 @@ def told(result: object) -> str:
     return repr(result)
 
 
-@told.register
-def _fit(result: Identification) -> str:
-    return identification_text(result)
-
-
-@told.register
-def _diagnosis(result: Diagnosis) -> str:
-    return diagnosis_text(result)
-
-
-@told.register
-def _ladder(result: Ladder) -> str:
-    return ladder_text(result)
-
-
-@told.register
-def _comparison(result: Comparison) -> str:
-    return comparison_text(result)
-
-
-@told.register
-def _ranking(result: Ranking) -> str:
-    return ranked_text(result)
+told.register(Identification, identification_text)
+told.register(Diagnosis, diagnosis_text)
+told.register(Ladder, ladder_text)
+told.register(Comparison, comparison_text)
+told.register(Ranking, ranked_text)

@@ -98,17 +98,23 @@ def residual(axes: Axes, scene: Scene) -> None:
     data = scene.measurement
     for j, fit in enumerate(scene.fits):
         share = 100.0 * (data.stiffness - fit.at(data.points)) / data.magnitude
-        for i, sweep in enumerate(scene.sweeps):
-            x = scene.axis.values[sweep.rows]
-            for part, values in enumerate((share.real, share.imag)):
-                colour = scene.fit_colour(j, i, part)
-                style = {**scene.marker, "color": colour, "markerfacecolor": "white" if part else colour}
-                axes.plot(x, values[sweep.rows], marker="o", **style)
+        draw_parts(axes, scene, j, share)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
     if data.sd is not None:
         draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
     axes.set(xlabel=scene.axis.label, ylabel=f"measured − model\n[% of {data.units.magnitude}]")
+
+
+def draw_parts(axes: Axes, scene: Scene, fit: int, values: Complex) -> None:
+    """What belongs to one of the fits, along the axis of the scene: real part filled, imaginary part open."""
+    for i, sweep in enumerate(scene.sweeps):
+        x = scene.axis.values[sweep.rows]
+        for part, side in enumerate((values.real, values.imag)):
+            colour = scene.fit_colour(fit, i, part)
+            inside = "white" if part else colour
+            style = {**scene.marker, "color": colour, "markerfacecolor": inside}
+            axes.plot(x, side[sweep.rows], marker="o", **style)
 
 
 def _against_axis(axes: Axes, scene: Scene, quantity: Callable[[Complex], Real]) -> None:

@@ -19,7 +19,7 @@ from .holding import Bounds, Fixed, Held, held_values, hold, released
 from .levels import Levels
 from .lookup import find_effect
 from .nodes import FULL, GRADIENT, Node, Scaled, parallel
-from .parameters import Parameter
+from .parameters import HasParameters, Parameter
 from .points import Complex, Points, Real
 from .twice import same_twice
 
@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
-class NamedNetwork:
+class NamedNetwork(HasParameters):
     """A network with a name, possibly grown by effects; see `Model`.
 
     Its parameters are those of `Model`.
@@ -91,11 +91,6 @@ class NamedNetwork:
         return self.network.parameters
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters' names in the order of theta."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
     def needs(self) -> frozenset[str]:
         """Condition columns without which the model cannot be evaluated."""
         return self.network.needs
@@ -110,19 +105,6 @@ class NamedNetwork:
         """
         given = {name.replace("__", "."): value for name, value in values.items()}
         return self.vector(given)
-
-    def vector(self, values: dict[str, float]) -> Real:
-        """Parameter vector from a mapping of names to values.
-
-        Raises
-        ------
-        ModelError
-            If a name is unknown or missing.
-        """
-        wrong = sorted(set(values) ^ set(self.names))
-        if wrong:
-            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
-        return np.array([values[name] for name in self.names], dtype=float)
 
     def holding(self, values: Mapping[str, float], bounds: Mapping[str, Bounds] | None = None) -> Self:
         """The model with some parameters held at a value and others within narrower bounds.

@@ -6,9 +6,17 @@ string, so that the same model fits a damper in kN/m and a fluid in Pa and print
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal
+
+import numpy as np
+
+from springpot.errors import ModelError
+
+from .points import Real
 
 Scale = Literal["log", "linear"]
 
@@ -83,6 +91,38 @@ class Parameter:
             prefix = name.rpartition(".")[0]
             unit = replace(unit, time=f"{prefix}.{unit.time}" if prefix else unit.time)
         return replace(self, name=name, unit=unit)
+
+
+class HasParameters(ABC):
+    """What has parameters in a fixed order, which is that of theta: a model of sweeps or of tests in time."""
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The expression that names it."""
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters in the order of theta."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters' names in the order of theta."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    def vector(self, values: Mapping[str, float]) -> Real:
+        """Parameter vector from a mapping of names to values.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown or missing.
+        """
+        wrong = sorted(set(values) ^ set(self.names))
+        if wrong:
+            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
+        return np.array([values[name] for name in self.names], dtype=float)
 
 
 def order(name: str = "alpha", symbol: str = "α") -> Parameter:

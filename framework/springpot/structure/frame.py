@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 from springpot.rheology import Complex, Effect, Layer, Model, Points, Real
 from springpot.rheology.history import Placed, sorted_out
 from springpot.rheology.nodes import FULL
+
+Number = TypeVar("Number", np.float64, np.complex128)
 
 QUARTER = 0.5j * np.pi
 """By which ln s exceeds ln omega where s = i omega."""
@@ -172,6 +175,10 @@ class Frame:
         """Matrix (n, n) from displacements of floors to drifts of storeys."""
         n = len(self)
         return np.eye(n) - np.eye(n, k=-1)
+
+    def drift_of(self, floors: NDArray[Number]) -> NDArray[Number]:
+        """Drifts of the storeys (t, n) from displacements of the floors, or their rates from velocities."""
+        return np.asarray(floors @ self.drifts.T)
 
     @cached_property
     def elastic(self) -> Real:

@@ -108,8 +108,7 @@ class Steady:
     @property
     def drift(self) -> Complex:
         """Amplitudes (w, n) of the storeys in m."""
-        drift: Complex = self.displacement @ self.frame.drifts.T
-        return drift
+        return self.frame.drift_of(self.displacement)
 
     @property
     def force(self) -> Complex:

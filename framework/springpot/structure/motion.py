@@ -140,8 +140,7 @@ class Motion:
     @property
     def drift(self) -> Real:
         """Of each storey, in m, shape (t, n)."""
-        drift: Real = self.displacement @ self.frame.drifts.T
-        return drift
+        return self.frame.drift_of(self.displacement)
 
     @property
     def peak_drift(self) -> Real:
@@ -155,7 +154,7 @@ class Motion:
         step = self.record.step
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
-        rates = self.velocity @ self.frame.drifts.T
+        rates = self.frame.drift_of(self.velocity)
         taken = sum(
             (self.force[:, i] * rates[:, damper.storey - 1] for i, damper in enumerate(self.frame.dampers)),
             np.zeros(len(step * power)),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, known_unit, normal_unit
+from springpot.measurement import Choice, Measurement, Part, Reader, known_unit, normal_unit
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
@@ -119,6 +121,41 @@ def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
         return ()
     found = [(block, _reason_against(block)) for block in with_distinct_names(blocks)]
     return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in found)
+
+
+Parsed: TypeAlias = Callable[[Path], tuple[list[Block], dict[str, str]]]
+"""Gives the tables of a file, and what it says of instrument and sample under fixed keys."""
+
+
+def reader_of_blocks(
+    name: str, summary: str, recognises: Callable[[bytes], float], parsed: Parsed, written_by: str
+) -> Reader:
+    """The reader of a format that is told by how its tables are found, and read as any other from there on.
+
+    Parameters
+    ----------
+    name, summary, recognises
+        As of `springpot.measurement.Reader`.
+    parsed : callable
+        See `Parsed`.
+    written_by : str
+        The program, noted in the provenance.
+    """
+    # No functions within this one: those could not be handed to another process.
+    return Reader(
+        name, summary, recognises, partial(_read_blocks, parsed, written_by), parts=partial(_parts_of_blocks, parsed)
+    )
+
+
+def _read_blocks(parsed: Parsed, written_by: str, path: Path, choice: Choice) -> Measurement:
+    """The dynamic tests in a file."""
+    blocks, facts = parsed(path)
+    return measurement_from(blocks, choice, path, {"format": written_by, **facts})
+
+
+def _parts_of_blocks(parsed: Parsed, path: Path) -> tuple[Part, ...]:
+    """The tables of a file as they are listed."""
+    return parts_from(parsed(path)[0])
 
 
 def _reason_against(block: Block) -> str:

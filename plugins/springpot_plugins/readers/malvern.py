@@ -6,10 +6,8 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
-from springpot.measurement import Choice, Measurement, Part, Reader
-
 from .blocks import Block, blocks_of
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .grid import grid_of
 from .text import head_text, text_of
 
@@ -22,8 +20,8 @@ def recognises(head: bytes) -> float:
     return min(1.0, 0.49 * sum(mark in line for line in first for mark in _MARKS))
 
 
-def _actions(path: Path) -> list[Block]:
-    """One block for each action, in order."""
+def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """One block for each action, in order; the file says nothing of the instrument."""
     blocks, _ = blocks_of(grid_of(text_of(path)))
     made: list[Block] = []
     for block in blocks:
@@ -36,7 +34,7 @@ def _actions(path: Path) -> list[Block]:
             stop = start + len(list(run))
             made.append(replace(block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]))
             start = stop
-    return [_without_blank_columns(block) for block in made]
+    return [_without_blank_columns(block) for block in made], {}
 
 
 def _without_blank_columns(block: Block) -> Block:
@@ -47,20 +45,4 @@ def _without_blank_columns(block: Block) -> Block:
     return replace(block, headings=tuple(block.headings[i] for i in keep), rows=rows)
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory actions of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    return measurement_from(_actions(path), choice, path, {"format": "Malvern rSpace"})
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The actions of a file."""
-    return parts_from(_actions(path))
-
-
-READER = Reader("malvern", "Malvern rSpace, exported as CSV", recognises, read, parts=parts)
+READER = reader_of_blocks("malvern", "Malvern rSpace, exported as CSV", recognises, _parsed, "Malvern rSpace")

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from springpot.measurement import Choice, Measurement, Part, Reader
-
 from .blocks import Block, blocks_of
 from .conditions_above import with_conditions_above
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .grid import grid_of
 from .header_facts import facts_of, pairs_in
 from .names import fold
@@ -43,7 +41,8 @@ def recognises(head: bytes) -> float:
     return min(1.0, 0.8 * bool(_INTERVAL.search(text) or _SERIES.search(text)) + 0.18 * bool(_FIRST.match(text)))
 
 
-def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
+def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """The intervals and what stands above them."""
     blocks, _ = blocks_of(grid_of(text_of(path)))
     made, pairs, result = [], [], ""
     for i, block in enumerate(blocks, 1):
@@ -53,7 +52,7 @@ def _parsed(path: Path) -> tuple[list[Block], list[tuple[str, str]]]:
         number = next((value.split()[0] for key, value in here if _INTERVAL.match(f"{key}:") and value.split()), "")
         name = f"{result} interval {number or i}".strip()
         made.append(_valid(replace(block, name=name)))
-    return with_conditions_above(made), pairs
+    return with_conditions_above(made), facts_of(pairs)
 
 
 def _valid(block: Block) -> Block:
@@ -69,27 +68,10 @@ def _is_invalid(row: Sequence[str]) -> bool:
     return any(word in cell.lower() for cell in marked for word in _INVALID)
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory intervals of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    blocks, pairs = _parsed(path)
-    return measurement_from(blocks, choice, path, {"format": "Anton Paar RheoCompass", **facts_of(pairs)})
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The intervals of a file."""
-    return parts_from(_parsed(path)[0])
-
-
-READER = Reader(
+READER = reader_of_blocks(
     "rheocompass",
     "Anton Paar RheoCompass and RheoPlus, short or full, in any language",
     recognises,
-    read,
-    parts=parts,
+    _parsed,
+    "Anton Paar RheoCompass",
 )

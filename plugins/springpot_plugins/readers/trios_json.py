@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader
 
 from .blocks import Block
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .header_facts import facts_of
 from .text import head_text, text_of
 from .titles import Heading, heading
@@ -41,6 +40,7 @@ def recognises(head: bytes) -> float:
 
 
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """The tables of results, and what the file says of instrument and sample."""
     try:
         data = json.loads(text_of(path).lstrip("\ufeff"))
     except (ValueError, RecursionError) as error:
@@ -163,21 +163,6 @@ def _pairs(root: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
                 yield "instrument type", value["Type"]
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory steps of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    blocks, facts = _parsed(path)
-    return measurement_from(blocks, choice, path, {"format": "TA TRIOS JSON", **facts})
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The steps of a file."""
-    return parts_from(_parsed(path)[0])
-
-
-READER = Reader("trios-json", "TA Instruments TRIOS, exported as JSON", recognises, read, parts=parts)
+READER = reader_of_blocks(
+    "trios-json", "TA Instruments TRIOS, exported as JSON", recognises, _parsed, "TA TRIOS JSON"
+)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from springpot.measurement import Choice, Measurement, Part, Reader
-
 from .blocks import Block
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .grid import lines_of
 from .header_facts import facts_of
 from .text import head_text, text_of
@@ -50,21 +48,6 @@ def _block(step: list[tuple[int, list[str]]]) -> Block | None:
     return Block(" ".join(said.get("Step name", [])).strip(), headings, rows, [number for number, _ in data])
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory steps of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    blocks, facts = _parsed(path)
-    return measurement_from(blocks, choice, path, {"format": "TA TRIOS LIMS", **facts})
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The steps of a file."""
-    return parts_from(_parsed(path)[0])
-
-
-READER = Reader("trios-lims", "TA Instruments TRIOS, exported to LIMS", recognises, read, parts=parts)
+READER = reader_of_blocks(
+    "trios-lims", "TA Instruments TRIOS, exported to LIMS", recognises, _parsed, "TA TRIOS LIMS"
+)

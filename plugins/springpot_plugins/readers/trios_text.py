@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from springpot.measurement import Choice, Measurement, Part, Reader
-
 from .blocks import Block, blocks_of
-from .dynamic import measurement_from, parts_from
+from .dynamic import reader_of_blocks
 from .grid import grid_of
 from .header_facts import facts_of, pairs_in
 from .text import head_text, text_of
@@ -26,26 +24,10 @@ def recognises(head: bytes) -> float:
     return 0.5 * bool(_STEP.search(text)) + 0.48 * bool(_HEADER.search(text))
 
 
-def _blocks(path: Path) -> list[Block]:
-    return blocks_of(grid_of(text_of(path)))[0]
+def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
+    """The steps, and what stands above each of them."""
+    blocks, _ = blocks_of(grid_of(text_of(path)))
+    return blocks, facts_of(pairs_in(row for block in blocks for row in block.above))
 
 
-def read(path: Path, choice: Choice) -> Measurement:
-    """The oscillatory steps of a file.
-
-    Raises
-    ------
-    DataError
-        One line that says what was recognised and what is missing.
-    """
-    blocks = _blocks(path)
-    facts = facts_of(pairs_in(row for block in blocks for row in block.above))
-    return measurement_from(blocks, choice, path, {"format": "TA TRIOS", **facts})
-
-
-def parts(path: Path) -> tuple[Part, ...]:
-    """The steps of a file."""
-    return parts_from(_blocks(path))
-
-
-READER = Reader("trios", "TA Instruments TRIOS, exported as CSV or text", recognises, read, parts=parts)
+READER = reader_of_blocks("trios", "TA Instruments TRIOS, exported as CSV or text", recognises, _parsed, "TA TRIOS")
