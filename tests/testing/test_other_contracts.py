@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import random
 import subprocess
 import sys
@@ -18,6 +17,8 @@ from springpot.identification import BatchedOptimiser, BudgetSpent, Card, Object
 from springpot.measurement import DataSet, Measurement, Reader, Units
 from springpot.testing import check_dataset, check_objective, check_optimiser, check_plugin, check_reader
 from springpot.testing.aspects import kept_random_state
+
+pytest_plugins = ["pytester"]
 
 
 def says(found: list[str], sentence: str) -> bool:
@@ -424,20 +425,24 @@ class TestMyPlugin(PluginContract):
 """
 
 
-def outcome(folder, hook="springpot_models", offered="MODEL", summary="a single spring", more=""):
+@pytest.fixture
+def author(pytester, monkeypatch):
     """Outcome and output of an author's test file."""
-    (folder / "my_plugin.py").write_text(PLUGIN.format(hook=hook, offered=offered, summary=summary))
-    (folder / "test_my_plugin.py").write_text(TEST.format(more=more))
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rA", "-q"]
-    # An author's environment has not the other plugins of pytest that this one has, and waits for none of them.
-    alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    found = subprocess.run(command, cwd=folder, env=alone, capture_output=True, text=True)
-    return found.returncode, found.stdout
+
+    def outcome(hook="springpot_models", offered="MODEL", summary="a single spring", more=""):
+        (pytester.path / "my_plugin.py").write_text(PLUGIN.format(hook=hook, offered=offered, summary=summary))
+        (pytester.path / "test_my_plugin.py").write_text(TEST.format(more=more))
+        # An author's environment has not the other plugins of pytest that this one has.
+        monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+        found = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-rA", "-q")
+        return found.ret, found.stdout.str()
+
+    return outcome
 
 
-def test_an_author_s_test_file_is_short_and_passes(tmp_path):
-    code, out = outcome(tmp_path)
-    assert len((tmp_path / "test_my_plugin.py").read_text().strip().splitlines()) < 10
+def test_an_author_s_test_file_is_short_and_passes(author, pytester):
+    code, out = author()
+    assert len((pytester.path / "test_my_plugin.py").read_text().strip().splitlines()) < 10
     assert code == 0, out
     assert "PASSED test_my_plugin.py::TestMyPlugin::test_keeps_its_contract[model my-model]" in out
     assert "3 passed" in out
@@ -453,16 +458,15 @@ def test_an_author_s_test_file_is_short_and_passes(tmp_path):
         ({"more": "skip = {'other': ['words']}"}, "'other' is to be skipped but not offered"),
     ],
 )
-def test_an_author_s_slip_fails_with_a_sentence(tmp_path, slip, sentence):
-    code, out = outcome(tmp_path, **slip)
+def test_an_author_s_slip_fails_with_a_sentence(author, slip, sentence):
+    code, out = author(**slip)
     assert code == 1, out
     assert sentence in out
 
 
-def test_what_is_unavailable_beside_something_else_is_skipped(tmp_path):
+def test_what_is_unavailable_beside_something_else_is_skipped(author):
     more = "\n@hookimpl\ndef springpot_datasets():\n    return [DATA]\n"
-    (tmp_path / "conftest.py").write_text("")
-    code, out = outcome(tmp_path, offered="MODEL]" + more.rstrip("]\n"))
+    code, out = author(offered="MODEL]" + more.rstrip("]\n"))
     assert code == 0, out
     assert "3 passed, 1 skipped" in out
     assert "not here" in out
