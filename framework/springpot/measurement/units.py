@@ -72,13 +72,22 @@ _SPELLINGS = {
     "°c": "degC", "degc": "degC", "c": "degC", "celsius": "degC", "deg c": "degC", "℃": "degC", "kelvin": "K",
     "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rads/s": "rad/s", "rad s^-1": "rad/s",
     "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
-    "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in",
+    "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in", "inches": "in",
+    "newton": "N", "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "pounds": "lbf", "pound": "lbf",
+    "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",
+    "metre": "m", "metres": "m", "milliseconds": "ms", "minutes": "min", "pascal": "Pa", "pascals": "Pa",
 }  # fmt: skip
 _SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
 _WITHOUT_BLANK = {"Nm": "N m", "mNm": "mN m", "uNm": "uN m", "kNm": "kN m", "Nmm": "N mm"}
 _SHOWN = 12
 
 
+_RUSSIAN = {
+    "Гц": "Hz", "кГц": "kHz", "рад": "rad", "град": "deg", "Па": "Pa", "кПа": "kPa", "МПа": "MPa", "ГПа": "GPa",
+    "м": "m", "мм": "mm", "см": "cm", "мкм": "um", "Н": "N", "кН": "kN", "МН": "MN", "с": "s", "сек": "s", "мс": "ms",
+    "мин": "min", "С": "C", "К": "K", "кгс": "kgf", "Дж": "J", "кДж": "kJ",
+}  # fmt: skip
+_CYRILLIC = re.compile(r"[а-яА-Я]+")
 _LONGEST = 60
 """Signs of a unit that are looked at."""
 
@@ -93,6 +102,8 @@ def normal_unit(text: str) -> str:
     ('degC', 'N m', 'rad/s', 'mPa s')
     """
     unit = text.strip().strip("[]").strip()[:_LONGEST]
+    if _CYRILLIC.search(unit):
+        unit = _CYRILLIC.sub(lambda word: _RUSSIAN.get(word[0], word[0]), unit)
     # Dots and hyphens between letters stand for a product: N.m, Pa-s.
     unit = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", unit)
     unit = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", unit)

@@ -17,6 +17,7 @@ _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or remarks."""
 _STACKED = 2
 """Lines between two tables of the same names."""
+SINGLE_AMPLITUDE = "amplitude [mm] of the displacement"
 _WIDEST = 400
 _KEPT = 1000
 _DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
@@ -95,6 +96,8 @@ def lacking(roles: set[str]) -> str:
     if is_dynamic({*roles, "omega"}):
         return "missing frequency [Hz] or omega [rad/s]"
     missing = [] if roles & FREQUENCIES else ["frequency [Hz] or omega [rad/s]"]
+    if "force_amplitude" in roles and roles & {"phase", "loss_factor"} and not roles & {*MODULI, "amplitude"}:
+        return f"missing {' and '.join([*missing, SINGLE_AMPLITUDE])}"
     angles = {"phase", "loss_factor", "damping_ratio", "damping"}
     if not roles & {"storage", "magnitude", "loss", "viscosity"} and roles & angles:
         missing.append("storage [unit] or magnitude [unit]")
@@ -108,10 +111,12 @@ def lacking(roles: set[str]) -> str:
 def is_dynamic(roles: set[str]) -> bool:
     """Whether columns of these roles give a complex modulus against frequency."""
     modulus = {"storage", "loss"} <= roles or (
-        bool(roles & {"storage", "magnitude", "viscosity"})
+        bool(roles & {"storage", "loss", "magnitude", "viscosity"})
         and bool(roles & {"phase", "loss_factor", "damping_ratio"})
     )
     modulus |= "damping" in roles and bool(roles & {"storage", "magnitude"})
+    modulus |= {"force_amplitude", "amplitude"} <= roles and bool(roles & {"phase", "loss_factor"})
+    modulus |= {"energy", "amplitude"} <= roles and bool(roles & {"storage", "magnitude"})
     modulus |= {"dynamic_viscosity", "out_of_phase_viscosity"} <= roles
     modulus |= {"storage_compliance", "loss_compliance"} <= roles
     return modulus and bool(roles & FREQUENCIES)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -28,6 +28,7 @@ from springpot.measurement import (
 )
 from springpot.rheology import Real
 
+from .languages import CHANNELS
 from .names import fold
 
 NAMES: dict[str, tuple[str, ...]] = {
@@ -71,6 +72,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("tension", "esfuerzo", "sforzo", "torque", "moment", "couple", "drehmoment", "coppia", "par", "p"),
     ),
 }
+NAMES = {channel: (*names, *CHANNELS[channel]) for channel, names in NAMES.items()}
 UNITS = {
     "time": TIME_UNITS,
     "displacement": LENGTH_UNITS | STRAIN_UNITS | ANGLE_UNITS,
@@ -88,9 +90,45 @@ _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 
 
 _PREFIX = re.compile(
-    r"(?:ch(?:an(?:nel)?)?|kanal|voie|canal|canale|ai)[\s_.:#-]{0,3}\d{1,3}[\s_.:)-]{1,3}(?=\S)", re.IGNORECASE
+    r"(?:[a-z]{1,6}\d{1,5}[a-z]{0,2}[\s_.:-]{1,3})?"
+    r"(?:ch(?:an(?:nel)?)?|kanal|voie|canal|canale|ai|チャンネル|通道)[\s_.:#-]{0,3}\d{1,3}[\s_.:)-]{1,3}(?=\S)",
+    re.IGNORECASE,
 )
-"""What a controller writes before the name of a channel: ``Ch 1 Kraft``, ``Channel 2: Load``."""
+"""What an amplifier writes before the name of a channel: ``Ch 1 Kraft``, ``Channel 2: Load``, ``MX840_CH_1 Weg``."""
+_NUMBERED = re.compile(r"[\s_#.-]{0,2}\d{1,2}(?:\s+-\s.*)?$")
+"""A sensor's number behind its name, or a clock's with its rate: ``LVDT 3``, ``Zeit 1 - Standardmessrate``."""
+_NOT_MEASURED = frozenset(
+    (
+        *(
+            "command",
+            "cmd",
+            "setpoint",
+            "set",
+            "soll",
+            "sollwert",
+            "consigne",
+            "target",
+            "error",
+            "limit",
+            "max",
+            "min",
+        ),
+        *(
+            "peak",
+            "offset",
+            "mean",
+            "rate",
+            "amplitude",
+            "range",
+            "maximum",
+            "minimum",
+            "cumulative",
+            "total",
+            "count",
+        ),
+    )
+)
+"""Words of a channel that was not measured, or is no channel at each moment."""
 _WORST = 1000
 """Added to the rank of a name whose unit is none of its channel: a sensor in volts beside the calibrated one."""
 
@@ -102,7 +140,23 @@ def channel_of(title: str) -> tuple[str | None, str | None, str]:
     found = _channel(title)
     if found[0] is None and (match := _PREFIX.match(title)):
         found = _channel(title[match.end() :])
-    return found
+    return found if found[0] is not None else _numbered(title)
+
+
+def _numbered(title: str) -> tuple[str | None, str | None, str]:
+    """The channel of a sensor that has a number; single letters with one are any sensor's."""
+    match = _BRACKETED.match(title)
+    words, unit = (match[1], match[2]) if match else (title, None)
+    bare = _NUMBERED.sub("", words)
+    if (channel := _OF.get(fold(bare))) is not None and len(fold(bare)) > 2:
+        return channel, unit, bare
+    parts = [fold(word) for word in re.split(r"[\s_.-]+", words)]
+    said = {_OF[word] for word in parts if word in _OF and len(word) > 2}
+    if len(said) != 1 or unit is None or _NOT_MEASURED & set(parts):
+        return None, None, title
+    channel = said.pop()
+    # "Weg oben [mm]", "Load cell 50kN [kN]": words beside the name are a place or a type, if the unit fits.
+    return (channel, unit, words) if normal_unit(unit) in UNITS[channel] else (None, None, title)
 
 
 def _channel(title: str) -> tuple[str | None, str | None, str]:
@@ -182,6 +236,7 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     for name, meaning in choice.columns.items():
         notes += _apply(layout, titles, name, meaning)
     _require_all(layout, titles)
+    notes += _sensors_left(layout, titles, below) if not choice.columns else []
     units = [str(layout[channel].unit).strip() for channel in UNITS]
     signs = [-1.0 if unit.startswith("-") and len(unit) > 1 else 1.0 for unit in units]
     bare = [unit.removeprefix("-") if sign < 0 else unit for unit, sign in zip(units, signs, strict=True)]
@@ -211,6 +266,21 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
         if channel not in layout or rank < layout[channel].rank:
             layout[channel] = _Place(i, unit, rank)
     return layout
+
+
+def _sensors_left(layout: Mapping[str, _Place], titles: Sequence[str], below: Sequence[str]) -> list[str]:
+    """A note for each channel that several sensors measured, of which one is taken."""
+    notes = []
+    for channel, place in layout.items():
+        others = []
+        for i, title in enumerate(titles):
+            found, unit, _ = channel_of(title)
+            unit = unit or (below[i].strip().strip("[]()") if i < len(below) else "")
+            if found == channel and i != place.column and normal_unit(unit) == normal_unit(place.unit or ""):
+                others.append(f"'{title}'")
+        if others and channel != "time":
+            notes.append(f"{channel} is '{titles[place.column]}', not {' or '.join(others[:3])}")
+    return notes
 
 
 def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:

@@ -7,7 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, OpenQuestion, Question, normal_unit
+from springpot.measurement import (
+    FREQUENCY_UNITS,
+    LENGTH_UNITS,
+    MODULUS_UNITS,
+    Choice,
+    OpenQuestion,
+    Question,
+    normal_unit,
+)
 
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
@@ -178,14 +186,41 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     A hint must not lead to wrong numbers when it is typed as it stands: columns are named only by who knows them.
     """
     if block_lacks == "missing frequency [Hz] or omega [rad/s]":
+        clock = next((i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None)
+        if clock is not None:
+            unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
+            spec = f"{clock}=frequency[{unit}]"
+            says = f"{says}; if {title} is it, open 'FILE?{spec}'"
+            return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
         hint = "; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'"
         return OpenQuestion(f"{says}{hint}", [Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})])
+    moduli = [each for each in headings if each.role is None and normal_unit(each.unit or "") in MODULUS_UNITS]
+    if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
+        return _ask_which_modulus(says, moduli, headings)
+    moved = next(
+        (i for i, h in enumerate(headings, 1) if not h.role and normal_unit(h.unit or "") in LENGTH_UNITS), 0
+    )
+    if block_lacks.endswith("of the displacement") and moved:
+        title, unit = headings[moved - 1].title, normal_unit(headings[moved - 1].unit or "")
+        spec = f"{moved}=amplitude[{unit}]"
+        says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
+        return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
     unknown = {i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None}
     if not block_lacks.startswith("missing") or not unknown:
         return DataError(says)
     named = ", ".join([*unknown.values()][:6])
     hint = f"; if {named} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
     return OpenQuestion(f"{says}{hint}", ask_each(unknown))
+
+
+def _ask_which_modulus(says: str, moduli: Sequence[Heading], headings: Sequence[Heading]) -> OpenQuestion:
+    """The question whether a modulus beside a loss angle is the whole one or its part in phase, which differ."""
+    each = moduli[0]
+    place, unit = headings.index(each) + 1, normal_unit(each.unit or "")
+    hints = {f"{role}[{unit}]": f"{place}={role}[{unit}]" for role in ("magnitude", "storage")}
+    whole, part = hints.values()
+    hint = f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase, 'FILE?{part}'"
+    return OpenQuestion(f"{says}{hint}", [Question(each.title, "meaning", hints)])
 
 
 def ask_columns(count: int) -> OpenQuestion:

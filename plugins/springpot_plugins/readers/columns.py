@@ -159,13 +159,13 @@ def _in_unit(values: Real, unit: str, wanted: str, column: Column) -> Real:
 
 
 def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
-    """K' + i K'' from storage and loss, or from magnitude or storage with phase or loss factor."""
+    """K' + i K'' from storage and loss, or from one of them or the magnitude with phase or loss factor."""
     if "storage" in roles and "loss" in roles:
         storage, unit = _modulus(roles["storage"])
         loss, loss_unit = _modulus(roles["loss"])
         return _complex(storage, _in_unit(loss, loss_unit, unit, roles["loss"])), unit
     tangent = _tangent(roles)
-    if tangent is None or not ("magnitude" in roles or "storage" in roles):
+    if tangent is None or not roles.keys() & {"magnitude", "storage", "loss"}:
         there = ", ".join(f"'{column.title}'" for column in roles.values())
         raise DataError(
             f"no storage and loss (found {there}); write storage [unit] and loss [unit], "
@@ -174,11 +174,22 @@ def _stiffness(roles: Mapping[str, Column]) -> tuple[Complex, str]:
     if "storage" in roles:
         storage, unit = _modulus(roles["storage"])
         return _complex(storage, storage * np.tan(tangent)), unit
+    if "loss" in roles and "magnitude" not in roles:
+        loss, unit = _modulus(roles["loss"])
+        return _complex(_over_tangent(loss, tangent, roles["loss"]), loss), unit
     size, unit = _modulus(roles["magnitude"])
     wrong = size <= 0
     if wrong.any():
         raise roles["magnitude"].error("the magnitude must be positive", int(np.argmax(wrong)))
     return _complex(size * np.cos(tangent), size * np.sin(tangent)), unit
+
+
+def _over_tangent(loss: Real, tangent: Real, column: Column) -> Real:
+    """Storage from the loss modulus and the loss angle, which must not be zero."""
+    wrong = np.tan(tangent) == 0
+    if wrong.any():
+        raise column.error("tan delta is zero, so that it gives no storage; leave out the row", int(np.argmax(wrong)))
+    return np.asarray(loss / np.tan(tangent))
 
 
 def _doubts(roles: Mapping[str, Column]) -> dict[str, str]:

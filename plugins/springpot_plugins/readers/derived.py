@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.measurement import MODULUS_UNITS, known_unit
+from springpot.measurement import LENGTH_UNITS, MODULUS_UNITS, known_unit, normal_unit
+from springpot.measurement.signals import stiffness_unit
 from springpot.rheology import Real
 
 from .grid import MISSING, is_number
@@ -22,13 +23,14 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     """The columns, with storage and loss, or a magnitude, in Pa for what is no modulus.
 
     |G*| = omega |eta*|; G'' = omega eta' and G' = omega eta''; G* = 1 / (J' - i J'');
-    K'' = omega c for a damping coefficient beside a storage stiffness, or K' = sqrt(|K|^2 - (omega c)^2) beside a
-    dynamic one; tan delta = 2 xi for the damping ratio xi = W / (2 pi K' X^2) of ISO 22762-1, W the work of a cycle.
+    K'' = omega c for a damping coefficient, or W / (pi X^2) for the work W of a cycle, beside a storage stiffness,
+    and K' = sqrt(|K|^2 - K''^2) beside a dynamic one; |K| = F / X of the amplitudes of force and displacement;
+    tan delta = 2 xi for the damping ratio xi = W / (2 pi K' X^2) of ISO 22762-1.
 
     Raises
     ------
     DataError
-        If a damping coefficient alone gives more than the whole stiffness.
+        If a damping coefficient or the work of a cycle alone gives more than the whole stiffness.
     """
     found = dict(roles)
     if "damping_ratio" in found:
@@ -47,6 +49,13 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         found["loss"] = _column(column, "loss", loss, "N/m")
         if "storage" not in found:
             found["storage"] = _rest(found.pop("magnitude"), loss, column)
+    elif "energy" in found and "loss" not in found:
+        found["loss"] = _loss_of_work(found.pop("energy"), found["amplitude"])
+        if "storage" not in found:
+            loss = _si(found["loss"], MODULUS_UNITS)
+            found["storage"] = _rest(found.pop("magnitude"), loss, found["loss"])
+    elif "force_amplitude" in found:
+        found["magnitude"] = _over(found.pop("force_amplitude"), found["amplitude"])
     elif found.keys() >= set(COMPLIANCES):
         elastic, viscous = (found.pop(role) for role in COMPLIANCES)
         # A compliance of zero gives no finite modulus, which the measurement refuses.
@@ -57,14 +66,35 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     return found
 
 
+def _loss_of_work(work: Column, amplitude: Column) -> Column:
+    """Loss stiffness in N/m from the work W of a cycle, which is pi K'' X^2."""
+    moved = _positive(amplitude) * LENGTH_UNITS[known_unit(amplitude.unit or "", LENGTH_UNITS, amplitude.name)]
+    return _column(work, "loss", _si(work, UNITS["energy"]) / (np.pi * moved**2), "N/m")
+
+
+def _over(force: Column, amplitude: Column) -> Column:
+    """Dynamic stiffness from the amplitudes of force and displacement, or torque and angle, in their units."""
+    factor, unit = stiffness_unit(normal_unit(amplitude.unit or ""), normal_unit(force.unit or ""))
+    return _column(force, "magnitude", factor * force.numbers() / _positive(amplitude), unit)
+
+
+def _positive(amplitude: Column) -> Real:
+    moved = amplitude.numbers()
+    if not (moved > 0).all():
+        row = int(np.argmin(moved > 0))
+        raise amplitude.error("the amplitude must be positive where a stiffness follows from it", row)
+    return moved
+
+
 def _rest(size: Column, loss: Real, damping: Column) -> Column:
     """Storage stiffness in N/m from the dynamic one, where the loss is known."""
     whole = _si(size, MODULUS_UNITS)
     left = whole**2 - loss**2
     if (left < 0).any():
         row = int(np.argmax(left < 0))
-        raise damping.error("omega times the damping coefficient is more than the whole dynamic stiffness", row)
-    return _column(size, "storage", np.sqrt(left), "N/m")
+        raise damping.error("it alone gives more than the whole dynamic stiffness", row)
+    unit = known_unit(size.unit or "", MODULUS_UNITS, size.name)
+    return _column(size, "storage", np.sqrt(left) / MODULUS_UNITS[unit], unit)
 
 
 def unlogged(column: Column, base: str) -> Column:
@@ -76,11 +106,16 @@ def unlogged(column: Column, base: str) -> Column:
 
 
 def _power(base: str, cell: str) -> str:
-    number = float(cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e"))
+    number = value_of(cell)
     with np.errstate(all="ignore"):
         value = float(np.exp(number) if base == "e" else np.power(10.0, number))
     # A mere "inf" would pass for a gap; this is refused later, with its line.
     return repr(value) if np.isfinite(value) else "infinity"
+
+
+def value_of(cell: str) -> float:
+    """The number in a cell that holds one."""
+    return float(cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e"))
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:

@@ -23,6 +23,7 @@ from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES, rank
+from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
 from .titles import UNITS, Heading, heading
 
@@ -32,13 +33,17 @@ _PAIRS = (
     ("storage", "loss"),
     *(
         (size, angle)
-        for size in ("magnitude", "storage", "viscosity")
+        for size in ("magnitude", "storage", "viscosity", "loss")
         for angle in ("phase", "loss_factor", "damping_ratio")
     ),
     ("storage", "damping"),
     ("magnitude", "damping"),
     VISCOSITIES,
     COMPLIANCES,
+    ("storage", "energy"),
+    ("magnitude", "energy"),
+    ("force_amplitude", "phase"),
+    ("force_amplitude", "loss_factor"),
 )
 """What gives a complex modulus, best first."""
 _REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
@@ -246,6 +251,9 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
     measured = measurement_of(roles, others, block.name or "part", dict(provenance))
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
+    for each in chosen.headings:
+        if each.role in SWINGING and counts_whole_swing(each):
+            notes["note amplitude"] = f"'{each.title}' counts from trough to crest; half of it is the amplitude"
     if chosen.overruled:
         notes["note columns"] = "; ".join(chosen.overruled)
     return replace(measured, provenance={**measured.provenance, **notes})
@@ -263,7 +271,7 @@ def _moduli(roles: Mapping[str, Column]) -> tuple[Real | None, Real | None]:
 
 
 def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
-    cells = list(zip(*block.rows, strict=True))
+    cells: list[Sequence[str]] = list(zip(*block.rows, strict=True))
     made: list[Column] = []
     seen: dict[str, int] = {}
     complete = _has_all_units(headings)
@@ -276,6 +284,9 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
         if unit is None and heading_.role == "amplitude" and complete and "strain" in heading_.name.lower():
             # Where every other name carries its unit, a strain without one is a plain number.
             unit = "-"
+        if heading_.role in SWINGING:
+            unit = unit_of_amplitude(unit)
+            column = halved(column) if counts_whole_swing(heading_) else column
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
         made.append(unlogged(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.log))

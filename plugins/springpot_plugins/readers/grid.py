@@ -16,6 +16,7 @@ MISSING = frozenset(
         *("", "-", "--", "---", "----", "-----", "------", "*", "***", "****", "*****", "******", "—", "–", "?"),
         *("n/a", "N/A", "NA", "nan", "NaN", "NAN", "-nan", "null", "None", "none", "#N/A", "#NV", "#DIV/0!"),
         *("#VALUE!", "#REF!", "inf", "-inf", "Inf", "-Inf", "1.#QNAN", "-1.#IND"),
+        *("OL", "OVL", "OVLD", "OVERLOAD", "Overload", "Over", "over", "ERR", "Error", "#ERR", "invalid"),
     )
 )
 """What stands where nothing was measured."""

@@ -47,6 +47,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         ),
         *("effectivestiffness", "keff", "equivalentstiffness", "keq", "effektivesteifigkeit", "rigiditeeffective"),
         *("horizontalstiffness", "kh", "shearstiffness", "rigidezefectiva", "rigidezzaefficace"),
+        *("aquivalentesteifigkeit", "rigiditeequivalente", "raideurequivalente", "rigidezequivalente"),
         *("storagemod", "re(k)", "re(k*)", "rek*", "re(g)", "re(e)", "re(e*)", "kstorage", "kstor", "storagek"),
         *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
         *("moduledecisaillementdestockage", "moduledestockageencisaillement"),
@@ -85,7 +86,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     ),
     "magnitude": (
         *("dynamischesteifigkeit", "dynsteifigkeit", "kdyn", "dynstiffness", "dynamicspringrate"),
-        *("rigiditedynamique", "rigidezdinamica", "rigidezzadinamica"),
+        *("rigiditedynamique", "raideurdynamique", "rigidezdinamica", "rigidezzadinamica"),
         *("magnitude", "complexmodulus", "|m*|", "|g*|", "g*", "gstar", "complexshearmodulus", "|e*|", "e*", "estar"),
         *("shearmodulus(complexcomponent)", "|k|", "|k*|", "k*", "|g|", "|e|", "dynamicmodulus", "dynamicstiffness"),
         *("absg*", "abse*", "complexstiffness", "|complexmodulus|", "modulecomplexe", "komplexermodul"),
@@ -100,7 +101,14 @@ NAMES: dict[str, tuple[str, ...]] = {
     "loss_factor": (
         *("lossfactor", "tandelta", "tanδ", "tan(delta)", "tan(δ)", "tand", "tgδ", "tgdelta", "losstangent"),
         *("dampingfactor", "dissipationfactor", "eta", "tanphi", "tanφ", "facteurdeperte", "facteurdamortissement"),
-        *("tangentedelta", "verlustfaktor", "dampfungsfaktor", "factordeperdida", "factordeamortiguamiento"),
+        *(
+            "tangentedelta",
+            "verlustfaktor",
+            "verlustf",
+            "dampfungsfaktor",
+            "factordeperdida",
+            "factordeamortiguamiento",
+        ),
         *("factordeamortiguacion", "tangentedeperdida", "fattorediperdita", "fattoredismorzamento"),
         *("factordeperdidas", "fatordeperda"),
     ),
@@ -134,6 +142,49 @@ NAMES: dict[str, tuple[str, ...]] = {
             "dampfungsmass",
         ),
         *("lehrschesdampfungsmass", "aquivalentedampfung", "tauxdamortissement", "razondeamortiguamiento"),
+        *("aquivalentesdampfungsmass", "aquivalenterdampfungsgrad", "effektivesdampfungsmass", "effektivedampfung"),
+        *("tauxdamortissementequivalent", "amortissementequivalent", "rapportdamortissement"),
+        *("amortiguamientoequivalente", "amortiguamientoefectivo", "rapportodismorzamento", "smorzamentoequivalente"),
+    ),
+    "force_amplitude": (
+        *(
+            "forceamplitude",
+            "forceamp",
+            "loadamplitude",
+            "loadamp",
+            "dynamicforce",
+            "dynforce",
+            "fdyn",
+            "dynamicload",
+        ),
+        *("peakforce", "maxforce", "maximumforce", "peakload", "maxload", "maximumload", "f0", "torqueamplitude"),
+        *("kraftamplitude", "dynamischekraft", "dynkraft", "maximalkraft", "maxkraft", "amplitudedeforce"),
+        *("forcedynamique", "effortdynamique", "forcemax", "fuerzamaxima", "fuerzadinamica", "forzamassima"),
+        *(
+            "荷重振幅",
+            "最大荷重",
+            "動荷重",
+            "力幅值",
+            "最大力",
+            "最大阻尼力",
+            "하중진폭",
+            "최대하중",
+            "амплитуда силы",
+        ),
+    ),
+    "energy": (
+        *("energydissipatedpercycle", "dissipatedenergypercycle", "energypercycle", "dissipatedenergy", "edc"),
+        *("energydissipated", "energydissipation", "hysteresisenergy", "energyloss", "losswork", "looparea"),
+        *("verlustarbeit", "dampfungsarbeit", "dissipierteenergie", "hystereseflache", "energiedissipee"),
+        *(
+            "energiedissipeeparcycle",
+            "energiadisipada",
+            "energiadissipata",
+            "吸収エネルギー",
+            "消費エネルギー",
+            "履歴面積",
+        ),
+        *("耗能", "耗散能量", "滞回面积", "소산에너지", "рассеянная энергия"),
     ),
     "storage_sd": (
         *("storagesd", "storagestd", "storagestdunc", "storagestandarduncertainty", "storageuncertainty"),
@@ -155,6 +206,8 @@ NAMES: dict[str, tuple[str, ...]] = {
             "teta",
             "ϑ",
         ),
+        *("chambertemperature", "chambertemp", "tempchamber", "tempkammer", "kammertemperatur", "oventemperature"),
+        *("ofentemperatur", "furnacetemperature", "temperatureenceinte", "umgebungstemperatur", "ambienttemperature"),
         *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
     ),
     "amplitude": (
@@ -170,6 +223,8 @@ NAMES: dict[str, tuple[str, ...]] = {
             "dispamplitude",
             "dispamp",
             "displacementamp",
+            "両振幅",
+            "全振幅",
         ),
         *(
             "dynamicstrain",
@@ -189,6 +244,11 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
         *("deformaciondecizalla", "deformacionporcizalla", "deformacion", "amplitud", "ampiezza"),
         *("deformazioneditaglio", "deformazione", "ampiezzadideformazione", "deformacaodecisalhamento"),
+        *("dynamplitude", "ε", "ε0", "εdyn", "εa", "γdyn", "γa", "epsdyn", "epsilondyn", "xamp", "zeropeakamplitude"),
+        *("dyndehnung", "dehnungdyn", "dynamischedehnung", "dynweg", "dynamischerweg", "dynamischeamplitude"),
+        *("dynamicdisp", "dynamicdispl", "dyndisp", "dyndispl", "dynamicdeflection", "doubleamplitude"),
+        *("peaktopeakamplitude", "peaktopeakdisplacement", "doppelamplitude", "amplitudecreteacrete"),
+        *("deplacementdynamique", "deformationdynamique", "amplitudedynamique", "deformaciondinamica"),
     ),
     "repeat": ("repeat", "rep", "replicate", "repetition", "replica", "wiederholung", "repeticion", "ripetizione"),
     "time": ("time", "steptime", "runtime", "time(action)", "temps", "zeit", "tiempo", "tempo", "abschnittszeit"),
@@ -217,6 +277,8 @@ ROLES = frozenset(NAMES) - {"shift", "relaxation", "creep", "flow"}
 
 _PRIMES = str.maketrans(
     {"′": "'", "’": "'", "‘": "'", "´": "'", "`": "'", "″": "''", "”": "''", "“": "''", '"': "''"}
+    # The same of Windows, where it was read as latin-1.
+    | {"\x91": "'", "\x92": "'", "\x93": "''", "\x94": "''"}
 )
 _LATEX = re.compile(r"\\(?:text|mathrm|mathit|rm|left|right)\b|[${}^\\]")
 _LOST = re.compile(r"[\s_.\-:,]+")
@@ -235,7 +297,40 @@ _RANK = {fold(name): i for names in NAMES.values() for i, name in enumerate(name
 _MEANS = ("mean", "avg")
 AVERAGED = MODULI | {"phase", "loss_factor", "damping_ratio"}
 """What may be the mean of several measurements: ``G'_mean``."""
-_FURTHER = re.compile(r"\((?:[^()]*)\)$")
+_QUALIFIED = re.compile(
+    r"(?<!\w)(?:actual|measured|ist|istwert|gemessen|mesur[ée]e?|r[ée]elle?|medid[ao]|misurat[ao]|実測|实测|실측)(?!\w)",
+    re.IGNORECASE,
+)
+"""What says that a value was measured, beside one that was set."""
+_NEUTRAL = frozenset(
+    fold(word)
+    for word in (
+        *(
+            "stiffness",
+            "modulus",
+            "dynamic stiffness",
+            "dynamic modulus",
+            "steifigkeit",
+            "modul",
+            "raideur",
+            "rigidité",
+        ),
+        *(
+            "module",
+            "rigidez",
+            "módulo",
+            "rigidezza",
+            "modulo",
+            "剛性",
+            "弾性率",
+            "刚度",
+            "模量",
+            "модуль",
+            "жесткость",
+        ),
+    )
+)
+"""Words before a symbol that leave it to the symbol which part of a modulus is meant."""
 
 
 @lru_cache(maxsize=4096)
@@ -252,9 +347,14 @@ def role_of(name: str) -> str | None:
     if folded.endswith(_MEANS):
         stem = _ROLE_OF.get(folded.removesuffix("mean").removesuffix("avg"))
         return stem if stem in AVERAGED else None
+    if _QUALIFIED.search(name):
+        return _ROLE_OF.get(fold(_QUALIFIED.sub(" ", name)))
     # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.
     if " " in name and len(name) < 100:
         words, _, last = name.rpartition(" ")
+        if fold(words) in _NEUTRAL:
+            # "Stiffness K'": the symbol says which.
+            return _ROLE_OF.get(fold(last.strip("(),")))
         first = _ROLE_OF.get(fold(words))
         if first is not None and first == (EXACT.get(last.strip("(),")) or _ROLE_OF.get(fold(last.strip("(),")))):
             return first

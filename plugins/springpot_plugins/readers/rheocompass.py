@@ -17,18 +17,22 @@ from .text import head_text, text_of
 
 _INTERVAL = re.compile(
     r"^[\" \t]{0,20}"
-    r"(?:interval|abschnitt|messabschnitt|tramo|интервал|przedział|úsek|aralık|区间|區間|间隔|インターバル|구간)"
+    r"(?:interval|abschnitt|messabschnitt|tramo|интервал|przedział|úsek|aralık|区间|區間|区間|间隔|インターバル|구간)"
     r"[^\t;,:：\n]{0,50}[:：]",
     re.IGNORECASE | re.MULTILINE,
 )
 _FIRST = re.compile(
     r"^[\"\s]{0,20}"
-    r"(?:test|project|projet|projekt|proyecto|progetto|projeto|essai|versuch|prueba|prova|ensayo|messung|name)"
-    r" {0,20}:[\"\t;, ]",
+    r"(?:test|project|projet|projekt|proyecto|progetto|projeto|essai|versuch|prueba|prova|ensayo|messung|name|"
+    r"プロジェクト|試験|テスト|项目|測試|测试|试验|프로젝트|시험|проект|испытание|badanie)"
+    r" {0,20}[:：][\"\t;, ]",
     re.IGNORECASE,
 )
 _SERIES = re.compile(r"Data Series Information|Datenreihen-Info|Informations? sur les séries", re.IGNORECASE)
-_RESULTS = frozenset(map(fold, ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test")))
+_EASTERN = ("結果", "结果", "결과", "результат", "wynik")
+_RESULTS = frozenset(
+    map(fold, ("result", "résultat", "ergebnis", "resultado", "risultato", "name", "test", *_EASTERN))
+)
 _INVALID = (
     *("invalid", "ungültig", "ungultig", "inválido", "non valido", "ongeldig", "nieprawid", "neplatn", "недейств"),
     *("无效", "無効", "무효"),

@@ -15,6 +15,8 @@ _WORDS = re.compile(r"[^\W\d_eE]")
 """What no row of numbers has."""
 MOST_UNITS = 0.6
 """Share of the cells of a row of units that are known ones."""
+_LABVIEW = "Y_Unit_Label"
+"""Before the units in a LabVIEW measurement file (.lvm), whose columns are called X_Value and so on."""
 _SEARCHED = 500
 """Lines that may stand above the numbers."""
 
@@ -59,7 +61,15 @@ def layout_of(head: str) -> Layout:
 def _named(rows: Sequence[list[str]], named: int, separator: str) -> Layout:
     units = rows[named + 1] if named + 1 < len(rows) and _are_units(rows[named + 1]) else []
     start = named + 1 + bool(units)
-    return Layout(separator, rows[named], units, start, rows[start] if start < len(rows) else ())
+    return Layout(
+        separator, rows[named], units or labview_units(rows[:named]), start, rows[start] if start < len(rows) else ()
+    )
+
+
+def labview_units(above: Sequence[list[str]]) -> list[str]:
+    """Units from a LabVIEW header, which has a line for those of the channels and counts time in seconds."""
+    named = next((row for row in above if row and row[0] == _LABVIEW), None)
+    return [] if named is None else ["s", *named[1:]]
 
 
 def _names_all(row: Sequence[str]) -> bool:

@@ -1,4 +1,4 @@
-"""Bytes to text: UTF-8, UTF-16 and latin-1, as far as they can be told apart."""
+"""Bytes to text: UTF-8, UTF-16, and of the older codes the one in which the file speaks of dynamic tests."""
 
 from __future__ import annotations
 
@@ -7,11 +7,24 @@ from pathlib import Path
 
 from springpot.errors import DataError
 
+from .languages import CHANNELS, LANGUAGES
+
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+_OLDER = ("cp932", "gb18030", "big5", "cp949", "cp1251", "cp1250", "cp1254")
+"""Codes of Japanese, Chinese, Korean, Russian, Polish and Turkish Windows, which bytes alone cannot tell apart."""
+_WORDS = frozenset(
+    word
+    for names in (*LANGUAGES.values(), *CHANNELS.values())
+    for word in names
+    if not word.isascii() and len(word) > 1
+)
+"""What a table of dynamic tests says in languages that need one of those codes."""
+_MOST_LOOKED_AT = 1 << 14
+"""Bytes in which the names of columns stand, in files that have any."""
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\r\f")) + b"\x7f"
 
 
@@ -28,8 +41,19 @@ def encoding_of(head: bytes) -> str | None:
     try:
         codecs.getincrementaldecoder("utf-8")().decode(head)
     except UnicodeDecodeError:
-        return "latin-1"
+        return _older(head)
     return "utf-8"
+
+
+def _older(head: bytes) -> str:
+    """The code in which the text has most words of the field; latin-1 where it has none in any other."""
+    count = dict.fromkeys(("latin-1", *_OLDER), 0)
+    head = head[:_MOST_LOOKED_AT]
+    for encoding in count:
+        # The head may end within a character; what cannot be read at all has no words either.
+        text = head.decode(encoding, errors="ignore").casefold()
+        count[encoding] = sum(word in text for word in _WORDS)
+    return max(count, key=lambda encoding: count[encoding])
 
 
 def _wide(head: bytes) -> str | None:

@@ -32,6 +32,12 @@ DAMPING_UNITS = {
     for length, metre in LENGTH_UNITS.items()
     for space in (" ", "")
 }
+WORK_UNITS = {"J": 1.0, "kJ": 1e3, "mJ": 1e-3} | {
+    f"{one} {other}": newton * metre
+    for force, newton in FORCE_UNITS.items()
+    for length, metre in LENGTH_UNITS.items()
+    for one, other in ((force, length), (length, force))
+}
 UNITS: dict[str, dict[str, float]] = {
     "omega": FREQUENCY_UNITS,
     "frequency": FREQUENCY_UNITS,
@@ -44,6 +50,8 @@ UNITS: dict[str, dict[str, float]] = {
     "dynamic_viscosity": VISCOSITY_UNITS,
     "out_of_phase_viscosity": VISCOSITY_UNITS,
     "damping": DAMPING_UNITS,
+    "force_amplitude": FORCE_UNITS | TORQUE_UNITS,
+    "energy": WORK_UNITS,
     "storage_compliance": COMPLIANCE_UNITS,
     "loss_compliance": COMPLIANCE_UNITS,
     "phase": ANGLE_UNITS,
@@ -64,6 +72,8 @@ USUAL = {
     "dynamic_viscosity": "Pa s",
     "out_of_phase_viscosity": "Pa s",
     "damping": "N s/mm",
+    "force_amplitude": "N",
+    "energy": "N mm",
     "storage_compliance": "1/Pa",
     "loss_compliance": "1/Pa",
     "phase": "deg",
@@ -130,8 +140,19 @@ def heading(title: str, below: str | None = None) -> Heading:
         inner = inner[1:-1] if inner[:1] + inner[-1:] in ("[]", "()") else inner
         own = heading(title)
         name = own.name if own.log or own.curve else title
-        return Heading(title, name, role_of(title) or own.role, inner.strip(), log=own.log, curve=own.curve)
-    return _marked(title) or _plain(title)
+        role = role_of(title) or own.role
+        return _by_unit(Heading(title, name, role, inner.strip(), log=own.log, curve=own.curve))
+    return _by_unit(_marked(title) or _plain(title))
+
+
+def _by_unit(found: Heading) -> Heading:
+    """The heading whose unit tells what its name leaves open: a damping, or the dynamic stiffness ``C_dyn``."""
+    unit = normal_unit(found.unit or "")
+    if unit in DAMPING_UNITS and found.role in (None, "damping", "damping_ratio"):
+        return replace(found, role="damping")
+    if found.role == "damping" and unit in MODULUS_UNITS:
+        return replace(found, role="magnitude")
+    return found
 
 
 def _marked(title: str) -> Heading | None:
@@ -179,12 +200,13 @@ def _in_parentheses(title: str) -> Heading | None:
     match = _PARENTHESES.match(title)
     if match is None:
         return None
-    role, inner = role_of(match[1]) or _stem_role(match[1]), match[2].strip()
+    stem = match[1].rstrip(" /")
+    role, inner = role_of(stem) or _stem_role(stem), match[2].strip()
     if role is not None and role == role_of(inner) and not is_unit(inner):
-        return Heading(title, match[1], role, None)
+        return Heading(title, stem, role, None)
     if role is not None and not _restricts(inner):
-        return Heading(title, match[1], role, inner)
-    return Heading(title, match[1], None, inner) if is_unit(inner) else None
+        return Heading(title, stem, role, inner)
+    return Heading(title, stem, None, inner) if is_unit(inner) else None
 
 
 def _after_sign(title: str) -> Heading | None:
@@ -193,6 +215,7 @@ def _after_sign(title: str) -> Heading | None:
         stem, unit = title[:place].rstrip(" /,"), title[place + 1 :].strip()
         stem = re.sub(r"\s+(?:in|en)$", "", stem)
         role = role_of(stem) or _stem_role(stem)
+        unit = unit[1:-1] if unit[:1] + unit[-1:] in ("()", "[]") else unit
         if role is not None and unit and is_unit(unit):
             return Heading(title, stem, role, unit)
     return None

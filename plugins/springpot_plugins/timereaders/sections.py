@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from springpot.measurement import normal_unit
 from springpot.rheology import Real
 
 from ..readers.channels import channel_of
+from ..readers.clock import seconds_of
 from ..readers.grid import is_number
 from ..readers.names import fold
+from ..readers.signal_layout import labview_units
 from ..readers.titles import heading, is_unit
 
 SEPARATORS = ("\t", ";", ",", " ")
@@ -100,15 +102,24 @@ class Section:
             If a cell is no number, with its line.
         """
         found = np.empty(len(self.lines))
+        began = seconds_of(_cell(self.lines[0], self.separator, place)) if self.lines else None
         for i, line in enumerate(self.lines):
-            cells = cells_of(line, self.separator)
-            cell = cells[place] if place < len(cells) else ""
+            cell = _cell(line, self.separator, place)
+            if began is not None and (now := seconds_of(cell)) is not None:
+                # Counted from the first: seconds since a date would leave no digits for milliseconds.
+                found[i] = now - began
+                continue
             try:
                 found[i] = float(cell.replace(",", ".")) if cell else np.nan
             except ValueError:
                 where = f"line {self.numbers[i]}, column '{self.titles[place].text}'"
                 raise DataError(f"{where}: '{cell:.30}' is no number") from None
         return found
+
+
+def _cell(line: str, separator: str, place: int) -> str:
+    cells = cells_of(line, separator)
+    return cells[place] if place < len(cells) else ""
 
 
 def sections_of(text: str) -> list[Section]:
@@ -129,11 +140,30 @@ def sections_of(text: str) -> list[Section]:
             stop += 1
         numbers = range(start + 1, stop + 1)
         rows = [(number, line) for number, line in zip(numbers, lines[start:stop], strict=True) if line.strip()]
+        titles = _with_clock(titles, cells_of(lines[start], separator))
+        titles = _with_units_above(titles, [cells_of(line, separator) for line in above])
         found.append(
             Section(_name(above), titles, [number for number, _ in rows], [line for _, line in rows], separator)
         )
         above, i = [], stop
     return found
+
+
+def _with_clock(titles: tuple[Title, ...], first: Sequence[str]) -> tuple[Title, ...]:
+    """The columns, where timestamps are in seconds whatever stands above them."""
+    stamped = {i for i, cell in enumerate(first) if seconds_of(cell) is not None}
+    return tuple(
+        replace(title, unit="s") if title.role == "time" and i in stamped else title for i, title in enumerate(titles)
+    )
+
+
+def _with_units_above(titles: tuple[Title, ...], above: Sequence[list[str]]) -> tuple[Title, ...]:
+    """The columns with the units that a LabVIEW header lists."""
+    units = labview_units(above)
+    if not units or any(title.unit for title in titles):
+        return titles
+    more = [""] * (len(titles) - len(units))
+    return tuple(replace(title, unit=_tidied(unit)) for title, unit in zip(titles, [*units, *more], strict=False))
 
 
 def cells_of(line: str, separator: str) -> list[str]:

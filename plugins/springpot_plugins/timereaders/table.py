@@ -30,6 +30,8 @@ from springpot.measurement.signals import stiffness_unit
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
+from ..readers.blocks import blocks_of
+from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.text import head_text, text_of
 from ..readers.titles import is_unit
 from .sections import Section, Title, sections_of, title_of
@@ -70,11 +72,20 @@ class Manner:
 
 def recognises(head: bytes) -> float:
     """High for a table that names a time and what was measured, unless it names frequencies too."""
-    found = sections_of(head_text(head))
+    text = head_text(head)
+    found = sections_of(text)
     usable = [section for section in found if _is_test(section)]
-    if not usable or any("dynamic" in section.roles for section in found):
+    if not usable or any("dynamic" in section.roles for section in found) or _holds_sweep(head_grid(text)):
         return 0.0
     return 0.9
+
+
+def _holds_sweep(grid: Grid) -> bool:
+    """Whether any table is a sweep: of a job with a pre-shear or a rest, the sweep is what is meant."""
+    try:
+        return any(block.is_dynamic for block in blocks_of(grid, stacked=True)[0])
+    except DataError:
+        return False
 
 
 def _is_test(section: Section) -> bool:
@@ -90,7 +101,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         One line that says what is missing and how to say it.
     """
     manner, columns = _manner(choice, path)
-    found = [section for section in sections_of(text_of(path)) if _is_test(section)]
+    text = text_of(path)
+    found = [section for section in sections_of(text) if _is_test(section)]
     tests = []
     for number, section in enumerate(found, 1):
         if choice.part and not _is_meant(choice.part, number, section.name):
@@ -99,6 +111,9 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         try:
             tests.append(_test(_told(section, columns, path), manner, name, path))
         except DataError as error:
+            if _holds_sweep(grid_of(text)):
+                # A rest may be so long that the sweep below it was not seen when the file was recognised.
+                return []
             shown = str(error)
             raise DataError(shown if str(path) in shown else f"{path}: {shown.removeprefix(f'{name}: ')}") from None
     if not tests:

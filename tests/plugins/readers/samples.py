@@ -231,3 +231,13 @@ def xlsx(sheets=None):
     stream = io.BytesIO()
     book.save(stream)
     return stream.getvalue()
+
+
+def ta_thermal():
+    """Two segments of a DMA, with the line that ends the first."""
+    names = ("Time (min)", "Temperature (°C)", "Storage Modulus (MPa)", "Loss Modulus (MPa)", "Frequency (Hz)")
+    lines = ["CLOSED", "", "Version\t1.0", "Instrument\tDMA Q800 V21.3", "Size\t12.5\t3.2\t17.5", "Nsig\t5"]
+    lines += [f"Sig{i}\t{name}" for i, name in enumerate(names, 1)] + ["OrgFile\tC:\\TA\\nbr.001", "StartOfData"]
+    points = zip(OMEGA / (2 * np.pi), STIFFNESS, strict=True)
+    rows = [f"{i}\t30.5\t{k.real:.10g}\t{k.imag:.10g}\t{f:.10g}" for i, (f, k) in enumerate(points)]
+    return "\r\n".join([*lines, *rows[:2], "-1\t2", *rows[2:], ""]).encode("utf-16")

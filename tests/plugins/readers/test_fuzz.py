@@ -19,6 +19,7 @@ SEEDS = {
     "trios": samples.trios(),
     "trios-lims": samples.trios_lims(),
     "trios-json": samples.trios_json(),
+    "ta-thermal": samples.ta_thermal(),
     "malvern": samples.malvern(),
     "reptate": samples.reptate(True),
     "reptate-laos": samples.laos(),
