@@ -6,9 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import springpot
+from springpot import timetests
+from springpot.measurement import TimeTest
+from springpot.registry import plugins
 from springpot.report.jsontext import jsonable
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -28,13 +32,33 @@ def answers() -> dict[str, Any]:
     }
 
 
+def answers_in_time() -> dict[str, Any]:
+    """Of one short record of a springpot with a mass that the model leaves out."""
+    whole = springpot.parse_model("springpot + inertia")
+    t = np.linspace(0.0, 6.0, 120)
+    x = np.sin(0.5 * t**1.5)
+    force = whole.respond(whole.vector({"c": 60.0, "alpha": 0.4, "inertia.m": 8.0}), t, x)
+    noise = 0.5 * np.random.default_rng(5).normal(size=len(t))
+    test = TimeTest.of_history(t, x, force + noise, "m", "N", control="displacement")
+    effects = [plugins().effect(name) for name in ("inertia", "time-delay")]
+    fit = timetests.identify([test], springpot.parse_model("springpot"))
+    ladder = timetests.discover([test], "springpot", effects)
+    return {
+        "identification-in-time": fit,
+        "prediction-in-time": timetests.predict_test(fit, test),
+        "diagnosis-in-time": ladder.diagnosis,
+        "discovery-in-time": ladder,
+        "comparison-in-time": timetests.compare([test], ["springpot", "kelvin", "fractional-maxwell + friction"]),
+    }
+
+
 def schema(name: str) -> dict[str, Any]:
     found: dict[str, Any] = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
     return found
 
 
 def test_answers_are_as_their_schemas_say():
-    found = answers()
+    found = answers() | answers_in_time()
     assert {path.stem for path in FOLDER.glob("*.json")} == set(found)
     for name, answer in found.items():
         document = jsonable(answer)

@@ -19,6 +19,8 @@ IN_A_BROWSER = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium
 
 PATIENCE = 120_000
 """Milliseconds for an answer: a machine of many tests is slow, and what is lost for good is still seen."""
+LOOK = 20
+"""Milliseconds between looks at what cannot be waited for otherwise."""
 # Any name is nowhere: whatever the page asks of another machine fails, and is seen among its requests.
 CUT = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
 Open = Callable[..., Any]
@@ -97,8 +99,12 @@ class Page:
         pattern = f"**/api/{task}*"
         self.page.route(pattern, lambda route: waiting.append(route))
         yield
-        self.page.unroute(pattern)
+        for _ in range(PATIENCE // LOOK):
+            if waiting:
+                break
+            self.page.wait_for_timeout(LOOK)
         assert waiting, f"the page did not ask for {task}"
+        self.page.unroute(pattern)
         for route in waiting:
             with suppress(playwright.Error):  # the page may have taken it back
                 route.continue_()

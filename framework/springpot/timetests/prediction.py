@@ -28,7 +28,7 @@ from .parts import SweepPart, Test
 from .predicted import predicted
 from .result import TimeIdentification
 
-SCHEMA = "springpot.prediction/1"
+SCHEMA = "springpot.prediction-in-time/1"
 ENDLESS = 1e12
 """Variance of a search coordinate that the data do not determine: a million natural sizes."""
 VAGUE = 0.5
@@ -253,7 +253,7 @@ class TestPrediction:
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.prediction/1``."""
+        """Schema ``springpot.prediction-in-time/1``."""
         clock = "frequency" if self.kind == "sweep" else "time"
         columns = (self.at, self.value, self.low, self.high, self.measured)
         names = (clock, "value", "low", "high", "measured")

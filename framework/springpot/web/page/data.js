@@ -105,7 +105,7 @@ export class Data {
 
   render() {
     const { app } = this;
-    listSets(this.zone.querySelector(".datasets"), app.installed);
+    for (const select of [this.zone.querySelector(".datasets"), ...document.querySelectorAll("dialog .datasets")]) listSets(select, app.installed);
     const parts = [];
     if (app.question) parts.push(this.asking(app.question));
     if (app.data) parts.push(...this.understood(app.data));

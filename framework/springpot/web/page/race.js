@@ -14,6 +14,7 @@ export class Race {
   }
 
   show() {
+    this.hide();
     this.look();
     this.timer = setInterval(() => this.look(), AGAIN);
   }
@@ -65,6 +66,7 @@ export class Race {
     this.opened = name;
     try {
       const { tables } = await ask("race", { name });
+      if (this.opened !== name) return; // another was opened meanwhile
       put(this.report, tables.filter((table) => table.rows.length).map((table) => h("section", {}, h("h2", {}, table.title),
         h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": table.title },
           h("table", {}, h("thead", {}, h("tr", {}, ...table.columns.map((word) => h("th", { scope: "col" }, word)))),

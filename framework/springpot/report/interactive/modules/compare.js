@@ -67,6 +67,12 @@ export class Compare {
     this.bar.hidden = !scene;
     this.frames.toggleAttribute("data-empty", !scene);
     if (!scene || !state || !this.width) return;
+    if (this.drawn !== scene) {
+      // What was pointed at or chosen are rows of the data before.
+      this.row = null;
+      this.chosen = new Set();
+    }
+    this.drawn = scene;
     const excluded = new Set(state.excluded);
     this.view.value = looks.view;
     this.plane.value = looks.plane;

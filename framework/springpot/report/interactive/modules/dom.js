@@ -32,6 +32,14 @@ export function put(parent, ...children) {
 
 export const byId = (id) => document.getElementById(id);
 
+// Whether what a panel is made from is other than it was. Elements that are made anew under a pressed finger or button
+// never see its click: a panel is made anew only when it must be.
+export function changed(panel, ...parts) {
+  const same = panel.madeFrom?.length === parts.length && parts.every((part, i) => part === panel.madeFrom[i]);
+  panel.madeFrom = parts;
+  return !same;
+}
+
 // A button that cannot be used says why, to the pointer and to a screen reader.
 export function enable(button, why) {
   button.setAttribute("aria-disabled", why ? "true" : "false");

@@ -1,6 +1,6 @@
 // The error, rung by rung, against the noise floor: every rung can be gone back to, left out or branched from.
 
-import { h, put, s } from "./dom.js";
+import { changed, h, put, s } from "./dom.js";
 import { percent, times } from "./numbers.js";
 import { logTicks } from "./plot.js";
 
@@ -22,7 +22,12 @@ export class Ladder {
 
   render() {
     this.width = this.frame.clientWidth;
-    const { answer, history } = this.app;
+    const { answer, history, beside, rung } = this.app;
+    const branches = history.branches.map((branch) => branch.name).join("");
+    if (!changed(this, answer, beside?.key, beside?.branch, rung, this.width, branches, history.at)) {
+      this.preview(this.app.hovered);
+      return;
+    }
     this.svg.toggleAttribute("hidden", !answer);
     this.renderBranches(history);
     if (!answer || !this.width) {
@@ -31,8 +36,8 @@ export class Ladder {
       return;
     }
     put(this.list, this.app.steps.map((step, i) => this.rung(step, i, i === this.app.rung)));
-    put(this.other, this.app.beside ? this.besideList(this.app.beside) : null);
-    this.draw(this.app.steps, this.app.beside);
+    put(this.other, beside ? this.besideList(beside) : null);
+    this.draw(this.app.steps, beside);
     this.preview(this.app.hovered);
   }
 

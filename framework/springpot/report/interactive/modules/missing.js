@@ -1,6 +1,6 @@
 // The ranked effects: pointing previews what each would do, from what is already in the page; a click accepts.
 
-import { enable, h, put, usable } from "./dom.js";
+import { changed, enable, h, put, usable } from "./dom.js";
 import { number, percent, probability, times, withInterval } from "./numbers.js";
 
 const WORDS = { missing: "missing", absent: "absent", "cannot-tell": "cannot tell" };
@@ -26,12 +26,10 @@ export class Missing {
 
   render() {
     const { answer } = this.app;
-    // The same answer keeps its elements, so that a click or a finger on one of them is not lost to a rendering.
-    if (this.drawn === answer && this.candidates) {
+    if (!changed(this, answer)) {
       this.show(this.app.hovered);
       return;
     }
-    this.drawn = answer;
     const diagnosis = answer?.discovery.diagnosis;
     this.active = null;
     this.candidates = diagnosis ? inClasses(diagnosis.candidates) : [];
