@@ -144,6 +144,43 @@ def test_a_circle_is_seen(tmp_path: Path, second: str):
         tuple(TopologicalSorter(importing(list(modules(room)))).static_order())
 
 
+SCREEN = 50
+"""Lines of code of a function that can be seen at once; its docstring is read before, not with it."""
+LONGEST = 500
+"""Lines of a file that one finds one's way in."""
+LONGER = {
+    "framework/springpot/diagnosis/policy.py": "a list of levels, each with its reason: nothing to split",
+    "framework/springpot/diagnosis/battery.py": "still to be split",
+}
+"""Files that may be longer, and why."""
+
+
+def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """Lines of a function without those of its docstring."""
+    assert function.end_lineno is not None
+    lines = function.end_lineno - function.lineno + 1
+    first = function.body[0]
+    if ast.get_docstring(function, clean=False) is not None and first.end_lineno is not None:
+        lines -= first.end_lineno - first.lineno + 1
+    return lines
+
+
+@pytest.mark.parametrize(("path", "package"), [*FILES, *OWN], ids=name_of)
+def test_a_file_can_be_read(path: Path, package: str):
+    text = path.read_text(encoding="utf-8")
+    if name_of(path) not in LONGER:
+        assert len(text.splitlines()) <= LONGEST
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"
+
+
+def test_a_docstring_is_no_code():
+    (function,) = ast.parse('def f(x):\n    """One.\n\n    Two.\n    """\n    return x\n').body
+    assert isinstance(function, ast.FunctionDef)
+    assert code_lines(function) == 2
+
+
 def test_the_check_itself_sees_relative_and_hidden_imports(tmp_path: Path):
     path = tmp_path / "sly.py"
     path.write_text("def f():\n    from ..cli import main\n    import springpot.report.text\n", encoding="utf-8")

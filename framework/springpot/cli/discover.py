@@ -88,9 +88,7 @@ def command(
     effects = [effect_in_time(name) for name in accept]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        given = [name for name in ("fix", "bounds", "exclude") if options[name]]
-        if report is not None:
-            given.append("report")
+        given = _for_sweeps_only(options, report)
         timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
         return 0
     measurement = opened(data, geometry)
@@ -104,11 +102,24 @@ def command(
         write_report(ladder, measurement, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
     if not as_json:  # a program that reads the JSON reads nothing else
-        for path in (figure, report):
-            if path is not None:
-                print(f"\nwritten: {path}")
+        _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
+
+
+def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
+    """The options that were given and that tests in time cannot take."""
+    given = [name for name in ("fix", "bounds", "exclude") if options[name]]
+    if report is not None:
+        given.append("report")
+    return given
+
+
+def _tell_written(*paths: Path | None) -> None:
+    """Name the files that were asked for."""
+    for path in paths:
+        if path is not None:
+            print(f"\nwritten: {path}")
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

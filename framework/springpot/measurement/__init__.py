@@ -8,6 +8,7 @@ from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .geometry import Geometry
 from .geometry_text import parse_geometry
+from .imposed import Loading
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
@@ -24,7 +25,7 @@ from .timed import Timed, grown, material_of
 from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
-from .timetest import Loading, TimeTest
+from .timetest import TimeTest
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,

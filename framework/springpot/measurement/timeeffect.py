@@ -17,7 +17,8 @@ import numpy as np
 
 from springpot.rheology import Parameter, Real
 
-from .timetest import Loading, TimeTest
+from .imposed import Loading
+from .timetest import TimeTest
 
 Tries: TypeAlias = Sequence[tuple[float, ...]]
 

@@ -15,6 +15,7 @@ from springpot.errors import DataError
 from springpot.plain import plain
 from springpot.rheology import Real
 
+from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .signals import stiffness_unit
 from .units import (
     AMPLITUDE_UNITS,
@@ -28,80 +29,14 @@ from .units import (
 )
 
 CONTROLS = ("displacement", "force")
-STEADY = 0.02
-"""Share of its largest value by which what is called held may move: rheometers hold a strain to 1 or 2 %."""
-NEARLY_ALL = 0.9
-"""Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
-SHORT = 0.05
-"""Share of the record that a rise may take for the test to be called relaxation or creep."""
 STRAIGHT = 0.02
 """Share of its end by which a ramp may leave the straight line."""
-
-
-@dataclass(frozen=True, eq=False)
-class Loading:
-    """What was imposed: straight between its knots, at rest at the first value before, held at the last one after.
-
-    Parameters
-    ----------
-    time : ndarray, shape (k,)
-        In s; two knots at one time are a step.
-    value : ndarray, shape (k,)
-        Displacement or force.
-
-    Raises
-    ------
-    DataError
-        If the time runs backwards, or something is no number.
-    """
-
-    time: Real
-    value: Real
-
-    def __post_init__(self) -> None:
-        for name in ("time", "value"):
-            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
-        if self.time.shape != self.value.shape or self.time.ndim != 1 or not len(self.time):
-            raise DataError("a loading is two lists of the same length, times and values")
-        if not (np.all(np.isfinite(self.time)) and np.all(np.isfinite(self.value))):
-            raise DataError("a loading has a time or a value that is no number")
-        if np.any(np.diff(self.time) < 0.0):
-            back = int(np.flatnonzero(np.diff(self.time) < 0.0)[0])
-            raise DataError(f"the time of the loading runs backwards after {self.time[back]:g} s")
-
-    @classmethod
-    def step(cls, size: float = 1.0, rise: float = 0.0) -> Loading:
-        """A step at t = 0 that takes `rise` seconds.
-
-        Examples
-        --------
-        >>> Loading.step(2.0, rise=0.5).time
-        array([0. , 0.5])
-        """
-        if not rise >= 0.0:
-            raise DataError(f"the rise of a step takes 0 s or more, not {rise:g} s")
-        return cls(np.array([0.0, rise]), np.array([0.0, size]))
-
-    @cached_property
-    def jumps(self) -> tuple[Real, Real]:
-        """Times and sizes of the steps that take no time."""
-        at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
-        return self.time[at], np.diff(self.value)[at]
-
-    @cached_property
-    def smooth(self) -> Loading | None:
-        """The rest without its jumps, at rising times; None where nothing else moves."""
-        times, _ = self.jumps
-        passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
-        first = np.concatenate([[True], np.diff(self.time) > 0.0])
-        kept = Loading(self.time[first], (self.value - passed)[first]) if len(times) else self
-        if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
-            return None
-        return kept
-
-    def scaled(self, factor: float) -> Loading:
-        """The same in another unit."""
-        return Loading(self.time, self.value * factor)
+PLANNED_IN = (
+    (LENGTH_UNITS, "m", FORCE_UNITS, "N"),
+    ({"-": 1.0}, "-", PRESSURE_UNITS, "Pa"),
+    (ANGLE_UNITS, "rad", TORQUE_UNITS, "N m"),
+)
+"""Units of what may be imposed in displacement or in force, each with the unit in which the other is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,13 +242,13 @@ class TimeTest:
             )
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
-        chosen = _held(moved, pulled) if control is None else control
+        chosen = controlled(moved, pulled) if control is None else control
         imposed, response = (pulled, moved) if chosen == "force" else (moved, pulled)
         _require_numbers(clock, imposed, name, chosen)
         return cls(
             clock,
             response,
-            _from_rest(clock, imposed, rise),
+            from_rest(clock, imposed, rise),
             chosen,
             displacement_unit,
             force_unit,
@@ -339,17 +274,20 @@ class TimeTest:
         clock, course = np.asarray(time, dtype=float), np.asarray(imposed, dtype=float)
         if unit == "%":
             course, unit = 0.01 * course, "-"
-        pairs = ((LENGTH_UNITS, FORCE_UNITS, "m", "N"), ({"-": 1.0}, PRESSURE_UNITS, "-", "Pa"))
-        for lengths, forces, length, force in (*pairs, (ANGLE_UNITS, TORQUE_UNITS, "rad", "N m")):
-            if unit in lengths or unit in forces:
-                control = "displacement" if unit in lengths else "force"
-                units = (unit, force) if unit in lengths else (length, unit)
-                _require_numbers(clock, course, name, control)
-                loading = _from_rest(clock, course, 0.0)
-                return cls(
-                    clock, 0.0 * clock, loading, control, *units, name=name, measured=False, **_warm(temperature)
-                )
-        raise DataError(f"{name}: [{unit}] is no unit of a displacement, strain, force or stress")
+        control, displacement, force = _planned_units(unit, name)
+        _require_numbers(clock, course, name, control)
+        loading = from_rest(clock, course, 0.0)
+        return cls(
+            clock,
+            0.0 * clock,
+            loading,
+            control,
+            displacement,
+            force,
+            name=name,
+            measured=False,
+            **_warm(temperature),
+        )
 
     def __len__(self) -> int:
         return len(self.time)
@@ -423,11 +361,10 @@ class TimeTest:
         largest = np.abs(value).max()
         after = value[clock > self.start + self.rise]
         held = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
-        if held and self.rise <= SHORT * self.duration:
-            released = len(after) > 0 and abs(after[-1]) < STEADY * largest
-            if not released:
-                return "relaxation" if self.control == "displacement" else "creep"
-        if _is_released(value, largest):
+        released = len(after) > 0 and abs(after[-1]) < STEADY * largest
+        if held and not released and self.rise <= SHORT * self.duration:
+            return "relaxation" if self.control == "displacement" else "creep"
+        if is_released(value, largest):
             return "recovery"
         line = (clock - self.start) / max(clock[-1] - self.start, 1e-300) * value[-1]
         if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STRAIGHT * largest:
@@ -469,10 +406,21 @@ class TimeTest:
         )
 
 
+def _planned_units(unit: str, name: str) -> tuple[str, str, str]:
+    """What is imposed in that unit, and the units of displacement and force."""
+    for lengths, length, forces, force in PLANNED_IN:
+        if unit in lengths:
+            return "displacement", unit, force
+        if unit in forces:
+            return "force", length, unit
+    raise DataError(f"{name}: [{unit}] is no unit of a displacement, strain, force or stress")
+
+
 def _warm(temperature: float | ArrayLike | None) -> dict[str, Any]:
     """One temperature, or one for each sample."""
-    key = "temperature" if temperature is None or np.ndim(temperature) == 0 else "warmth"
-    return {key: temperature}
+    if temperature is None or np.ndim(temperature) == 0:
+        return {"temperature": temperature}
+    return {"warmth": temperature}
 
 
 def _split(unit: str) -> tuple[str, str]:
@@ -496,50 +444,3 @@ def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
             f"{name}: the time does not rise after sample {back[0] + 1} (t = {clock[back[0]]:g} s): "
             "sort the samples, or open one part at a time"
         )
-
-
-def _held(moved: Real, pulled: Real) -> str:
-    """The channel that is held or released for nearly all of the record, or stands still; else the displacement.
-
-    A force that was held and taken away does not stand still in the end, nor does what recovers from it.
-    """
-    at_levels = [_at_levels(x) for x in (moved, pulled)]
-    if max(at_levels) >= NEARLY_ALL:
-        return "force" if at_levels[1] > at_levels[0] else "displacement"
-    late = slice(len(moved) // 4, None)
-    unrest = [np.ptp(x[late]) / max(np.abs(x).max(), 1e-300) for x in (moved, pulled)]
-    return "force" if unrest[1] <= STEADY and unrest[1] < unrest[0] else "displacement"
-
-
-def _at_levels(value: Real) -> float:
-    """Share of the samples that are at the level that was held, or at nothing."""
-    size = np.abs(value)
-    largest = float(size.max())
-    raised = size > 0.5 * largest
-    if largest == 0.0 or not raised.any():
-        return 0.0
-    level = float(np.median(size[raised]))
-    return float(np.mean((np.abs(size - level) <= STEADY * largest) | (size <= STEADY * largest)))
-
-
-def _from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
-    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing."""
-    if rise > 0.0:
-        later = clock > rise
-        held = imposed[later][:1] if later.any() else imposed[-1:]
-        start, size = np.array([0.0, rise]), np.concatenate([[0.0], held])
-        return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
-    largest = np.abs(imposed).max()
-    if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:
-        # Held from the first sample on: it was stepped to just then.
-        return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
-    if clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and clock[0] < SHORT * clock[-1]:
-        return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
-    return Loading(clock, imposed)
-
-
-def _is_released(value: Real, largest: float) -> bool:
-    """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
-    up = value * np.sign(value[np.argmax(np.abs(value))])
-    changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))
-    return bool(abs(up[-1]) <= STEADY * largest and changes <= 2 and up.min() >= -STEADY * largest)

@@ -1,0 +1,140 @@
+"""What was imposed in a test in time: straight between its knots, and how that is read off a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.rheology import Real
+
+STEADY = 0.02
+"""Share of its largest value by which what is called held may move: rheometers hold a strain to 1 or 2 %."""
+NEARLY_ALL = 0.9
+"""Share of the samples at which what is imposed is held or gone: its ramps take the rest."""
+SHORT = 0.05
+"""Share of the record that a rise may take for the test to be called relaxation or creep."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """What was imposed: straight between its knots, at rest at the first value before, held at the last one after.
+
+    Parameters
+    ----------
+    time : ndarray, shape (k,)
+        In s; two knots at one time are a step.
+    value : ndarray, shape (k,)
+        Displacement or force.
+
+    Raises
+    ------
+    DataError
+        If the time runs backwards, or something is no number.
+    """
+
+    time: Real
+    value: Real
+
+    def __post_init__(self) -> None:
+        for name in ("time", "value"):
+            object.__setattr__(self, name, np.atleast_1d(np.asarray(getattr(self, name), dtype=float)))
+        if self.time.shape != self.value.shape or self.time.ndim != 1 or not len(self.time):
+            raise DataError("a loading is two lists of the same length, times and values")
+        if not (np.all(np.isfinite(self.time)) and np.all(np.isfinite(self.value))):
+            raise DataError("a loading has a time or a value that is no number")
+        if np.any(np.diff(self.time) < 0.0):
+            back = int(np.flatnonzero(np.diff(self.time) < 0.0)[0])
+            raise DataError(f"the time of the loading runs backwards after {self.time[back]:g} s")
+
+    @classmethod
+    def step(cls, size: float = 1.0, rise: float = 0.0) -> Loading:
+        """A step at t = 0 that takes `rise` seconds.
+
+        Examples
+        --------
+        >>> Loading.step(2.0, rise=0.5).time
+        array([0. , 0.5])
+        """
+        if not rise >= 0.0:
+            raise DataError(f"the rise of a step takes 0 s or more, not {rise:g} s")
+        return cls(np.array([0.0, rise]), np.array([0.0, size]))
+
+    @cached_property
+    def jumps(self) -> tuple[Real, Real]:
+        """Times and sizes of the steps that take no time."""
+        at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
+        return self.time[at], np.diff(self.value)[at]
+
+    @cached_property
+    def smooth(self) -> Loading | None:
+        """The rest without its jumps, at rising times; None where nothing else moves."""
+        times, _ = self.jumps
+        passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
+        first = np.concatenate([[True], np.diff(self.time) > 0.0])
+        kept = Loading(self.time[first], (self.value - passed)[first]) if len(times) else self
+        if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
+            return None
+        return kept
+
+    def scaled(self, factor: float) -> Loading:
+        """The same in another unit."""
+        return Loading(self.time, self.value * factor)
+
+
+def controlled(moved: Real, pulled: Real) -> str:
+    """The channel that is held or released for nearly all of the record, or stands still; else the displacement.
+
+    A force that was held and taken away does not stand still in the end, nor does what recovers from it.
+    """
+    displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
+    if max(displacement_held, force_held) >= NEARLY_ALL:
+        force_imposed = force_held > displacement_held
+    else:
+        force_unrest = _late_unrest(pulled)
+        force_imposed = force_unrest <= STEADY and force_unrest < _late_unrest(moved)
+    return "force" if force_imposed else "displacement"
+
+
+def _late_unrest(value: Real) -> float:
+    """How much a channel still moves once a first quarter of its samples has gone to what brought it there."""
+    late = value[len(value) // 4 :]
+    # A channel that is zero throughout is at rest, not undefined.
+    return float(np.ptp(late) / max(np.abs(value).max(), 1e-300))
+
+
+def _at_levels(value: Real) -> float:
+    """Share of the samples that are at the level that was held, or at nothing."""
+    size = np.abs(value)
+    largest = float(size.max())
+    raised = size > 0.5 * largest
+    if largest == 0.0 or not raised.any():
+        return 0.0
+    level = float(np.median(size[raised]))
+    return float(np.mean((np.abs(size - level) <= STEADY * largest) | (size <= STEADY * largest)))
+
+
+def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
+    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing."""
+    if rise > 0.0:
+        later = clock > rise
+        # Where the record ends within the rise, its last value is the best there is for where the rise led.
+        held = imposed[later][:1] if later.any() else imposed[-1:]
+        start, size = np.array([0.0, rise]), np.concatenate([[0.0], held])
+        return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
+    largest = np.abs(imposed).max()
+    if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:
+        # Held from the first sample on: it was stepped to just then.
+        return Loading(np.concatenate([clock[:1], clock]), np.concatenate([[0.0], imposed]))
+    if clock[0] > 0.0 and abs(imposed[0]) > STEADY * largest and clock[0] < SHORT * clock[-1]:
+        return Loading(np.concatenate([[0.0], clock]), np.concatenate([[0.0], imposed]))
+    return Loading(clock, imposed)
+
+
+def is_released(value: Real, largest: float) -> bool:
+    """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
+    up = value * np.sign(value[np.argmax(np.abs(value))])
+    changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))
+    return bool(abs(up[-1]) <= STEADY * largest and changes <= 2 and up.min() >= -STEADY * largest)
