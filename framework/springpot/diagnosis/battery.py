@@ -22,7 +22,7 @@ from springpot.rheology import Complex, Real
 
 from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal, spectrum
 from .noise import Averaged
-from .outliers import outlying
+from .outliers import outlying, point_in_words
 from .policy import BATTERY, OUTLIERS, VERDICT
 from .words import plain, times
 
@@ -378,7 +378,7 @@ def _points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float,
     n = len(frame.measurement)
     size = float(np.max(np.hypot(frame.rest[rows], frame.rest[np.add(rows, n)])))
     hertz = frame.measurement.frequency[rows]
-    places = ", ".join(f"{x:.3g} Hz" for x in hertz[:3])
+    places = "; ".join(point_in_words(frame.measurement, row) for row in rows[:3])
     if len(rows) > 3:
         places = f"{places} and {len(rows) - 3} more"
     if np.all(_near_mains(hertz)):
@@ -414,8 +414,9 @@ def _hum_in_words(frame: Frame) -> tuple[float, str]:
     value = _hum(frame, frame.rest[None])
     ratio = 1.0 if value is None else float(value[0])
     frequency = frame.measurement.frequency
-    places = ", ".join(sorted({f"{x:.3g}" for x in frequency[_near_mains(frequency)]}, key=float)[:4])
-    says = f"at multiples of the mains ({places} Hz) points stand off {times(np.sqrt(ratio))} as far as others"
+    units = frame.measurement.units
+    places = ", ".join(units.at(x) for x in np.unique(frequency[_near_mains(frequency)])[:4])
+    says = f"at multiples of the mains ({places}) points stand off {times(np.sqrt(ratio))} as far as others"
     return ratio, says
 
 

@@ -164,7 +164,8 @@ def examine(
     require_conditions(model, measurement)
     data = _prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
-    search, outliers = search_data(data, model, library, rng, seeds)
+    search, found = search_data(data, model, library, rng, seeds)
+    outliers = [outlier.counted_in(measurement) for outlier in found]
     progress("looking how near any material comes")
     floor = material_floor(search.base, rng)
     naming = _naming_search(search, floor, library, rng, progress)

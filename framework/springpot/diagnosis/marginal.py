@@ -149,7 +149,7 @@ def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
     between = between[np.linspace(0, len(between) - 1, min(len(between), EVIDENCE.most_steps)).round().astype(int)]
     drops = _each_alone(frame, (log_omega > between[:, None]).astype(np.complex128))
     hertz = float(np.exp(between[int(np.argmax(drops))])) / (2.0 * np.pi)
-    yield Unknown(f"a gain that steps at {hertz:.3g} Hz", drops, 1)
+    yield Unknown(f"a gain that steps at {frame.measurement.units.at(hertz)}", drops, 1)
 
 
 def _explained(frame: Frame, basis: Real) -> Real:

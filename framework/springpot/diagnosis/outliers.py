@@ -35,20 +35,54 @@ class Outlier:
         By how many standard deviations it is off.
     relative : complex
         By how much it is off, over |K|.
+    at : str
+        Where it is in words: frequency, and temperature and amplitude where these vary.
+    stiffness : complex
+        What was measured there.
+    magnitude : str
+        What the size of K is called.
+    row : int or None
+        Number of its row as ``--exclude row=3`` counts; None where the data were thinned.
     """
 
     frequency: float
     size: float
     relative: complex
+    at: str
+    stiffness: complex
+    magnitude: str = "|K|"
+    row: int | None = None
 
     @property
     def place(self) -> Where:
         """As a place at which the model fails."""
-        says = f"a single point at {self.frequency:.3g} Hz stands out by {plain(self.size, 2)} sd"
+        says = f"a single point at {self._located} stands out by {plain(self.size, 2)} sd"
         return Where("stiffness", "single point", self.frequency, self.frequency, abs(self.relative), says)
 
+    @property
+    def _located(self) -> str:
+        return self.at if self.row is None else f"{self.at}, row {self.row},"
+
     def __str__(self) -> str:
-        return f"{self.frequency:.3g} Hz ({100 * abs(self.relative):.2g} % of |K|, {plain(self.size, 2)} sd)"
+        off = f"{100 * abs(self.relative):.2g} % of {self.magnitude}, {plain(self.size, 2)} sd"
+        return f"{self._located.rstrip(',')} ({off})"
+
+    def counted_in(self, measurement: Measurement) -> Outlier:
+        """The same with its row in the whole measurement, of which the data of a fit may be a part."""
+        same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
+        rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
+        return replace(self, row=int(rows[0]) + 1) if len(rows) else self
+
+
+def point_in_words(measurement: Measurement, row: int) -> str:
+    """Where a point was measured: ``50 Hz`` or, where conditions vary, ``50 Hz, 20 degC, 0.5 mm``."""
+    units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
+    said = [measurement.units.at(float(measurement.frequency[row]))]
+    for name, unit in units.items():
+        column = measurement.conditions.get(name)
+        if column is not None and len(np.unique(measurement.levels(name))) > 1:
+            said.append(f"{column[row]:.3g} {unit}".removesuffix(" -"))
+    return ", ".join(said)
 
 
 def outlying(frame: Frame) -> NDArray[np.int64]:
@@ -136,6 +170,9 @@ def described(frame: Frame, rows: NDArray[np.int64]) -> list[Outlier]:
             float(frame.measurement.frequency[row]),
             float(size[row]),
             complex(off[row] / frame.measurement.magnitude[row]),
+            point_in_words(frame.measurement, int(row)),
+            complex(frame.measurement.stiffness[row]),
+            frame.measurement.units.magnitude,
         )
         for row in rows
     ]

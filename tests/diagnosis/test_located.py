@@ -1,0 +1,36 @@
+"""A point that stands out is told where it was measured, in its file's words, and by the row that leaves it out."""
+
+import numpy as np
+import pytest
+
+from springpot import Measurement, Units
+from springpot.diagnosis.outliers import Outlier, point_in_words
+
+OMEGA = np.array([1.0, 10.0, 100.0, 1.0, 10.0, 100.0])
+MODULUS = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) * (1.0 + 0.5j)
+GEL = Units("Pa", "%", clock="rad/s", letter="G")
+
+
+@pytest.mark.parametrize(
+    ("conditions", "words"),
+    [
+        ({}, "10 rad/s"),
+        ({"temperature": [20.0] * 6}, "10 rad/s"),
+        ({"temperature": [20.0] * 3 + [40.0] * 3}, "10 rad/s, 40 degC"),
+        ({"amplitude": [0.1] * 3 + [2.0] * 3}, "10 rad/s, 2 %"),
+        ({"temperature": [20.0] * 3 + [40.0] * 3, "amplitude": [0.1] * 3 + [2.0] * 3}, "10 rad/s, 40 degC, 2 %"),
+    ],
+)
+def test_a_point_is_told_by_frequency_and_by_what_varies(conditions, words):
+    data = Measurement(OMEGA, MODULUS, conditions={k: np.array(v) for k, v in conditions.items()}, units=GEL)
+    assert point_in_words(data, 4) == words
+
+
+def test_its_row_is_that_of_the_whole_measurement_and_leaves_it_out():
+    data = Measurement(OMEGA, MODULUS, units=GEL)
+    point = Outlier(OMEGA[4] / (2 * np.pi), 12.0, 0.08 + 0j, "10 rad/s", complex(MODULUS[4]), "|G*|")
+    told = point.counted_in(data)
+    assert str(told) == "10 rad/s, row 5 (8 % of |G*|, 12 sd)"
+    assert told.place.says == "a single point at 10 rad/s, row 5, stands out by 12 sd"
+    assert MODULUS[4] not in data.excluding(row=told.row).stiffness
+    assert "row" not in str(point.counted_in(Measurement(OMEGA, MODULUS * 2, units=GEL)))
