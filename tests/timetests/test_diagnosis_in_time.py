@@ -61,3 +61,37 @@ def test_what_no_effect_explains_is_called_unexplained():
     assert found.verdict in ("unexplained", "effect-missing")
     assert found.verdict == "unexplained"
     assert any("missed most from 10" in place.says for place in found.where)
+
+
+def no_evidence_is_called_absent(found):
+    for each in found.candidates:
+        assert each.verdict != "absent" or each.delta_bic < 6.0, each
+
+
+def test_of_two_missing_effects_neither_is_called_absent_nor_one_of_them_all():
+    model = MODEL + "friction" + "inertia"
+    force = model.respond(np.append(TRUE, [12.0, 30.0]), T, X)
+    noise = 0.002 * np.abs(force).max() * np.random.default_rng(1).normal(size=len(T))
+    found = diagnose(TimeTest.of_history(T, X, force + noise, "mm", "N"), MODEL, library())
+    assert found.verdict == "unexplained"
+    said = {each.effect: each.verdict for each in found.candidates}
+    assert said["friction"] == said["inertia"] == "cannot-tell"
+    assert "missing" not in said.values()
+    no_evidence_is_called_absent(found)
+
+
+def test_a_drift_in_a_relaxation_leaves_no_rival_absent_and_makes_no_fit_worse_than_none():
+    t = np.geomspace(0.01, 100.0, 80)
+    model = parse_model("fractional-maxwell")
+    exact = model.relaxation(model.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.5 * t
+    test = TimeTest.of_relaxation(t, exact + 0.3 * np.random.default_rng(3).normal(size=len(t)), "kPa")
+    names = ("force-drift", "finite-ramp")
+    effects = [each for each in plugins().items("time effect") if each.name in names]
+    found = diagnose(test, model, [*effects, plugins().effect("parallel-spring")])
+    assert found.missing == ("force-drift",)
+    assert {each.effect: each.verdict for each in found.candidates}["parallel-spring"] == "cannot-tell"
+    no_evidence_is_called_absent(found)
+    # A ramp that took no time changes nothing: it costs its parameter, and no more.
+    ramp = next(each for each in found.candidates if each.effect == "finite-ramp")
+    assert ramp.delta_bic > -2.0 * np.log(len(t))
+    assert ramp.over_floor <= 1.001 * found.error.over_floor

@@ -11,7 +11,7 @@ import numpy as np
 from springpot.measurement import TimeEffect
 from springpot.rheology import Effect
 
-from .judging import Left
+from .judging import PLAINLY, Left
 from .parts import InTimePart, Part
 from .result import TimeIdentification
 from .scatter import Scatter
@@ -89,7 +89,8 @@ class TimeCandidate:
     parameters : dict
         Those of the effect, as printed.
     verdict : str
-        ``missing``, ``cannot-tell`` or ``absent``.
+        ``missing``: it brings the error to the noise, and no other effect does; ``absent``: nothing speaks for it;
+        ``cannot-tell``: anything else, also because a rival explains more.
     says : str
         Its physics.
     physics : Effect or TimeEffect
@@ -160,7 +161,8 @@ class TimeDiagnosis:
     @property
     def best(self) -> TimeCandidate | None:
         """The effect that should be added, if any: the first that is missing, or that helps most beyond doubt."""
-        return next((each for each in self.candidates if each.verdict in ("missing", "cannot-tell")), None)
+        lead = self.candidates[:1]
+        return lead[0] if lead and lead[0].delta_bic > PLAINLY else None
 
     @property
     def missing(self) -> tuple[str, ...]:

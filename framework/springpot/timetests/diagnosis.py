@@ -162,10 +162,18 @@ def _judged(
         tried = _of_material(given, parts, base, leading, known)
     else:
         tried = _exactly(given, parts, base, _nearly(base, quick, leading, before), before, known)
+    tried = [_no_worse(each, before) for each in tried]
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
     return _answer(parts, base, before, sorted(judged, key=lambda each: -each.delta), noise, promises)
+
+
+def _no_worse(each: Tried, before: Left) -> Tried:
+    """An effect whose fit went astray leaves what was left without it: at some size it is absent."""
+    if _power(each.left) <= _power(before):
+        return each
+    return replace(each, left=replace(before, count=each.left.count), fit=None)
 
 
 def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
@@ -287,9 +295,13 @@ def _grown(theta: Real, base: TimeIdentification, promise: Promise, model: Model
 
 def _plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
-    power = sum(float(np.sum(value**2)) for value in left.residuals)
     points = sum(len(value) for value in left.residuals)
-    return float(points * np.log(max(power, 1e-300) / points) + left.count * np.log(points))
+    return float(points * np.log(max(_power(left), 1e-300) / points) + left.count * np.log(points))
+
+
+def _power(left: Left) -> float:
+    """Sum of squares of all that is left."""
+    return sum(float(np.sum(value**2)) for value in left.residuals)
 
 
 def _noise(before: Left, best: Left) -> list[Scatter]:
@@ -312,10 +324,10 @@ def _answer(
     verdict = "effect-missing" if found and not rest else "unexplained" if rest else "adequate"
     if verdict == "adequate" and tried and tried[0].delta > HINT:
         verdict = "inconclusive"
-    chances = _chances(tried)
+    alone = len(alike) == 1 and verdict == "effect-missing"
     candidates = tuple(
-        _candidate(each, chance, alike, noise, first=each is tried[0])
-        for each, chance in zip(tried, chances, strict=True)
+        _candidate(each, chance, alike, noise, "missing" if alone and each is tried[0] else _open(each, alike))
+        for each, chance in zip(tried, _chances(tried), strict=True)
     )
     error = TimeError.of(parts, before, noise)
     located = [
@@ -379,11 +391,19 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
     return [float(weight) for weight in weights[1:] / weights.sum()]
 
 
+def _open(each: Tried, alike: Sequence[str]) -> str:
+    """Of an effect that is not plainly missing: absent only where nothing speaks for it.
+
+    One that helps, and less than a rival, may be there beside the rival, or only resemble it: that is told when the
+    rival has been accepted.
+    """
+    return "cannot-tell" if each.effect.name in alike or each.delta > HINT else "absent"
+
+
 def _candidate(
-    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], *, first: bool
+    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], verdict: str
 ) -> TimeCandidate:
     name = each.effect.name
-    verdict = "absent" if name not in alike else "missing" if first and len(alike) == 1 else "cannot-tell"
     known = {} if each.fit is None else each.fit.parameters
     parameters = {own: entry for own, entry in known.items() if own.rpartition(".")[0].split("#")[0] == name}
     others = tuple(other for other in alike if other != name) if name in alike else ()
