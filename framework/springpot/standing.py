@@ -10,9 +10,6 @@ from springpot.identification import Identification, Standing
 
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
-BELIEVED = 0.1
-"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
-rigs and rheometers repeat a stiffness within a few per cent."""
 
 
 def standing_of(found: Identification) -> Standing | None:
@@ -30,8 +27,5 @@ def standing_of(found: Identification) -> Standing | None:
     except DataError:
         # Rows that repeat a point are one point to a comparison: where too few are left, it refuses what was fitted.
         return None
-    error, says = judged.error, judged.says
-    good = not (judged.fails or judged.unclear)
-    if good and error.noise_source == "estimated" and error.relative_rms > BELIEVED:
-        good, says = False, f"{says}, but noise of {100 * error.noise_floor:.2g} % is no good measurement: repeat it"
-    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)
+    error, good = judged.error, not (judged.fails or judged.unclear)
+    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, judged.says)

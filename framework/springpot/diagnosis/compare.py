@@ -97,15 +97,21 @@ class Judgement:
 
     @property
     def unclear(self) -> bool:
-        """Whether it is far from the noise, and no test says how."""
-        return not self.fails and self.error.relative_rms > VERDICT.small_rest * self.error.noise_floor
+        """Whether it is far from the noise, and no test says how; or the noise is larger than one may believe."""
+        return not self.fails and (self._is_far or self.error.is_hardly_noise)
+
+    @property
+    def _is_far(self) -> bool:
+        return self.error.relative_rms > VERDICT.small_rest * self.error.noise_floor
 
     @property
     def says(self) -> str:
         """The judgement in one sentence."""
         ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
-        if self.unclear:
+        if self.unclear and self._is_far:
             return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
+        if self.unclear:
+            return f"{ratio}; nothing is left but noise, but {self.error.advice}"
         if not self.fails:
             return f"{ratio}; nothing is left but noise"
         if not self.where:

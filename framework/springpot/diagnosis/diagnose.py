@@ -172,6 +172,9 @@ def examine(
     progress("weighing what was found")
     evidence = Evidence.of(naming, confounded(naming, library))
     verdict = rule_for(facts_of(evidence, outliers, naming is not search)).verdict
+    if verdict == "adequate" and error_of(search.base, floor).is_hardly_noise:
+        # Nothing is adequate beside an error of 40 %, whatever the scatter looks like.
+        verdict = "inconclusive"
     if verdict == "effect-missing":
         evidence = evidence.without_unknown()
     elif verdict == "unexplained":
@@ -222,15 +225,20 @@ def _answer(
         says = f"{says}{BESIDE_MATERIAL[verdict]}"
     if unexplained_harmonics(naming, verdict):
         says = f"{says}{HARMONICS}"
+    error = error_of(search.base, floor)
+    doubted = verdict == "inconclusive" and error.is_hardly_noise
     if verdict != "adequate":
-        split = split_in_words(search.base, floor, VERDICT.structure_alarm)
+        # Beside such noise nothing is known to be missing that could be split.
+        split = "" if doubted else split_in_words(search.base, floor, VERDICT.structure_alarm)
         classes = evidence.classes
         experiment = _next_experiment(evidence)
     told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]
+    if doubted:
+        told.insert(0, error.advice)
     return Diagnosis(
         data=search.base.data.raw.name,
         model=search.base.model,
-        error=error_of(search.base, floor),
+        error=error,
         verdict=verdict,
         says=says,
         split=split,

@@ -22,6 +22,11 @@ Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 
 
+BELIEVED = 0.1
+"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
+rigs and rheometers repeat a stiffness within a few per cent."""
+
+
 @dataclass(frozen=True)
 class Error:
     """Error of the model against the noise floor and the material floor, all relative to |K|.
@@ -48,6 +53,16 @@ class Error:
     doubt: str = ""
     material_floor: float = 0.0
     material_chance: float = 1.0
+
+    @property
+    def is_hardly_noise(self) -> bool:
+        """Whether so large an error, which only the scatter about models calls noise, is hard to believe as noise."""
+        return self.noise_source == "estimated" and self.relative_rms > BELIEVED
+
+    @property
+    def advice(self) -> str:
+        """What to do about noise that is hard to believe."""
+        return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"
 
 
 @dataclass(frozen=True)
