@@ -118,7 +118,7 @@ def identify(
         data,
         judged,
         optimiser=_optimiser(optimiser),
-        objective=plugins().find("objective", objective) if isinstance(objective, str) else objective,
+        objective=_objective(objective),
         budget=budget,
         restarts=restarts,
         seed=seed,
@@ -314,15 +314,17 @@ def mastercurve(
     [1.63, 1.27, 1.0, 0.8, 0.66, 0.54]
     """
     at = level_of(reference, column) if isinstance(reference, str) else reference
-    how = plugins().find("objective", objective) if isinstance(objective, str) else objective
+    how = _objective(objective)
     return mastercurve_of(_measurement(measurement), column=column, reference=at, vertical=vertical, objective=how)
 
 
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places."""
     found = {effect.name: effect for effect in plugins().items("effect")}
-    own = [_effect(effect, ()) for effect in (() if effects is None else _listed(effects))]
-    return list((found | {effect.name: effect for effect in own}).values())
+    if effects is not None:
+        for own in [_effect(effect, ()) for effect in _listed(effects)]:
+            found[own.name] = own
+    return list(found.values())
 
 
 def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
@@ -381,6 +383,13 @@ def _judged(model: Model | str | None) -> Model:
 def _shown(thing: object) -> str:
     """Something that was given in place of something else, in few characters."""
     return f"{' '.join(repr(thing).split()):.40} ({type(thing).__name__})"
+
+
+def _objective(objective: Objective | str | None) -> Objective | None:
+    if not isinstance(objective, str):
+        return objective
+    found: Objective = plugins().find("objective", objective)
+    return found
 
 
 def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:

@@ -239,6 +239,8 @@ def _objective(name: str, kept: dict[str, Any]) -> Objective:
 
 def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
     advice = answer["next_experiment"]
+    if advice is not None:
+        advice = NextExperiment(**{**advice, "separates": tuple(advice["separates"])})
     return Diagnosis(
         data=answer["data"],
         model=parse_model(answer["model"]),
@@ -249,9 +251,7 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         where=tuple(_where(row) for row in answer["where"]),
         candidates=tuple(_candidate(row) for row in answer["candidates"]),
         classes=tuple(tuple(names) for names in answer["classes"]),
-        next_experiment=None
-        if advice is None
-        else NextExperiment(**{**advice, "separates": tuple(advice["separates"])}),
+        next_experiment=advice,
         notes=tuple(answer["notes"]),
         evidence=answer["evidence"],
         parameters=_values(answer.get("parameters", {})),  # older files have none
@@ -267,32 +267,37 @@ def _where(row: dict[str, Any]) -> Where:
 
 
 def _candidate(row: dict[str, Any]) -> Candidate:
+    # What could not be computed was infinite, for which JSON has no word: no evidence at all, no bound at all.
+    delta_bic = -inf if row["delta_bic"] is None else row["delta_bic"]
+    bound = inf if row["bound"] is None else row["bound"]
     return Candidate(
         physics=plugins().effect(row["effect"]),
         alike=tuple(row["class"]),
         probability=row["probability"],
-        delta_bic=-inf if row["delta_bic"] is None else row["delta_bic"],
+        delta_bic=delta_bic,
         score=_number(row["score"]),
         verdict=row["verdict"],
         predicted_error=_number(row["predicted_error"]),
         error_after=_number(row["error_after"]),
-        bound=inf if row["bound"] is None else row["bound"],
+        bound=bound,
         parameters=_values(row["parameters"]),
         says=row["says"],
     )
 
 
 def _values(rows: dict[str, dict[str, Any]]) -> dict[str, Value]:
-    """Parameters; an interval without an end is infinite there."""
-    return {
-        name: Value(
-            _number(row["value"]),
-            -inf if row["low"] is None else row["low"],
-            inf if row["high"] is None else row["high"],
-            row["unit"],
-        )
-        for name, row in rows.items()
-    }
+    """Parameters by name."""
+    return {name: _value(row) for name, row in rows.items()}
+
+
+def _value(row: dict[str, Any]) -> Value:
+    """A parameter; an interval without an end is infinite there."""
+    low, high = row["low"], row["high"]
+    if low is None:
+        low = -inf
+    if high is None:
+        high = inf
+    return Value(_number(row["value"]), low, high, row["unit"])
 
 
 def _number(value: float | None) -> float:

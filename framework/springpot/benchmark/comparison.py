@@ -109,16 +109,21 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     first, labels = alike[0], race.labels
     success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
     assert success is not None
+    # Where no run reached a finite value there is nothing to choose by.
+    best_name = labels[first] if np.isfinite(reached).any() else None
+    next_name = advantage = None
+    if worse:
+        next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
     return Choice(
         race,
         budget,
-        labels[first] if np.isfinite(reached).any() else None,
+        best_name,
         success,
         float(times[first]),
         float(bands(race.values[first, :, mark], (0.5,))[0]),
         tuple(labels[i] for i in alike[1:]),
-        labels[worse[0]] if worse else None,
-        a12(reached[first], reached[worse[0]]) if worse else None,
+        next_name,
+        advantage,
         2.0 / comb(2 * hits.shape[1], hits.shape[1]) * max(len(others), 1) <= LEVEL,
     )
 

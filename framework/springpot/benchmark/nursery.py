@@ -45,15 +45,16 @@ class Nursery:
     def __init__(self, parcel: Parcel) -> None:
         if os.environ.get(INSIDE):
             raise StudyError("a study that is started by its own script needs: if __name__ == '__main__': around it")
+        # What an optimiser prints is no part of the command's own output.
+        printed, complaints = (subprocess.DEVNULL, subprocess.DEVNULL) if parcel.quiet else (2, None)
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, *_flags(), "-c", _program(theirs.fileno())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
-                # What an optimiser prints is no part of the command's own output.
-                stdout=subprocess.DEVNULL if parcel.quiet else 2,
-                stderr=subprocess.DEVNULL if parcel.quiet else None,
+                stdout=printed,
+                stderr=complaints,
                 env=os.environ | dict.fromkeys(THREADS, "1") | {INSIDE: "1"},
                 start_new_session=True,
             )

@@ -69,7 +69,9 @@ def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accura
         stream_of(0, "bootstrap", problem.dataset, problem.model, problem.objective, cell.label)
     )
     errors = [trial.parameter_error for trial in sound if trial.parameter_error is not None]
-    within = sum(error <= accuracy for error in errors)
+    accurate = None
+    if problem.known is not None:  # without true parameters nothing can be said of those that were found
+        accurate = wilson(sum(error <= accuracy for error in errors), len(trials))
     return CellSummary(
         cell,
         trials=len(trials),
@@ -77,7 +79,7 @@ def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accura
         success=wilson(int(np.isfinite(hits).sum()), len(hits)),
         to_target=median(hits),
         running_time=running_time_interval(hits, spent, rng),
-        accurate=None if problem.known is None else wilson(within, len(trials)),
+        accurate=accurate,
         parameter_error=_median(errors),
         best=_median([trial.best for trial in sound]),
         oracle=_median([trial.oracle for trial in sound]),

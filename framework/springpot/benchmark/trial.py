@@ -214,13 +214,14 @@ class Bench:
         """What a search point (d,) is worth, the order kinf > k0 restored."""
         x = self.problem.space.repaired(point)
         theta = np.asarray(self.problem.space.theta(x), dtype=float)
+        error = oracle = None
         with np.errstate(all="ignore"):
-            return Judged(
-                float(self.problem.evaluate(point)),
-                dict(zip(self.problem.model.names, theta.tolist(), strict=True)),
-                None if self.truth is None else relative_error(theta, self.truth),
-                None if self.clean is None else float(self.clean.evaluate(x)),
-            )
+            value = float(self.problem.evaluate(point))
+            if self.truth is not None:
+                error = relative_error(theta, self.truth)
+            if self.clean is not None:
+                oracle = float(self.clean.evaluate(x))
+        return Judged(value, dict(zip(self.problem.model.names, theta.tolist(), strict=True)), error, oracle)
 
     def judge(self, cell: int, repetition: int, done: Run) -> TrialResult:
         """What is kept of a run."""

@@ -170,8 +170,16 @@ def again_with(
 ) -> list[str]:
     """The command that makes the same report again."""
     again = ["springpot", "discover", data]
-    again += [] if model is None else ["--model", model]
-    again += ["--auto"] if auto else [part for name in accept for part in ("--accept", name)]
-    again += [part for name in ("fix", "bounds", "exclude") for text in options[name] for part in (f"--{name}", text)]
+    if model is not None:
+        again += ["--model", model]
+    if auto:
+        again.append("--auto")
+    for name in accept:  # empty with --auto
+        again += ["--accept", name]
+    for name in ("fix", "bounds", "exclude"):
+        for text in options[name]:
+            again += [f"--{name}", text]
     again += ["--seed", str(seed or 0)]
-    return again + ([] if geometry is None else ["--geometry", geometry])
+    if geometry is not None:
+        again += ["--geometry", geometry]
+    return again

@@ -52,20 +52,21 @@ def command(
 
 def described(measured: Measurement, files: tuple[str, ...], output: Path | None) -> dict[str, Any]:
     """The measurement row by row, schema ``springpot.signals/1``."""
-    amplitude = measured.conditions.get("amplitude")
-    rows = []
-    for i in range(len(measured)):
-        rows.append(
-            {
-                "file": str(measured.labels["file"][i]),
-                "frequency": float(measured.frequency[i]),
-                "storage": float(measured.storage[i]),
-                "loss": float(measured.loss[i]),
-                "storage_sd": None if measured.sd is None else float(measured.sd[i].real),
-                "loss_sd": None if measured.sd is None else float(measured.sd[i].imag),
-                "amplitude": None if amplitude is None else float(amplitude[i]),
-            }
-        )
+    nothing = [None] * len(measured)
+    columns = {
+        "file": [str(name) for name in measured.labels["file"]],
+        "frequency": measured.frequency.tolist(),
+        "storage": measured.storage.tolist(),
+        "loss": measured.loss.tolist(),
+        "storage_sd": nothing,
+        "loss_sd": nothing,
+        "amplitude": nothing,
+    }
+    if measured.sd is not None:
+        columns |= {"storage_sd": measured.sd.real.tolist(), "loss_sd": measured.sd.imag.tolist()}
+    if "amplitude" in measured.conditions:
+        columns["amplitude"] = measured.conditions["amplitude"].tolist()
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     units = {"frequency": "Hz", "stiffness": measured.units.stiffness, "amplitude": measured.units.amplitude}
     return {
         "schema": "springpot.signals/1",
@@ -91,9 +92,9 @@ def _show(result: dict[str, Any]) -> None:
         "loss_sd",
     )
     keys = ("frequency", "amplitude", "storage", "storage_sd", "loss", "loss_sd")
-    rows = [
-        [*(number(row[key], 2 if key.endswith("sd") else 5) for key in keys), row["file"]] for row in result["rows"]
-    ]
+    # Of a deviation two digits mean something.
+    digits = {"storage_sd": 2, "loss_sd": 2}
+    rows = [[*(number(row[key], digits.get(key, 5)) for key in keys), row["file"]] for row in result["rows"]]
     Table((*headers, "file"), rows, frozenset(headers)).show()
     for key, value in result["provenance"].items():
         if "note" in key:

@@ -50,17 +50,21 @@ def _bounds(model: Model) -> dict[str, list[float | None]]:
 
 def measurement_to_dict(data: Measurement) -> dict[str, Any]:
     """A measurement as plain data."""
-    sd = data.sd
+    columns = {"storage_sd": None, "loss_sd": None, "repeat": None}
+    if data.sd is not None:
+        columns |= {"storage_sd": data.sd.real.tolist(), "loss_sd": data.sd.imag.tolist()}
+    if data.repeat is not None:
+        columns |= {"repeat": data.repeat.tolist()}
     return {
         "name": data.name,
         "units": asdict(data.units),
         "omega": data.omega.tolist(),
         "storage": data.storage.tolist(),
         "loss": data.loss.tolist(),
-        "storage_sd": None if sd is None else sd.real.tolist(),
-        "loss_sd": None if sd is None else sd.imag.tolist(),
+        "storage_sd": columns["storage_sd"],
+        "loss_sd": columns["loss_sd"],
         "conditions": {name: _finite(column) for name, column in data.conditions.items()},
-        "repeat": None if data.repeat is None else data.repeat.tolist(),
+        "repeat": columns["repeat"],
         "reference": data.reference,
     }
 
@@ -110,6 +114,7 @@ def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float
 
 def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:
     """What is known of a fit, and the ends of its intervals, from what was kept."""
+    # JSON has no word for infinity: an interval without an end was kept as null.
     low = np.array([-np.inf if end is None else end for end in kept["low"]])
     high = np.array([np.inf if end is None else end for end in kept["high"]])
     return Uncertainty(fit, bool(kept["absolute"])), low, high
@@ -117,4 +122,8 @@ def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, R
 
 def _ends(pair: list[float | None]) -> tuple[float, float]:
     low, high = pair
-    return -np.inf if low is None else low, np.inf if high is None else high
+    if low is None:
+        low = -np.inf
+    if high is None:
+        high = np.inf
+    return low, high

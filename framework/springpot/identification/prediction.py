@@ -175,7 +175,7 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
         elif float(np.ptp(measured)) <= _held(name, measured):
             own[name] = np.array([float(np.mean(measured))])
         else:
-            unit = "degC" if name == "temperature" else data.units.amplitude if name == "amplitude" else "-"
+            unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
             span = f"{measured.min():.4g} to {measured.max():.4g} [{unit}]"
             raise DataError(f"{model.name} depends on {name}, which was {span}: say {name}=...")
     return own

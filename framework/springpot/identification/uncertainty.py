@@ -251,7 +251,12 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     step = _first_step(known, i, path.coordinates)
     low, high = (path.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
     lower, upper = (float(bound[i]) for bound in _bounds(fit))
-    return lower if low is None else max(low, lower), upper if high is None else min(high, upper)
+    # Where the objective never rises that far, the interval ends at the bound of the parameter.
+    if low is not None:
+        lower = max(low, lower)
+    if high is not None:
+        upper = min(high, upper)
+    return lower, upper
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:

@@ -77,7 +77,9 @@ class DataSet:
     @property
     def where(self) -> str:
         """In one word: ``here``, ``download``, or ``missing``."""
-        return "missing" if self.unavailable else "download" if self.remote else "here"
+        if self.unavailable:
+            return "missing"
+        return "download" if self.remote else "here"
 
     def open(self) -> Measurement:
         """The measurement.

@@ -129,9 +129,10 @@ class Measurement(Rows):
 
     def _array(self, name: str, values: ArrayLike, dtype: np.dtype[Any]) -> NDArray[Any]:
         """A column as an array of its kind; the same object where it is one."""
+        allowed = {"c": "biufc", "f": "biuf", "i": "biuf"}
         try:
             given = np.asarray(values)
-            if dtype.kind != "U" and given.dtype.kind not in ("biufc" if dtype.kind == "c" else "biuf"):
+            if dtype.kind in allowed and given.dtype.kind not in allowed[dtype.kind]:
                 raise ValueError
             # Not a number, and numbers that are too large, are no whole ones and warn when they are made so.
             if dtype.kind == "i" and given.dtype.kind == "f" and not np.all(np.abs(given) < 2.0**63):
@@ -227,19 +228,19 @@ class Measurement(Rows):
         With a `name` they are data of their own. Without one they stay part of these: parameters that refer to the
         reference temperature mean the same for both.
         """
-        keeps = name is None and "temperature" in self.conditions
-        return replace(
-            self,
-            omega=self.omega[rows],
-            stiffness=self.stiffness[rows],
-            sd=None if self.sd is None else self.sd[rows],
-            conditions={key: column[rows] for key, column in self.conditions.items()},
-            labels={key: column[rows] for key, column in self.labels.items()},
-            repeat=None if self.repeat is None else self.repeat[rows],
-            harmonics=None if self.harmonics is None else self.harmonics[rows],
-            name=self.name if name is None else name,
-            reference=self.reference_temperature if keeps else None,
-        )
+        chosen: dict[str, Any] = {"reference": None}
+        for column in _DTYPES:
+            values = getattr(self, column)
+            if values is not None:
+                chosen[column] = values[rows]
+        for mapping in ("conditions", "labels"):
+            chosen[mapping] = {key: column[rows] for key, column in getattr(self, mapping).items()}
+        if name is not None:
+            chosen["name"] = name
+        elif "temperature" in self.conditions:
+            # The rows that are left would have another median, and shift factors another place where they are one.
+            chosen["reference"] = self.reference_temperature
+        return replace(self, **chosen)
 
     def excluding(self, **unwanted: float | str) -> Measurement:
         """The data without some rows.
@@ -358,8 +359,10 @@ def misspelt(condition: str) -> str:
     if condition in CONDITIONS or not condition.isalpha():  # temperature_2 is no slip
         return ""
     near = get_close_matches(condition.lower().rstrip("s"), CONDITIONS, n=1, cutoff=NEARLY)
+    if not near:
+        return ""
     known = " and ".join(CONDITIONS)
-    return f"is nearly '{near[0]}': models know {known}; write that, or a plainly different name" if near else ""
+    return f"is nearly '{near[0]}': models know {known}; write that, or a plainly different name"
 
 
 def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:

@@ -418,12 +418,13 @@ def _measurement(
     relative = np.full((len(rows), width), complex(np.nan, np.nan))
     for i, row in enumerate(rows):
         relative[i, : len(row.force) - 1] = row.relative
+    harmonics = relative if width else None  # with the first alone there are no higher ones
     return Measurement(
         omega=np.array([row.omega for row in rows]),
         stiffness=factor * np.array([row.stiffness for row in rows], dtype=np.complex128),
         sd=factor * np.array([row.sd for row in rows], dtype=np.complex128),
         conditions={"amplitude": np.array([row.amplitude for row in rows])},
-        harmonics=relative if width else None,
+        harmonics=harmonics,
         units=Units(unit, units[0]),
         name=name,
         provenance={"method": "least squares of harmonics, eq. (36)-(43)", **provenance},

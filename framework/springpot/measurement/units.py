@@ -255,8 +255,9 @@ class Units:
         powers = (dimension.stiffness, dimension.time, dimension.amplitude)
         stiff = MODULUS_UNITS[self.stiffness]
         if powers == (1, 2, 0):
-            label = "kg/m" if self.is_modulus else "kg m^2/rad^2" if self.stiffness in TORSION_UNITS else "kg"
-            return stiff, label
+            if self.is_modulus:
+                return stiff, "kg/m"
+            return stiff, "kg m^2/rad^2" if self.stiffness in TORSION_UNITS else "kg"
         if powers == (1, 0, 1) and not self.is_modulus and self.amplitude in LENGTH_UNITS:
             return stiff * LENGTH_UNITS[self.amplitude], "N"
         if powers == (1, 0, 1) and self.is_modulus and self.amplitude in STRAIN_UNITS:
@@ -277,7 +278,9 @@ class Units:
 
 
 def _power(unit: str, power: int) -> str:
-    return "" if power == 0 else unit if power == 1 else f"{unit}^{power}"
+    if power == 0:
+        return ""
+    return unit if power == 1 else f"{unit}^{power}"
 
 
 def _with_time(unit: str, time: float | str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Ladder, Step, Value
+from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Judgement, Ladder, Step, Value
 from springpot.diagnosis.words import plain
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement, Units
@@ -52,19 +52,23 @@ def diagnosis_text(
         Everything that was found, not only what leads.
     """
     held = _held(diagnosis, measurement)
-    notes, most = diagnosis.notes, len(diagnosis.notes)
-    if not verbose:
-        most = NOTES
+    notes = diagnosis.notes
+    most, places = NOTES, PLACES
+    if verbose:
+        most, places = len(notes), len(diagnosis.where)
+    absent = ""
+    if verbose or diagnosis.verdict == "adequate":
+        absent = _absent(diagnosis)
     fitted, refers = _fitted(diagnosis), ""
     if fitted and measurement is not None:
         refers = reference_note(measurement, [diagnosis.model.network])
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{held}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
-        where_text(diagnosis, len(diagnosis.where) if verbose else PLACES),
+        where_text(diagnosis, places),
         "\n".join(filter(None, (fitted, refers))),
         ranking_text(diagnosis, None if refers else measurement, width, verbose),
-        _absent(diagnosis) if verbose or diagnosis.verdict == "adequate" else "",
+        absent,
         _next(diagnosis),
         "\n".join(f"note: {note}" for note in notes[:most]),
         _more(diagnosis, verbose, len(notes) - most),
@@ -208,7 +212,11 @@ def _ranking(rows: list[Candidate], floor: float, brief: bool = False) -> Table:
 
 def probability(value: float) -> str:
     """Three digits, with no false nothing and no false certainty."""
-    return "<0.001" if value < 1e-3 else ">0.999" if value > 0.999 else f"{value:.3f}"
+    if value < 1e-3:
+        return "<0.001"
+    if value > 0.999:
+        return ">0.999"
+    return f"{value:.3f}"
 
 
 def value_text(value: Value, brief: bool = False) -> str:
@@ -263,19 +271,26 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
 def _steps(ladder: Ladder, brief: bool = False) -> Table:
     """A row for each step; `brief` names what was accepted in place of the whole model."""
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
-    rows = [
-        (
+    rows = []
+    for i, step in enumerate(ladder.steps):
+        name = accepted_name(step) if brief and step.accepted else step.model.name
+        floor = step.noise_floor
+        row = (
             str(i),
-            accepted_name(step) if brief and step.accepted else step.model.name,
-            beside_floor(step.predicted_error, step.noise_floor),
+            name,
+            beside_floor(step.predicted_error, floor),
             percent(step.relative_rms, 3),
-            number(step.relative_rms / step.noise_floor, 2) if step.noise_floor > 0 else "-",
-            percent(step.noise_floor, 2),
+            over_floor(step.relative_rms, floor, 2),
+            percent(floor, 2),
             percent(step.material_floor, 2),
         )
-        for i, step in enumerate(ladder.steps)
-    ]
+        rows.append(row)
     return Table(headers, rows, frozenset(headers[2:]))
+
+
+def over_floor(error: float, floor: float, digits: int) -> str:
+    """An error in noise floors; a dash where exact data have none."""
+    return number(error / floor, digits) if floor > 0 else "-"
 
 
 def floor_moved(ladder: Ladder) -> str:
@@ -353,7 +368,7 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
     rows = []
     for judged in comparison.judgements:
         error, dof = judged.error, judged.refit.fit.dof
-        ratio = number(error.relative_rms / error.noise_floor, 2) if error.noise_floor > 0 else "-"
+        ratio = over_floor(error.relative_rms, error.noise_floor, 2)
         floor, chi_square = percent(error.material_floor), number(judged.refit.rss / dof, 3)
         row = (percent(error.relative_rms), ratio, floor, chi_square, number(judged.delta_bic, 3))
         rows.append((judged.model.name, *row, str(len(judged.refit.theta))))
@@ -363,12 +378,18 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
         Table(headers, rows, frozenset(headers[1:])).without(("chi2/dof", "parameters", "delta BIC"), width).plain(),
     ]
     for judged in comparison.judgements:
-        state = "fails" if judged.fails else "is open" if judged.unclear else "holds"
-        lines = [f"{judged.model.name} {state}: {judged.says}", *_found(judged.findings)]
+        lines = [f"{judged.model.name} {_state(judged)}: {judged.says}", *_found(judged.findings)]
         parts.append("\n".join(lines))
     parts.append("\n".join(_found(comparison.harmonics)))
     parts.append("\n".join(f"note: {note}" for note in comparison.notes))
     return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+
+
+def _state(judged: Judgement) -> str:
+    """In a word whether a model stands its tests."""
+    if judged.fails:
+        return "fails"
+    return "is open" if judged.unclear else "holds"
 
 
 def _found(findings: tuple[Finding, ...]) -> list[str]:

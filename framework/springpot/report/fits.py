@@ -133,10 +133,13 @@ def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
         [each.effect, each.verdict, number(each.delta_bic, 3), number(each.over_floor, 2), _briefly(each.parameters)]
         for each in found.candidates
     ]
+    ranked = ""
+    if rows:
+        ranked = Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
     parts = [
         f"{found.base.model.name}: {found.verdict}\n{found.says}",
         "\n".join(f"where: {place.says}" for place in found.where),
-        Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain() if rows else "",
+        ranked,
         *(f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing),
         *(f"these tests cannot tell apart: {', '.join(names)}" for names in found.classes),
     ]
@@ -149,7 +152,11 @@ def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _measured(entry: dict[str, Any]) -> Value:
-    low, high = (-inf if entry["low"] is None else entry["low"], inf if entry["high"] is None else entry["high"])
+    low, high = entry["low"], entry["high"]
+    if low is None:
+        low = -inf
+    if high is None:
+        high = inf
     return Value(entry["value"], low, high, entry["unit"])
 
 

@@ -22,6 +22,7 @@ from .answers import (
     beside_floor,
     moves_text,
     nowhere,
+    over_floor,
     probability,
     times,
     value_text,
@@ -206,19 +207,19 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
     )
     picture = panel(lambda axes: draw_ladder(axes, ladder), caption, max(4.6, 0.8 * len(ladder.steps) + 1.4), 3.6)
     yield tag("div", picture, class_="alone")
-    rows = [
-        (
+    rows = []
+    for i, step in enumerate(ladder.steps):
+        row = (
             str(i),
             accepted_name(step) if step.accepted else "start",
             beside_floor(step.predicted_error, step.noise_floor, sign="×"),
             percent(step.relative_rms),
-            number(step.relative_rms / step.noise_floor, 3) if step.noise_floor > 0 else "-",
+            over_floor(step.relative_rms, step.noise_floor, 3),
             percent(step.noise_floor),
             percent(step.material_floor),
             moves_text(step) or "-",
         )
-        for i, step in enumerate(ladder.steps)
-    ]
+        rows.append(row)
     numbers = ("predicted error", "error", "× floor", "noise floor", "material floor")
     headers = ("step", "accepted", *numbers, "old parameters changed")
     yield tag("div", table(headers, rows, numbers), class_="scroll")

@@ -45,13 +45,17 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
     labels = [f"{name}: {_few(words, width)}" for name, words in result["labels"].items() if name != "step"]
     together = {sweep.get("step") for sweep in sweeps}
     others = [part for part in result["parts"] if part["name"] not in together]
+    given = "given" if result["standard_deviations"] else "not given"
+    # One sweep is told by its columns already.
+    sweeps_shown = sweeps_text(sweeps, result["parts"], units, width) if len(sweeps) > 1 else ""
+    others_shown = parts_text(others, width) if others else ""
     parts = [
         f"{result['data']}: {_counted(points, 'point')}, {_counted(len(sweeps), 'sweep')}",
         _columns(result, units),
         "\n".join(labels),
-        f"standard deviations: {'given' if result['standard_deviations'] else 'not given'}",
-        sweeps_text(sweeps, result["parts"], units, width) if len(sweeps) > 1 else "",
-        parts_text(others, width) if others else "",
+        f"standard deviations: {given}",
+        sweeps_shown,
+        others_shown,
         "\n".join(wrapped(_noted(key, value), width) for key, value in result["provenance"].items()),
         next_step(result, spec),  # a command that is broken cannot be copied
     ]

@@ -173,21 +173,23 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
 
 def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
     across, down = float(_across(x, np.array(dot.x))), float(_down(y, np.array(dot.y)))
-    hollow = dot.pen.dashes != "none"
+    inside = dot.pen.colour if dot.pen.dashes == "none" else "white"
+    radius, opacity = ("5", "1") if dot.large else ("2.5", "0.35")
     yield tag(
         "circle",
         tag("title", dot.label),
         cx=f"{across:.1f}",
         cy=f"{down:.1f}",
-        r="5" if dot.large else "2.5",
-        fill="white" if hollow else dot.pen.colour,
-        fill_opacity="1" if dot.large else "0.35",
+        r=radius,
+        fill=inside,
+        fill_opacity=opacity,
         stroke=dot.pen.colour,
-        stroke_opacity="1" if dot.large else "0.35",
+        stroke_opacity=opacity,
     )
     if dot.name:
-        left = across > 0.6 * WIDTH
-        yield _text(dot.name, across + (-8 if left else 8), down + 4, "end" if left else "start")
+        # In the right part of the frame a name stands to the left of its point, or it would leave the frame.
+        beside, anchor = (-8, "end") if across > 0.6 * WIDTH else (8, "start")
+        yield _text(dot.name, across + beside, down + 4, anchor)
 
 
 def key(labels: Sequence[str], pens: Sequence[Pen]) -> Html:

@@ -62,7 +62,8 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     """``springpot + inertia cannot be told from kelvin, maxwell (with the same effects)``."""
     first, *others = (one.model for one in group)
     same = [other for other in others if other.effects == first.effects]
-    names = [one.base if one in same else one.name for one in (*same, *(one for one in others if one not in same))]
+    # The effects that all share are told once, behind the names; other models are named in full, and last.
+    names = [one.base for one in same] + [one.name for one in others if one not in same]
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     beside = " with the same effects" if first.effects and same else ""
     return f"{first} cannot be told from {', '.join(names[:NAMED])}{more}{beside}"

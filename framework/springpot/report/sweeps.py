@@ -159,9 +159,12 @@ def _label(rows: Rows, told: list[tuple[str, Real]], unit: str) -> str:
 
 def _told(name: str, values: Real, unit: str) -> str:
     low, high = float(np.min(values)), float(np.max(values))
-    wide = name != "repeat" and varies(name, values)
     mean = float(np.mean(values))
-    shown = f"{low:.3g} to {high:.3g}" if wide else f"{round(mean, 1) if name == 'temperature' else mean:.4g}"
+    if name == "temperature":
+        mean = round(mean, 1)
+    shown = f"{mean:.4g}"
+    if name != "repeat" and varies(name, values):
+        shown = f"{low:.3g} to {high:.3g}"
     if name == "temperature":
         return f"{shown} °C"
     if name == "amplitude" and unit != "-":

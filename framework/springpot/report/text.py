@@ -81,7 +81,14 @@ class Table:
 
 def width(text: str) -> int:
     """Columns that `text` takes on a terminal."""
-    return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+    return sum(_columns_of(letter) for letter in text)
+
+
+def _columns_of(letter: str) -> int:
+    """Columns of one letter: an accent stands on the letter before it, an ideograph is as wide as two."""
+    if combining(letter):
+        return 0
+    return 2 if east_asian_width(letter) in "WF" else 1
 
 
 def cut(text: str, most: int) -> str:

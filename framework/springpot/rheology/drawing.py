@@ -71,7 +71,11 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
     if isinstance(node, Series):
         return Row(tuple(sketch(child, prefix) for child in node.children))
     if isinstance(node, Composition):
-        operation = "K·" if isinstance(node, Chain) else "ω·" if isinstance(node, Shift) else ""
+        operation = ""
+        if isinstance(node, Chain):
+            operation = "K·"
+        elif isinstance(node, Shift):
+            operation = "ω·"
         return Signal(sketch(node.children[0], prefix), operation, _leaf(node.children[1], prefix))
     return _leaf(node, prefix)
 
@@ -132,7 +136,9 @@ def _rail(height: int, wires: list[int], middle: int, turns: str, exits: str) ->
     """The upright wire that joins the branches at lines `wires` and leaves at line `middle`."""
     rail = ["│" if wires[0] <= i <= wires[-1] else " " for i in range(height)]
     for i in wires:
-        rail[i] = turns[0] if i == wires[0] else turns[2] if i == wires[-1] else turns[1]
+        rail[i] = turns[1]
+    rail[wires[-1]] = turns[2]
+    rail[wires[0]] = turns[0]  # last, as a single wire is both ends
     rail[middle] = exits[1] if middle in wires else exits[0]
     return rail
 

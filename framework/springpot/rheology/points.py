@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -106,12 +106,12 @@ class Points:
 
     def mapped(self, change: Callable[[Real], Real]) -> Points:
         """The points with every condition changed: to some of the rows, say, or interpolated; frequencies stay."""
-        return replace(
-            self,
-            amplitude=None if self.amplitude is None else change(self.amplitude),
-            temperature=None if self.temperature is None else change(self.temperature),
-            columns={name: change(column) for name, column in self.columns.items()},
-        )
+        changed: dict[str, Any] = {"columns": {name: change(column) for name, column in self.columns.items()}}
+        if self.amplitude is not None:
+            changed["amplitude"] = change(self.amplitude)
+        if self.temperature is not None:
+            changed["temperature"] = change(self.temperature)
+        return replace(self, **changed)
 
     def need(self, condition: str) -> Real:
         """The column `condition`: "amplitude", "temperature" or another by its name.

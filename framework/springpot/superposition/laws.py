@@ -206,7 +206,11 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
     evidence = square + len(theta) * float(np.log(max(len(used), 2)))
     spare = len(used) - len(theta)
     chance = float(chi2_sf(square, spare)) if spare > 0 else float("nan")
-    verdict: Verdict = "cannot-tell" if spare == 0 else "departs" if chance < ALARM else "holds"
+    verdict: Verdict = "holds"
+    if spare == 0:  # as many levels as parameters: any law goes through them
+        verdict = "cannot-tell"
+    elif chance < ALARM:
+        verdict = "departs"
     if verdict == "departs":
         theta, _, slopes = task.solve([theta], task.own_error(theta, spare))
     # A misfit that is too small to be told still widens the intervals.

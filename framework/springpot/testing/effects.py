@@ -74,7 +74,12 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     if effect.by_levels:
         theta[:, n:] = null
     typical = abs(size.typical) or 1.0
-    theta[:, n] = typical / NEARLY if np.isinf(null) else null + NEARLY * (typical if null == 0.0 else null)
+    if np.isinf(null):
+        theta[:, n] = typical / NEARLY
+    elif null == 0.0:
+        theta[:, n] = NEARLY * typical
+    else:
+        theta[:, n] = null + NEARLY * null
     left = np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0))
     if not left < GONE:
         yield (

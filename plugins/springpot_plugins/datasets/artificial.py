@@ -65,7 +65,10 @@ def artificial(
 
 
 def _suffix(level: float, symmetric: bool) -> str:
-    return f"-{'symmetric' if symmetric else 'noise'}{100 * level:g}" if level else ""
+    if not level:
+        return ""
+    kind = "symmetric" if symmetric else "noise"
+    return f"-{kind}{100 * level:g}"
 
 
 def _dataset(model: str, level: float, symmetric: bool) -> DataSet:

@@ -119,9 +119,7 @@ class Manifest:
     def dataset(self) -> DataSet:
         """The set; its file is opened only when it is loaded."""
         value = self.values.get
-        columns = [
-            f"{name} [{unit}]" if (unit := source.get("unit")) else name for name, source in self.columns.items()
-        ]
+        columns = [_titled(name, source.get("unit")) for name, source in self.columns.items()]
         constants = [f"{title} = {number:g}" for title, number in self.conditions.items()]
         constants += list(dict.fromkeys(title for own in self.files.values() for title in own))
         return DataSet(
@@ -294,6 +292,11 @@ def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
         raise DataError(f"{path}: [download] needs a sha256 of 64 hexadecimal digits")
     if not values.get("licence"):
         raise DataError(f'{path}: [download] needs a licence that allows it; write licence = "..."')
+
+
+def _titled(name: str, unit: str | None) -> str:
+    """A column with its unit, where it has one."""
+    return f"{name} [{unit}]" if unit else name
 
 
 def _is_number(value: object) -> bool:

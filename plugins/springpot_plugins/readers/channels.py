@@ -236,7 +236,8 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     for name, meaning in choice.columns.items():
         notes += _apply(layout, titles, name, meaning)
     _require_all(layout, titles)
-    notes += _sensors_left(layout, titles, below) if not choice.columns else []
+    if not choice.columns:  # which sensor is meant was then said by the user
+        notes += _sensors_left(layout, titles, below)
     units = [str(layout[channel].unit).strip() for channel in UNITS]
     signs = [-1.0 if unit.startswith("-") and len(unit) > 1 else 1.0 for unit in units]
     bare = [unit.removeprefix("-") if sign < 0 else unit for unit, sign in zip(units, signs, strict=True)]

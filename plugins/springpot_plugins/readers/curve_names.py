@@ -86,7 +86,9 @@ def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
     """The condition of a number with a unit."""
     plain = unit.replace("º", "°").replace("℃", "°C").replace("°", "").replace("deg", "").strip()
     known = _UNITS.get(plain, plain)
-    name = "temperature" if known.startswith("deg") else "omega" if known == "rad/s" else "frequency"
+    name = "omega" if known == "rad/s" else "frequency"
+    if known.startswith("deg"):
+        name = "temperature"
     value = text.replace("−", "-").replace(",", ".").lstrip("+")
     return CurveName(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
 

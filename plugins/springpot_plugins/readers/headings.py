@@ -63,7 +63,9 @@ def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
         pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
         pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
         if not pairs:
-            return [cell for cell in titles if cell] if len([c for c in titles if c]) == width else titles
+            filled = [cell for cell in titles if cell]
+            # Where the names that hold anything are as many as the numbers, the empty ones were wider gaps.
+            return filled if len(filled) == width else titles
         i = pairs[0]
         titles[i : i + 2] = [" ".join(titles[i : i + 2])]
     return titles

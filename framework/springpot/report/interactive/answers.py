@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from springpot.diagnosis import Case, Ladder
-from springpot.measurement import Measurement
+from springpot.measurement import KELVIN, Measurement
 from springpot.report.reference import reference_note
 from springpot.rheology import Model, Points, Real
 
@@ -141,18 +141,23 @@ def proposed_points(action: dict[str, list[float]], measurement: Measurement) ->
     omega = np.asarray(action["omega"], dtype=float)
     points = measurement.points
 
-    def level(name: str, column: Real) -> Real:
-        given = action.get(name)
-        if given:
-            return np.resize(np.asarray(given, dtype=float), omega.shape) + (273.15 if name == "temperature" else 0.0)
-        return np.full(omega.shape, float(np.median(column)))
+    def level(name: str, column: Real | None) -> Real | None:
+        if column is None:  # the model was never told it
+            return None
+        if not action.get(name):
+            return np.full(omega.shape, float(np.median(column)))
+        given = np.resize(np.asarray(action[name], dtype=float), omega.shape)
+        if name == "temperature":
+            given = given + KELVIN
+        return given
 
+    columns = {name: level(name, column) for name, column in points.columns.items()}
     return replace(
         points,
         log_omega=np.log(omega),
-        amplitude=None if points.amplitude is None else level("amplitude", points.amplitude),
-        temperature=None if points.temperature is None else level("temperature", points.temperature),
-        columns={name: level(name, column) for name, column in points.columns.items()},
+        amplitude=level("amplitude", points.amplitude),
+        temperature=level("temperature", points.temperature),
+        columns={name: column for name, column in columns.items() if column is not None},
     )
 
 
