@@ -44,6 +44,7 @@ class _Curve:
         log_k = np.log(measurement.stiffness[rows])
         count = np.bincount(which.ravel())
         y = np.array([np.bincount(which.ravel(), part) / count for part in (log_k.real, log_k.imag)])
+        # A third of the sweep, as the slope of two points would be that of their noise.
         third = max(2, len(x) // 3)
         ends = [(x[:third], y[:, :third]), (x[-third:], y[:, -third:])]
         return cls(x, y, np.array([_slope(*end) for end in ends]))

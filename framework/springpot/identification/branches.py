@@ -44,6 +44,7 @@ class Branches:
         powers = np.array([float(p.unit.stiffness) for p in network.parameters])
         node = network
         while isinstance(node, Renamed | Chain | Shift):
+            # Chains and shifts act on the whole: the sum of branches stands inside them, as the first child.
             node = node.node if isinstance(node, Renamed) else node.children[0]
         if isinstance(node, Parallel | Series):
             sizes = [len(child.parameters) for child in node.children]
@@ -52,6 +53,7 @@ class Branches:
             gains = np.where(owner == np.arange(len(sizes))[:, None], powers, 0.0)
             if np.all(np.any(gains != 0.0, axis=1)):
                 return cls(isinstance(node, Series), gains, owner)
+        # No sum, or a branch without a stiffness to scale it by: then the network has one gain as a whole.
         return cls(False, powers[None, :], np.zeros(len(powers), dtype=np.intp))
 
     @cached_property
@@ -152,6 +154,7 @@ def non_negative(matrix: Real, right: Real) -> tuple[Real, Real]:
     """
     inverse = _inverse(matrix)
     x: Real = np.matmul(inverse, right[..., None])[..., 0]
+    # Mostly all gains are positive at once; only the others need a search for those to be held.
     held = x < LEAST_GAIN
     if not held.any():
         return x, inverse
@@ -171,10 +174,12 @@ def _inverse(matrix: Real) -> Real:
         return np.ones_like(matrix)
     if m > 2:
         try:
+            # Branches of nearly one shape: so little on the unit diagonal is no more than rounding.
             return np.asarray(np.linalg.inv(matrix + 1e-15 * np.eye(m)), dtype=float)
         except np.linalg.LinAlgError:  # two branches of one shape
             return np.asarray(np.linalg.inv(matrix + 1e-11 * np.eye(m)), dtype=float)
     inverse = np.empty_like(matrix)
+    # Of two branches the inverse is a formula.
     off = matrix[..., 0, 1]
     inverse[..., 0, 0] = inverse[..., 1, 1] = 1.0 / (1.0 - off * off + 1e-15)
     inverse[..., 0, 1] = inverse[..., 1, 0] = -off * inverse[..., 0, 0]
@@ -184,6 +189,7 @@ def _inverse(matrix: Real) -> Real:
 def _descended(matrix: Real, right: Real, x: Real) -> Real:
     """The same by coordinate descent from `x`, of shape (r, m)."""
     m = x.shape[1]
+    # Where one of two gains is held, a single pass finds the other.
     for _ in range(1 if m == 2 else 6 * m):
         for i in range(m):
             slope = right[:, i] - (matrix[:, i] * x).sum(axis=1)
@@ -205,6 +211,7 @@ def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:
     """
     gram = np.matmul(shares, shares.transpose(0, 2, 1))
     m = gram.shape[-1]
+    # All columns and the target get length one, so that the least gain is a share of the data.
     unit = 1.0 / np.sqrt(gram.reshape(-1, m * m)[:, :: m + 1] + 1e-300)
     units = unit[:, :, None] * unit[:, None, :]
     size = np.sqrt((target * target).sum(axis=1, keepdims=True))

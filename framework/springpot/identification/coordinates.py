@@ -87,6 +87,7 @@ class Coordinates:
 
     def theta(self, u: Real, size: Real) -> Real:
         """Parameters (..., p) at `u` (..., p), the sizes being `size` (..., p)."""
+        # A trial may overflow: it then has no finite objective and is taken back.
         with np.errstate(over="ignore"):
             theta: Real = np.where(self.log, np.exp(u), u) * size
             for constant, order in self.pairs:
@@ -98,12 +99,14 @@ class Coordinates:
         ratio = theta / size
         for constant, order in self.pairs:
             ratio[..., constant] *= np.exp(self.log_omega * theta[..., order])
+        # Zero has no logarithm: it is put further down than any search goes.
         tiny = np.exp(-2.0 * WIDEST)
         return np.where(self.log, np.log(np.where(self.log, np.maximum(ratio, tiny), 1.0)), ratio)
 
     def carry(self, by_theta: Slopes, theta: Real, size: Real) -> Slopes:
         """Turn derivatives by theta (..., p, m) into those by u, in place."""
         for constant, order in self.pairs:
+            # The coordinate of c stands still while the order moves: c itself then has to follow, as omega^-alpha.
             drift = -self.log_omega * theta[..., constant, None]
             by_theta[..., order, :] += drift * by_theta[..., constant, :]
         by_theta *= np.where(self.log, theta, size)[..., None]
@@ -155,7 +158,9 @@ def _layout(parameters: tuple[Parameter, ...]) -> _Layout:
 def _size(parameter: Parameter) -> tuple[float, float, float, float]:
     """Natural size as a factor and powers of |K|, time and amplitude."""
     if parameter.scale == "linear" and np.isfinite(parameter.upper - parameter.lower):
+        # What has two ends, such as an order, is measured by the way between them, whatever the data.
         return parameter.upper - parameter.lower, 0.0, 0.0, 0.0
     unit = parameter.unit
+    # A power of time that is itself a parameter is dealt with where its value is known: see `pairs`.
     time = 0.0 if isinstance(unit.time, str) else float(unit.time)
     return parameter.typical, float(unit.stiffness), time, float(unit.amplitude)

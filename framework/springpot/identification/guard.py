@@ -75,6 +75,7 @@ def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.ran
     try:
         found = pickle.loads(said)
     except Exception:
+        # What was cut short or never was a run tells nothing: how the process ended is told instead.
         found = None
     if isinstance(found, Run):
         return found
@@ -100,10 +101,12 @@ def _work(
 
     code = 1
     try:
+        # A group of its own, so that whatever the optimiser starts can be ended with it.
         os.setsid()
         # What an optimiser prints is no part of the command's own output.
         os.dup2(2, 1)
         limit_memory(MEMORY)
+        # If the process that waits is killed, nobody else would end this one.
         threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
         try:
             found = run(optimiser, problem, budget, rng)

@@ -241,7 +241,9 @@ def best_run(
         If all of them failed.
     """
     rngs = np.random.default_rng(seed or 0).spawn(restarts or 1)
+    # Every run has a generator of its own: a restart more changes none of the others.
     runs = [guarded(optimiser, problem, budget or BUDGET, rng) for rng in rngs]
+    # A run that failed may hold a smaller number, which nobody vouches for.
     best = min(runs, key=lambda one: (one.failed, one.best))
     failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
     if best.failed:

@@ -205,6 +205,7 @@ def _first(evaluate: Evaluate, u: Real, damping: float) -> _State:
     rows = np.arange(len(u))
     residual, jacobian = evaluate(u, rows)
     cost, gradient, jtj = _normal(residual, jacobian)
+    # So that any finite trial is better than a start without a value.
     cost = np.where(np.isfinite(cost), cost, np.inf)
     return _State(rows, u, cost, gradient, jtj, residual, np.full(len(u), damping), np.full(len(u), 2.0))
 
@@ -225,6 +226,7 @@ def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.boo
     residual, jacobian = evaluate(trial, state.rows)
     cost, gradient, jtj = _normal(residual, jacobian)
     gain = state.cost - cost
+    # A trial whose objective is no number compares as not better, and is taken back.
     better = gain > 0.0
     still = np.abs(step).max(axis=1, initial=0.0) <= STILL
     # A damped step foretells less than is left to gain: only a nearly free one may stop early.
@@ -241,13 +243,16 @@ def _step(state: _State, lower: Real, upper: Real) -> Real:
     if state.u.shape[1] == 0:
         return np.zeros_like(state.u)
     downhill = -state.gradient
+    # A step against a bound would be cut there, and the other variables would have counted on it.
     frozen = ((state.u <= lower) & (downhill < 0.0)) | ((state.u >= upper) & (downhill > 0.0))
     matrix = state.jtj.copy()
     p = matrix.shape[-1]
     diagonal = matrix.reshape(-1, p * p)[:, :: p + 1]
     stiffest = diagonal.max(axis=1, keepdims=True)
+    # A parameter that moves no residual has nothing on the diagonal: it is damped as if by a trace of the stiffest.
     diagonal += state.damping[:, None] * np.maximum(diagonal, 1e-8 * stiffest) + 1e-300
     if frozen.any():
+        # Rows and columns of the unit matrix, which leave the other equations as they are.
         matrix[frozen] = 0.0
         matrix.transpose(0, 2, 1)[frozen] = 0.0
         diagonal[frozen] = 1.0
@@ -263,6 +268,7 @@ def _solved(matrix: Real, right: Real) -> Real:
     try:
         step: Real = np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=float)
     except np.linalg.LinAlgError:
+        # One singular matrix refuses the whole batch: a shift that changes no other lets it pass.
         scale = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
         shifted = matrix + 1e-14 * scale * np.eye(matrix.shape[-1])
         step = np.asarray(np.linalg.solve(shifted, right[:, :, None])[:, :, 0], dtype=float)
@@ -271,6 +277,7 @@ def _solved(matrix: Real, right: Real) -> Real:
 
 def _damp(state: _State, better: NDArray[np.bool_], ratio: Real) -> None:
     """Less damping the better the quadratic model foretold the drop, ever more after failures."""
+    # The cubic and the doubled growth are those of Nielsen (see the notes of `levenberg_marquardt`).
     miss = 2.0 * ratio - 1.0
     trust = np.maximum(1.0 - miss * miss * miss, SHRINK)
     damping = state.damping * np.where(better, trust, state.growth)

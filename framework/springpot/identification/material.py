@@ -173,6 +173,7 @@ class _Search:
         """The best spectrum for the effects' parameters `u`; of infinite cost where K is no number."""
         log_rates = self.lattice(self.theta_of(u)) if log_rates is None else log_rates
         count = 2 + len(log_rates)
+        # Where K is not linear in the weights it matters where one begins: all share |K| evenly.
         best = trial = _Trial(u, log_rates, np.full(count, self.scale / count), np.inf)
         foretold = np.inf
         for _ in range(INNER):
@@ -206,6 +207,7 @@ class _Search:
             other = self.solve(moved)
             drop = trial.cost - other.cost
             if not drop > 0.0:
+                # Not better, or no number: a shorter step, nearer to the steepest descent.
                 damping *= 10.0
                 continue
             trial, damping = other, max(0.1 * damping, 1e-9)
@@ -222,6 +224,7 @@ class _Search:
         by_u = self.coordinates.carry(response.by_theta[count:].copy(), own, self.size)
         slopes = weighted(by_u, self.weights).T
         carrying = weighted(response.by_theta[:count][trial.weights > 0.0], self.weights).T
+        # What the weights of the spectrum would take up of a change is no gain of the effects (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
         downhill = slopes.T @ residual
@@ -315,6 +318,7 @@ def fit_spectrum(
         weights = weights / measurement.magnitude
     weights = np.asarray(weights, dtype=np.complex128)
     search = coarse = _Search(model, measurement, weights)
+    # A material alone is a convex problem: nothing is searched but its lines.
     if not search.own:
         return search.result(search.refined(search.solve(np.zeros(0))), True)
     rows = thinned(measurement.points.log_omega, COARSE_POINTS)
@@ -324,6 +328,7 @@ def fit_spectrum(
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     if starts and not seeds:
         seeds = list(_settings(search, measurement))
+    # A setting costs one convex problem; descents are begun only from the best of them.
     trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
     best, converged = min((coarse.descend(trial) for trial in trials[:KEPT]), key=lambda end: end[0].cost)
     if coarse is not search:

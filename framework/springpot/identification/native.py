@@ -34,6 +34,7 @@ ALIKE = 10.0
 AGREE = 3
 """Starts that must end in the same optimum for it to be believed."""
 JITTERS = 32
+"""Places to which a scan can be moved: few, so that scans on one grid are made once."""
 POLISHED = 3
 """Shapes that go on to the search in all parameters."""
 
@@ -44,6 +45,7 @@ def relative_objective() -> Objective:
 
 
 def _over_magnitude(measurement: Measurement) -> Complex:
+    # A point at which |K| all but vanishes must not outweigh all the others.
     size = measurement.magnitude
     return np.asarray((1.0 + 1.0j) / np.maximum(size, 1e-9 * size.max()), dtype=np.complex128)
 
@@ -305,6 +307,7 @@ def _released_starts(model: Model, measurement: Measurement, objective: Objectiv
     best = fit(free, measurement, objective, starts=starts).theta
     full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
     kept = [free.names.index(name) for name in model.names]
+    # A start that ran away without limit becomes a number again, which the bounds of this model then cut.
     return list(_within(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
@@ -323,6 +326,7 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
     settled = _settled(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
     if settled or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
+    # What was reached goes along, so that the longer way cannot end higher.
     best = quick.u[np.argsort(quick.cost)[:1]]
     v = task.shaped(np.concatenate([best, seeds]))
     valley = task.solve_shapes(
@@ -426,6 +430,7 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
     """Search shapes from ever more of the starts (B, s, d); `best` and `cost` take the results."""
     rows, first, width, iterations = np.arange(len(v)), 0, 1, 15
     while len(rows) and first < v.shape[1]:
+        # Most data sets are done with their best start: only the others get more starts, and more steps for each.
         part = task if len(rows) == len(v) else task.rows(rows)
         trials = v[rows, first : first + width]
         if first:

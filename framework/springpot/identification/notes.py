@@ -12,10 +12,15 @@ from .native import Fit
 from .uncertainty import Uncertainty
 
 WEAK = 1.0
+"""Width of an interval, over its value, from which a parameter is called weakly identified."""
 CORRELATED = 0.98
+"""Correlation from which a pair is told: either interval is then five times what it were with the other known."""
 LOST = 1000.0
+"""Width of an interval, over its value, from which a parameter is not determined: not even its decade is known."""
 LOOSE = 2.0
+"""Given standard deviations that a misfit may be on average before intervals by them are called too narrow."""
 PAIRS = 3
+"""Correlated pairs that are told, the strongest."""
 
 
 def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:

@@ -119,6 +119,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     again = np.array([best, *(system.solve(smoothing, followed + each) for each in noise)])[:, 2:]
     tail = 50.0 * (1.0 - LEVEL)
     low, high = np.percentile(again, [tail, 100.0 - tail], axis=0)
+    # No density lies below zero: the draws may all lie to one side of the curve that the band belongs to.
     low, high = np.minimum(low, best[2:]), np.maximum(high, best[2:])
     ends = float(best[0]), float(best[1])
     return Spectrum(system.rates, best[2:], low, high, *ends, smoothing, system.seen)

@@ -16,7 +16,9 @@ from .coordinates import Coordinates
 SHAPES = (1, 16, 64, 192, 320)
 """Shapes scanned for 0, 1, 2, 3 and more free parameters of shape."""
 NEIGHBOURS = 4
+"""Nearest shapes that a shape must beat to come first: so the starts lie in different valleys."""
 BLOCK = 1_000_000
+"""Entries of Gram matrices held at once."""
 
 
 def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> Real:
@@ -24,6 +26,7 @@ def low_discrepancy(count: int, dimension: int, offset: Real | float = 0.0) -> R
 
     See M. Roberts, The unreasonable effectiveness of quasirandom sequences (2018). `offset` moves all (modulo 1).
     """
+    # The root of r^(d + 1) = r + 1: each step brings it nearer by a factor of three or more.
     ratio = 2.0
     for _ in range(40):
         ratio = (1.0 + ratio) ** (1.0 / (dimension + 1.0))
@@ -38,6 +41,7 @@ def thinned(log_omega: Real, most: int) -> NDArray[np.intp]:
     if n <= most:
         return np.arange(n)
     picks = np.floor(low_discrepancy(most, 1)[:, 0] * n).astype(np.intp)
+    # The two ends stay: without them fewer frequencies would be seen than were measured.
     ends = np.array([0, n - 1])
     return np.sort(np.argsort(log_omega, kind="stable")[np.unique(np.concatenate([picks, ends]))])
 
@@ -140,9 +144,11 @@ def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     lower, upper = (bound[0] for bound in unit.bounds())
     reach = 0.5 * float(np.ptp(points.log_omega))
     times = [0.5 if isinstance(p.unit.time, str) else abs(p.unit.time) for p in unit.parameters]
+    # A stiffness lies within a factor of 30 of |K|; what has a time in its unit may lie anywhere in the band too.
     width = np.log(30.0) + reach * np.minimum(times, 1.0)
     low = np.where(unit.log, np.maximum(lower, -width), np.where(np.isfinite(lower), lower, -1.0))
     high = np.where(unit.log, np.minimum(upper, width), np.where(np.isfinite(upper), upper, 1.0))
+    # An order begins a little inside its range: at its ends a springpot is a spring or a dashpot.
     edge = np.where(unit.log, 0.0, 0.03 * (high - low))
     return low + edge, high - edge
 
@@ -189,6 +195,7 @@ def _ranked(misfit: Real, neighbours: NDArray[np.intp], keep: int) -> NDArray[np
     """The best shapes, (B, keep), best first: those better than all their neighbours, then the rest."""
     key = misfit
     if keep > 1 and neighbours.shape[1]:
+        # The misfit is a share of the data: ten more puts a shape behind all that beat their neighbours.
         key = misfit + np.where(misfit <= misfit[:, neighbours].min(axis=-1), 0.0, 10.0)
     best = np.argpartition(key, keep - 1, axis=1)[:, :keep] if keep < key.shape[1] else np.argsort(key, axis=1)
     order = np.argsort(np.take_along_axis(key, best, axis=1), axis=1, kind="stable")

@@ -110,6 +110,7 @@ class Uncertainty:
         covariance = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
             covariance[np.ix_(free, free)] = self.scale**2 * (spread.T @ spread)
+        # A direction without a trace in the data takes all parameters along that have a part in it.
         lost = free[np.any(np.abs(directions[~known]) > 1e-3, axis=0)]
         covariance[lost, lost] = np.inf
         return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
@@ -150,6 +151,7 @@ class Uncertainty:
         if others.size:
             slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
         size = float(np.linalg.norm(slope))
+        # From a bound there is one way only: the whole tail lies on that side.
         side = student(2.0 * self.level - 1.0, float("inf") if self.absolute else fit.dof)
         reach = side * self.scale / size if size > 0 else float("inf")
         value = float(fit.theta[i])
@@ -315,6 +317,7 @@ class _Path:
         bounds = self.coordinates.bounds()
         start = float(self.u[self.i])
         room = abs(float(bounds[0 if sign < 0 else 1][0, self.i]) - start)
+        # Doubled from half a deviation on: an interval may be far longer than the Jacobian says.
         inner, steps = 0.0, sd * 2.0 ** np.arange(-1.0, 12.0)
         if np.isfinite(room):
             steps = np.geomspace(min(0.5 * sd, room), room, 16) if room > 0.0 else np.zeros(1)
