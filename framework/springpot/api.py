@@ -322,6 +322,7 @@ def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places."""
     found = {effect.name: effect for effect in plugins().items("effect")}
     if effects is not None:
+        # One of the same name takes the installed one's place: so a user may try another version of an effect.
         for own in [_effect(effect, ()) for effect in _listed(effects)]:
             found[own.name] = own
     return list(found.values())

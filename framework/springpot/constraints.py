@@ -129,6 +129,7 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
     if name not in known:
         raise OptionError(f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}")
     default = known[name]
+    # Before the numbers: in Python true and false are whole numbers too.
     if isinstance(default, bool):
         if value.lower() not in ("true", "false"):
             raise OptionError(f"{optimiser}: {name} is true or false, not '{value}'")

@@ -156,6 +156,7 @@ def _known(source: str, values: Sequence[str], unit: str | None) -> Known:
 
 def _refuse_rig(model: Model) -> None:
     for effect in model.effects:
+        # What belongs to the rig would act on the structure, which has no such rig.
         if effect.layer > Layer.SPECIMEN:
             raise ModelError(
                 f"'{effect.name}' belongs to the rig, not to the specimen: leave it out with --without {effect.name}"

@@ -52,10 +52,13 @@ def write_with(path: str | Path, fill: Callable[[IO[bytes]], object]) -> Path:
             try:
                 fill(draft)
                 draft.flush()
+                # Before the rename: or a crash could leave the new name on a file whose content never reached the
+                # disk.
                 os.fsync(draft.fileno())
                 os.chmod(draft.name, _mode(path))
                 os.replace(draft.name, path)
             except BaseException:
+                # Whatever ended it, even Ctrl-C: no half draft stays beside the user's files.
                 Path(draft.name).unlink(missing_ok=True)
                 raise
     except OSError as error:
@@ -72,6 +75,7 @@ def _mode(path: Path) -> int:
     """Permissions of the file that is replaced, or what the umask gives a new one."""
     if path.exists():
         return path.stat().st_mode & 0o777
+    # The mask can only be read by setting it.
     mask = os.umask(0)
     os.umask(mask)
     return 0o666 & ~mask

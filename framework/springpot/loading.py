@@ -207,6 +207,7 @@ def load(path: str | Path) -> Loaded:
 
 def _read(path: Path) -> Any:
     try:
+        # Before it is read: a wrong file may be larger than the memory.
         if path.stat().st_size > LARGEST:
             raise DataError(f"{path} is too large for an answer of springpot")
         return json.loads(path.read_text(encoding="utf-8"))
@@ -230,6 +231,7 @@ def _fit(answer: dict[str, Any]) -> Identification:
 
 
 def _objective(name: str, kept: dict[str, Any]) -> Objective:
+    # The objective that is taken where none is named need not be a plugin's, so it comes first.
     standard = default_objective(measurement_of(kept["measurement"]))
     if standard.name == name:
         return standard

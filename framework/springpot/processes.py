@@ -36,6 +36,7 @@ def end_children() -> int:
     running = 0
     for pid in children:
         with suppress(OSError):
+            # One that has ended by itself is only collected, and did no harm.
             if os.waitpid(pid, os.WNOHANG)[0] == 0:
                 running += 1
                 os.kill(pid, signal.SIGKILL)

@@ -95,6 +95,7 @@ class Registry:
     def _report_slips(self) -> None:
         known = [name for name in dir(hooks) if name.startswith(PREFIX)]
         for name, plugin in self.manager.list_name_plugin():
+            # A plugin may be any object, whose attributes may raise when they are only looked at.
             with self._guarded(self._owners[name]):
                 for attribute in [each for each in dir(plugin) if each.startswith(PREFIX)]:
                     slip = _slip(attribute, getattr(plugin, attribute), known)
@@ -106,10 +107,11 @@ class Registry:
         for impl in getattr(self.manager.hook, kind.hook).get_hookimpls():
             owner = self._owners[impl.plugin_name]
             with self._guarded(owner):
+                # One faulty item does not take the others of its plugin along.
                 for item in _sequence(impl.function(), kind):
                     with self._guarded(owner):
                         shelf.put(_accepted(item, kind), owner)
-        for owner, says in shelf.settle():
+        for owner, says in shelf.disputes():
             self._fault(owner, says)
         return shelf
 
@@ -132,6 +134,7 @@ class Registry:
             If two plugins claim the name.
         """
         found = self.shelves[word].find(name)
+        # Libraries of many optimisers are imported only when one of their names is asked for.
         if found is None and word == "optimiser":
             found = self._member(name)
         if found is None:
@@ -227,6 +230,7 @@ def _accepted(item: Any, kind: Kind[T]) -> T:
 def plugins() -> Registry:
     """The plugins installed here, loaded once."""
     found = Registry(entry_points(group=hooks.GROUP))
+    # Models below this room name effects too: they are given the way to look them up, as they cannot import it.
     use_finder(found.effect)
     return found
 
@@ -262,6 +266,7 @@ def parse_timed(expression: str) -> Model | Timed:
     ModelError
         As `parse_model`; a name is that of an effect of either kind.
     """
+    # Effects of tests in time stand among others in any order: they are taken out, and added last.
     first, *names = [part.strip() for part in expression.split("+")]
     shelf = plugins().shelves["time effect"]
     mine = [name for name in names if name and shelf.find(name) is not None]

@@ -115,7 +115,7 @@ class Shelf(Generic[T]):
         self.clashes[name] = f"{what} is offered by two plugins, {first} and {owner}: uninstall one or rename it"
         return self.clashes[name]
 
-    def settle(self) -> Iterator[tuple[Owner, str]]:
+    def disputes(self) -> Iterator[tuple[Owner, str]]:
         """Enter aliases and look for disputes once all is offered; yields each with the plugin that is at fault."""
         for name, item in self.items.items():
             for alias in self.kind.aliases(item):
@@ -161,6 +161,7 @@ class Shelf(Generic[T]):
 
     def undisputed(self) -> dict[str, T]:
         """What can be used, by name."""
+        # A name that two claim would mean another thing once one of them is installed first: neither is used.
         return {name: item for name, item in self.items.items() if name not in self.clashes}
 
     def known(self) -> list[str]:

@@ -20,7 +20,7 @@ from springpot.measurement.geometry import (
     ShearPads,
     TorsionBar,
 )
-from springpot.measurement.geometry_text import said
+from springpot.measurement.geometry_text import words_of
 
 EXAMPLES = (
     ShearPads(0.02, 0.01, 2),
@@ -230,7 +230,7 @@ def test_geometries_as_text(text, geometry):
 
 @pytest.mark.parametrize("geometry", EXAMPLES, ids=lambda geometry: geometry.name)
 def test_what_is_said_of_a_geometry_is_read_again(geometry):
-    assert parse_geometry(said(geometry)) == geometry
+    assert parse_geometry(words_of(geometry)) == geometry
 
 
 @pytest.mark.parametrize(

@@ -292,7 +292,7 @@ def _retire(
     _store(state, ended)
     done = finished
     if rules.team is not None:
-        done = done | _settled(rules.team, converged, ended.cost, rules)[rules.team[state.rows]]
+        done = done | _done_teams(rules.team, converged, ended.cost, rules)[rules.team[state.rows]]
     state.keep(~done)
 
 
@@ -301,7 +301,7 @@ def _store(state: _State, ended: _State) -> None:
         getattr(ended, name)[state.rows] = getattr(state, name)
 
 
-def _settled(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules) -> NDArray[np.bool_]:
+def _done_teams(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules) -> NDArray[np.bool_]:
     """Teams of which one row has reached its floor or enough rows agree on the best objective."""
     teams = int(team.max()) + 1
     best = np.full(teams, np.inf)

@@ -239,7 +239,7 @@ def fit(
         evaluations,
         bool(solution.converged[best]),
         perf_counter() - began,
-        _settled(solution, task.floor[0], 2, 1e-6),
+        _agreed(solution, task.floor[0], 2, 1e-6),
     )
 
 
@@ -323,7 +323,7 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
     quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=effort.negligible)
     evaluations += quick.evaluations
-    settled = _settled(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
+    settled = _agreed(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
     if settled or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
     # What was reached goes along, so that the longer way cannot end higher.
@@ -342,7 +342,7 @@ def _offset(rng: np.random.Generator) -> float:
     return float(rng.integers(JITTERS)) / JITTERS
 
 
-def _settled(solution: Solution, floor: float, votes: int, slack: float) -> bool:
+def _agreed(solution: Solution, floor: float, votes: int, slack: float) -> bool:
     """Whether a start has reached the floor, or enough of them have come to rest at the best objective."""
     least = solution.cost.min()
     agree = solution.converged & (solution.cost <= least * (1.0 + slack))

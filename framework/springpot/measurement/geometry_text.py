@@ -27,7 +27,7 @@ _WORDS = {"yes": True, "true": True, "no": False, "false": False}
 EXAMPLE = "shear-pads area=200cm^2 gap=10mm"
 
 
-def said(geometry: Geometry) -> str:
+def words_of(geometry: Geometry) -> str:
     """A geometry as a user writes it, in SI units."""
     sizes = [f"{f.name}={_size(f.name, getattr(geometry, f.name))}" for f in fields(geometry)]
     return " ".join([geometry.name, *sizes])

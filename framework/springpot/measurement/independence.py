@@ -133,6 +133,7 @@ def steadied(measurement: Measurement) -> Measurement:
     if spread is None or spread.varied:
         return measurement
     column = measurement.conditions["amplitude"]
+    # The median, as a single slip of the rig moves it least.
     steady = np.full_like(column, np.median(column))
     return replace(measurement, conditions={**measurement.conditions, "amplitude": steady})
 
@@ -148,8 +149,10 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
     free = len(values) - len(np.unique(both))
     within = float(np.sqrt(np.sum(rest**2) / max(free, 1)))
+    # Rows that share frequency and temperature show without any curve what was chosen: they come first.
     if free >= FREE_SHARE * len(values) or (free >= FEWEST and 2.0 * within >= CHOSEN["amplitude"]):
         return within
+    # Whichever of the two explains more: then it may be the cause.
     return min(_off_curves(same_temperature, log_omega, values), _off_curves(same_omega, temperature, values))
 
 
@@ -174,6 +177,7 @@ def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
 def _off_curve(x: Real, y: Real) -> Real:
     """Absolute deviations from the polynomial of the least sum of them, without those that it brings to zero."""
     degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, 6))) // POINTS_PER_DEGREE)
+    # Legendre polynomials are nearly independent of one another on -1 to 1 only.
     scaled = 2.0 * (x - x.min()) / (float(np.ptp(x)) or 1.0) - 1.0
     basis = np.polynomial.legendre.legvander(scaled, degree)
     weight, rest = np.ones(len(y)), y

@@ -21,7 +21,7 @@ from springpot.rheology import HELD, Complex, Points, Real
 from .conversion import Conversion, to_modulus, to_stiffness
 from .display import html_of
 from .geometry import Geometry
-from .geometry_text import said
+from .geometry_text import words_of
 from .rows import Rows, rows_without
 from .units import Units
 
@@ -306,7 +306,7 @@ class Measurement(Rows):
             sd=None if self.sd is None else change.stiffness(self.sd),
             conditions=conditions,
             units=change.units,
-            provenance={**self.provenance, "geometry": said(change.geometry)},
+            provenance={**self.provenance, "geometry": words_of(change.geometry)},
         )
 
     def levels(self, name: str) -> NDArray[np.int64]:

@@ -51,6 +51,7 @@ def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Ite
     text = str(spec)
     if is_file(text):
         return _read(Path(text), Choice(), readers)
+    # A file may have an @ in its name: only what is no file is taken apart.
     name, at, wanted = text.rpartition("@")
     if not at:
         return _named(text, datasets, readers)
@@ -85,6 +86,7 @@ def _files_like(text: str) -> list[str]:
     try:
         names = [entry.name for entry in islice(path.parent.iterdir(), 2000) if entry.is_file()]
     except (OSError, ValueError):
+        # A folder that cannot be listed, or text that is no path: then there is nothing to propose.
         return []
     same = sorted(name for name in names if Path(name).stem == path.name and not name.startswith("."))
     near = get_close_matches(path.name, names, n=2, cutoff=0.8)
@@ -153,6 +155,7 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
         found = guarded(reader, path, lambda: reader.read(path, choice))
+        # A number in the file's name is only offered: what the file itself says comes first.
         offer = {} if "temperature" in found.conditions else temperature_offer(path)
         return replace(found, provenance={**found.provenance, **offer}) if offer else found
 

@@ -34,6 +34,7 @@ def surest(readers: Iterable[R], head: bytes) -> tuple[R | None, float]:
     most = -1.0
     for reader in readers:
         sure = _confidence(reader, head)
+        # Not >=: of equals the first stays, so that a further plugin takes no files from those before it.
         if sure > most:
             best, most = reader, sure
     return best, most

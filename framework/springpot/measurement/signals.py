@@ -197,6 +197,7 @@ def _basis(
     record: Record, part: Steady, omega: float, refine: bool, harmonics: int, trim: bool
 ) -> tuple[Basis, float]:
     """The basis of the final fit: frequency refined, part trimmed to whole cycles, harmonics that samples allow."""
+    # A frequency that was given is exact: it has no deviation and is not refined.
     affordable, sd = _affordable(record, part, omega, harmonics), 0.0
     basis = Basis(omega, part.start, part.stop, 1 if refine else affordable)
     if refine:
@@ -204,6 +205,7 @@ def _basis(
         basis, sd = refined_frequency(record, replace(basis, omega=_nested(record, basis)))
         basis = replace(basis, harmonics=affordable)
         basis, sd = refined_frequency(record, basis)
+    # The search left the peak that it began at: what it found is another one, or none.
     if not 0.3 * omega < basis.omega < 3 * omega:
         raise DataError(f"{record.name}: no frequency found; give it with omega (CLI: --frequency)")
     if trim:
@@ -232,6 +234,7 @@ def _nested(record: Record, basis: Basis) -> float:
 def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> int:
     count = sum(len(time) for time, _ in record.blocks(part.start, part.stop))
     cycles = (part.stop - part.start) * omega / (2 * np.pi)
+    # More than two samples for each cycle of the highest harmonic, and several for each unknown.
     most = min(int(count / max(cycles, 1.0) / 2.5), (count - 4) // 6)
     if most < 1:
         raise DataError(f"{record.name}: {count} samples in {cycles:.3g} cycles are too few for one harmonic")
@@ -260,6 +263,7 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
     sd, extra = _chosen(by_residual, by_cycles, len(fit.groups), fit.freedom)
     if len(moved) >= 3 and abs(moved[2]) > 0.05 * abs(moved[0]):
         extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
+    # Of computed signals nothing is left over: rounding is the least that any stiffness errs by.
     floor = 4 * np.finfo(float).eps * abs(stiffness)
     inflation = np.sqrt(fit.noise[0]) / fit.residual[0] if fit.residual[0] > 0 else 1.0
     return Harmonics(
@@ -309,6 +313,7 @@ def _chosen(by_residual: complex, by_cycles: complex, groups: int, freedom: floa
         return by_residual, ()
     from scipy.special import fdtri
 
+    # Few groups scatter by chance: without a test the larger of two estimates would mostly be too large.
     limit = np.sqrt(fdtri(groups - 1, freedom, 0.99))
     if by_cycles.real <= limit * by_residual.real and by_cycles.imag <= limit * by_residual.imag:
         return by_residual, ()
@@ -383,10 +388,12 @@ def measurement_from_signals(
             origin[f"note {names[-1]}"] = "; ".join(notes)
     if not rows:
         raise DataError("no signals given: name at least one file")
+    # Amplitudes of one column must have one unit; which one the user wants cannot be guessed.
     if len(set(units)) > 1:
         shown = ", ".join(sorted({f"[{d}] and [{f}]" for d, f in units}))
         raise DataError(f"the signals come in different units ({shown}): convert them first")
     first = name or names[0]
+    # To three digits: frequencies are estimated, and those of one setting differ a little.
     ordered = sorted(
         zip(rows, names, strict=True), key=lambda pair: (float(f"{pair[0].omega:.3g}"), pair[0].amplitude)
     )

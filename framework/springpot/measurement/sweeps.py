@@ -82,6 +82,7 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
         groups = list(_at_constant(measurement, name))
         if len(groups) <= most:
             return [_ordered(rows, scale(column)) for rows in groups]
+    # Nothing was held while something else was swept: all points in the order of frequency are the best there is.
     return [_ordered(np.arange(len(measurement)), log_omega)]
 
 

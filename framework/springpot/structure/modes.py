@@ -62,6 +62,7 @@ def modes_of(frame: Frame) -> list[Mode]:
 
 
 def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
+    # The dampers come in by steps, as Newton's method finds the mode only near where it begins.
     for share in (0.0, 0.1, 0.3, 0.6, 1.0):
         s, shape = _newton(frame, s, shape / shape[np.argmax(np.abs(shape))], share)
     if s.imag <= 0.0:
@@ -72,6 +73,7 @@ def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
 def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[complex, Complex]:
     """The eigenvalue near s, with that share of damping and dampers."""
     n, held = len(shape), shape.conj()
+    # Without its own damping too: that comes in with the dampers.
     bare = Frame(frame.mass, frame.stiffness)
     for _ in range(ITERATIONS):
         at = np.array([s])

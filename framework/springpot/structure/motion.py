@@ -286,6 +286,7 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
 def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
     """Matrix and load of y' = A y + b a, y being displacements, velocities and the ways of the branches."""
     n = len(frame)
+    # A short record leaves the frame swinging: its longest period counts as well.
     longest = max(len(record.acceleration) * record.step, 10.0 / frame.natural[0][0])
     band = 1.0 / (BEYOND * longest), max(BEYOND * float(frame.natural[0][-1]), np.pi / record.step)
     parts: list[_Part] = []
