@@ -36,3 +36,16 @@ def test_the_site_builds_whole_and_asks_nobody(tmp_path: Path):
     for name in ("identify", "predict", "excluding", "DataError", "rad/s"):
         assert name in reference
     assert (tmp_path / "schemas" / "identification.json").exists()
+
+
+def test_the_map_of_the_house_is_true():
+    """What the page for contributors calls a file or a folder is one."""
+    page = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8")
+    absent, folder = [], ROOT
+    for name in re.findall(r"`([\w./-]+?(?:/|\.py))`", page):
+        # A bare name stands beside the one before it.
+        path = ROOT / name if "/" in name.rstrip("/") else folder / name
+        if not path.exists():
+            absent.append(name)
+        folder = path if path.is_dir() else path.parent
+    assert absent == []

@@ -25,7 +25,7 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
     ("arguments", "word"),
     [
         (["fractional-maxwell", "--to", "abaqsu", "--band", BAND], "did you mean abaqus"),
-        (["fractional-maxwell", "--to", "csv", "--band", BAND, "--set", "k=400"], "check alpha, c"),
+        (["fractional-maxwell", "--to", "csv", "--band", BAND, "--set", "k=400"], "c, alpha missing"),
         (["spring", "--to", "csv", "--band", "1:48", "--set", "k=1"], "such as 1Hz:48Hz"),
         (
             ["spring + inertia", "--to", "csv", "--band", BAND, "--set", "k=1", "--set", "inertia.m=1"],

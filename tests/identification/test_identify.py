@@ -146,7 +146,7 @@ def test_weak_and_correlated_parameters_are_named():
 def test_undetermined_parameters_are_named():
     model = parse_model("fractional-maxwell + series-spring")
     data = Measurement(OMEGA, parse_model("fractional-maxwell").stiffness(np.array([400.0, 150.0, 0.6]), OMEGA))
-    assert said(springpot.identify(data, model), "k is not determined")
+    assert said(springpot.identify(data, model), "k and series-spring.k are not determined")
 
 
 def test_as_many_unknowns_as_data_is_said_and_more_is_an_error():

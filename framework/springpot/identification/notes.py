@@ -89,6 +89,7 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
 
 
 def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
+    open_ones = []
     for i, parameter in enumerate(known.fit.model.parameters):
         name = parameter.name
         if known.at_bound[i] or parameter.detail:
@@ -96,9 +97,13 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
         width = high[i] - low[i]
         size = abs(known.fit.theta[i])
         if np.isinf(known.covariance[i, i]) or not width < LOST * size:
-            yield f"{name} is not determined by these data: other values fit as well"
+            open_ones.append(name)
         elif width > WEAK * size:
             yield f"{name} is weakly identified: its interval is {100 * width / max(size, 1e-300):.0f} % of its value"
+    if len(open_ones) == 1:
+        yield f"{open_ones[0]} is not determined by these data: other values fit as well"
+    elif open_ones:
+        yield f"{', '.join(open_ones[:-1])} and {open_ones[-1]} are not determined by these data: others fit as well"
 
 
 def _correlated(known: Uncertainty) -> list[str]:

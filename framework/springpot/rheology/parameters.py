@@ -119,9 +119,12 @@ class HasParameters(ABC):
         ModelError
             If a name is unknown or missing.
         """
-        wrong = sorted(set(values) ^ set(self.names))
-        if wrong:
-            raise ModelError(f"{self.name} has the parameters {', '.join(self.names)}; check {', '.join(wrong)}")
+        unknown = [name for name in values if name not in self.names]
+        if unknown:
+            raise ModelError(f"{self.name} has no parameter '{unknown[0]}': it has {', '.join(self.names)}")
+        missing = [name for name in self.names if name not in values]
+        if missing:
+            raise ModelError(f"{self.name} needs a value of each parameter: {', '.join(missing)} missing")
         return np.array([values[name] for name in self.names], dtype=float)
 
 
