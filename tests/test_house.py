@@ -53,6 +53,7 @@ FLOORS = {
 FOR_PLUGINS = {"errors", "hooks", "rheology", "measurement", "identification"}
 
 
+@cache
 def imported(path: Path, package: str) -> set[str]:
     """Absolute names of all modules that a file imports, inside functions too."""
     names: set[str] = set()

@@ -17,7 +17,7 @@ from springpot.errors import StudyError
 DECLARE = "from springpot.benchmark import Study\nStudy"
 HERE = Path(__file__).parent
 KILLS = int(os.environ.get("SPRINGPOT_KILLS", "3"))
-REPETITIONS = 6 * KILLS
+REPETITIONS = 4 * KILLS
 SCRIPT = """
 import sys
 sys.path.insert(0, {here!r})
@@ -69,7 +69,7 @@ def wait_for(condition, seconds: float = 300.0) -> None:
     end = monotonic() + seconds
     while not condition():
         assert monotonic() < end, "it never came to it"
-        sleep(0.01)
+        sleep(0.03)
 
 
 def summary(out: Path) -> bytes:

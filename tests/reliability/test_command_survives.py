@@ -41,27 +41,24 @@ def springpot(*arguments, **environment):
 
 
 @pytest.mark.parametrize("engine", ["local", soaked("serial")])
-def test_what_others_print_is_not_in_the_json_and_quiet_is_quiet(tmp_path, engine):
-    asked = ["run", script(tmp_path), "--engine", engine, "--json"]
-    loud = springpot(*asked, "--out", tmp_path / "loud")
-    quiet = springpot(*asked, "--out", tmp_path / "quiet", "--quiet")
-    for done in (loud, quiet):
-        assert done.returncode == 0, done.stderr
-        assert json.loads(done.stdout[done.stdout.index("{") :])["ran"] == 6
-    assert "a script that prints" in loud.stderr
-    assert "look at me" in loud.stderr
-    assert loud.stdout.startswith("{")
-    assert quiet.stdout.startswith("{")
-    assert quiet.stderr == ""
+def test_what_others_print_is_not_in_the_json(tmp_path, engine):
+    done = springpot("run", script(tmp_path), "--engine", engine, "--json", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["ran"] == 6
+    assert "a script that prints" in done.stderr
+    assert "look at me" in done.stderr
 
 
-def test_a_long_folder_of_temporary_files_is_no_hindrance(tmp_path):
+@pytest.mark.parametrize("engine", ["local", soaked("serial")])
+def test_quiet_is_quiet_and_a_long_folder_of_temporary_files_no_hindrance(tmp_path, engine):
     """A socket with a path could have 108 characters."""
     long = tmp_path / ("x" * 100) / ("y" * 100)
     long.mkdir(parents=True)
-    done = springpot("run", script(tmp_path), "--out", tmp_path, "--quiet", TMPDIR=str(long))
+    asked = ["run", script(tmp_path), "--engine", engine, "--json", "--quiet", "--out", tmp_path]
+    done = springpot(*asked, TMPDIR=str(long))
     assert done.returncode == 0, done.stderr
-    assert "6 trials, 6 run now;" in done.stdout
+    assert json.loads(done.stdout)["ran"] == 6
+    assert done.stderr == ""
 
 
 @pytest.mark.parametrize("after", [0.3, 0.5, 0.8, 1.5, *map(soaked, (0.4, 0.6, 1.1))])

@@ -17,11 +17,11 @@ SIZES = {"compressed_zeros": 0.4, "zip_bomb": 0.4}
 @pytest.fixture
 def short(monkeypatch):
     """A small part of the time, so that the tests are done sooner; all else as it is."""
-    monkeypatch.setattr(budget, "SECONDS", 0.4)
+    monkeypatch.setattr(budget, "SECONDS", 0.2)
     # A step within a library, which nothing interrupts, is no shorter for that; on a busy one it took four seconds.
     # Without a budget these files take 20 to 1000 times it.
     monkeypatch.setattr("opening_cost.ALLOWED_TIMES", 100)
-    monkeypatch.setattr(budget, "BYTES_A_SECOND", 50e6)
+    monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
 
 @pytest.mark.parametrize("make", hostile.FILES, ids=lambda make: make.__name__)

@@ -41,7 +41,7 @@ DEEDS = {
     "segfault": "the process was ended by SIGSEGV",
     "an error": "ValueError: out of",
     "sys.exit": "SystemExit: enough",
-    "spin": "it did not end within 3 s",
+    "sleep": "it did not end within 3 s",
     "ask for nothing finite": "",
     "forge the trace": "its best point has the objective",
     "no exception": "NoException: neither",

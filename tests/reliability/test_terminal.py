@@ -20,7 +20,8 @@ EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"
 IN_TEXT = "\x9d0;owned\x9c\x9b31m\u202eevil"
 COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 HEAD = "omega [rad/s],storage [Pa],loss [Pa]"
-ROWS = "".join(f"{w},{100 + w * w},{2 * w}{{more}}\n" for w in range(1, 13))
+ROWS = "".join(f"{w},100,{2 * w}{{more}}\n" for w in range(1, 13))
+"""A Kelvin element, in which there is nothing to be found: what is told is looked at, not how it was come by."""
 
 
 def file_with_evil_name(folder):
@@ -40,7 +41,7 @@ def labels(folder):
 def trios_json(folder):
     columns = [("Angular frequency", "rad/s"), ("Storage modulus", "Pa"), ("Loss modulus", "Pa")]
     headers = {str(i): {"DisplayName": name, "Unit": {"Name": unit}} for i, (name, unit) in enumerate(columns)}
-    rows = [{"0": w, "1": 100.0 + w, "2": 2.0 * w} for w in range(1, 13)]
+    rows = [{"0": w, "1": 100.0, "2": 2.0 * w} for w in range(1, 13)]
     table = {"ColumnHeaders": headers, "Rows": rows, "Properties": {"Name": EVIL}}
     root = {"Sample": {"Name": EVIL}, "StartTime": EVIL, "Results": [{"DataSet": table}, {"DataSet": table}]}
     path = folder / "trios.json"
@@ -58,9 +59,9 @@ FILES = (file_with_evil_name, labels, trios_json, unknown_columns)
 COMMAND_LINES = (
     ["inspect"],
     ["inspect", "--json"],
-    ["identify", "-m", "springpot"],
-    ["identify", "-m", "springpot", "--json"],
-    ["diagnose", "-m", "springpot"],
+    ["identify", "-m", "kelvin"],
+    ["identify", "-m", "kelvin", "--json"],
+    ["diagnose", "-m", "kelvin"],
     ["signals"],
 )
 
@@ -171,4 +172,4 @@ def test_numbers_of_a_table_are_unharmed(tmp_path, capsys):
     assert exit_code(lambda: run(["inspect", str(path), "--json"])) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["points"] == 12
-    assert np.isclose(found["storage"]["to"], 244.0)
+    assert np.isclose(found["loss"]["to"], 24.0)
