@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import subprocess
 import sys
 from pathlib import Path
 
@@ -197,15 +196,22 @@ def test_the_question_without_a_model_has_its_own_figures():
 
 
 @pytest.mark.slow
-def test_strata_run_by_themselves_with_their_seeds(tmp_path):
-    command = [sys.executable, STUDIES / "hidden_effect.py", "--out", tmp_path, "--workers", "1", "--seeds", "2"]
-    done = subprocess.run(
-        [*command, "--strata", "rounding,history", "--cases", "1"], check=True, capture_output=True, text=True
-    )
-    assert "0 cases done, 2 to do" in done.stdout
+def test_strata_run_by_themselves_with_their_seeds(tmp_path, monkeypatch, capfd):
+    import hidden_effect
+
+    monkeypatch.setattr(hidden_effect, "warm_up", lambda: None)  # nobody looks at the times
+
+    def study(*arguments):
+        command = ["hidden_effect.py", "--out", str(tmp_path), "--workers", "1", "--seeds", "2", *arguments]
+        monkeypatch.setattr(sys, "argv", command)
+        hidden_effect.main()
+
+    study("--strata", "rounding,history", "--cases", "1")
+    assert "0 cases done, 2 to do" in capfd.readouterr().out
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "| same verdict for 2 seeds | rounding |" in text
     assert "| history | nothing, nothing | 1 |" in text
-    refused = subprocess.run([*command, "--strata", "nonsense"], capture_output=True, text=True)
-    assert refused.returncode == 2
-    assert "no stratum nonsense; there are time, history" in refused.stderr
+    with pytest.raises(SystemExit) as refused:
+        study("--strata", "nonsense")
+    assert refused.value.code == 2
+    assert "no stratum nonsense; there are time, history" in capfd.readouterr().err
