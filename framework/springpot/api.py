@@ -229,6 +229,7 @@ def discover(
     found, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
     wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
     grown = start
+    # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
     require_conditions(grown, data)  # what cannot be accepted is told before the first fit, not after it

@@ -102,6 +102,7 @@ class Store:
         """Go on with what can be read of a file whose structure is damaged."""
         if write and not mend:
             raise StudyError(f"{self.path} is damaged: --retry-failed saves what can be read and runs the rest again")
+        # Beside the damaged file, which is replaced only when all that can be saved is in the new one.
         fresh = self.path.with_name(f"{self.path.name}.mended")
         fresh.unlink(missing_ok=True)
         saved = connect(fresh, write) if write else sqlite3.connect(":memory:", isolation_level=None)
@@ -133,6 +134,7 @@ class Store:
             raise StudyError(f"{self.path} is no study store: move it away and run again")
 
     def _upgrade(self) -> None:
+        # One version at a time: each upgrade knows only the one before it.
         while (version := self._version()) in _UPGRADES:
             for statement in _UPGRADES[version].split(";"):
                 self._db.execute(statement)
@@ -192,6 +194,7 @@ class Store:
             told["optima"] = json.dumps(
                 {n: case.optimum for n, case in zip(problems, plan.cases, strict=True) if case.optimum is not None}
             )
+            # Facts are those of the last plan: a store shows one study, though it keeps the trials of all.
             self._db.execute("DELETE FROM fact")
             self._db.executemany("INSERT INTO fact VALUES (?, ?, ?)", [(*fact, seal(fact)) for fact in told.items()])
         return cells

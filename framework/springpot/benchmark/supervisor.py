@@ -183,7 +183,10 @@ class LocalEngine:
 
     def _fill(self, worker: Worker) -> None:
         mean = self._means.get(worker.entrant, 0.0)
+        # Quick trials are handed out by many, or workers would wait for the next; slow ones singly, or they could not
+        # be shared.
         depth = 1 if mean <= 0 else int(min(max(AHEAD / mean, 1), DEEPEST))
+        # Refilled at half, so that there is something to do while the refill is on its way.
         if len(worker.tasks) > depth // 2:
             return
         found: list[Task] = []
@@ -214,6 +217,7 @@ class LocalEngine:
     def _patience(self) -> float:
         """Seconds until the first deadline."""
         now = monotonic()
+        # Nobody needs to look more often than the next deadline: answers wake the wait themselves.
         running = [w.since + self._limit(w) - now for w in self._workers.values() if w.tasks]
         return max(0.0, min(running, default=1.0)) + 0.001
 
@@ -286,6 +290,7 @@ class LocalEngine:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
         running = [worker for worker in self._workers.values() if worker.tasks]
         alone = running[0].tasks[0] if len(running) == 1 else None
+        # With several under way nobody knows whose trial ended the server: they are tried one at a time first.
         self._orphaned[alone] += len(running) < 2
         if self._orphaned[None] >= ORPHANED:
             raise StudyError(f"study {self._plan.name}: the server of workers ends again and again ({cause})")
@@ -298,6 +303,7 @@ class LocalEngine:
                 self._suspects.append(task)
             self._backlog.put_back(worker.tasks)
         for worker in self._workers.values():
+            # Workers outlive their server: nobody would end them after it.
             if worker.pid is not None:
                 end_group(worker.pid)
         self.close()

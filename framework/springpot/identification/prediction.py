@@ -227,9 +227,11 @@ def _value_and_sd(known: Uncertainty, rate: Real, conditions: Mapping[str, Real]
     value, sd = _at(known, np.where(still, AT_REST[0], log_omega), conditions)
     if not np.any(still):
         return value, sd
+    # At rest K may be zero, which limits approach but never reach: so little is none.
     tiny = NOTHING * float(np.min(known.fit.measurement.magnitude))
     for place in AT_REST:
         nearer, spread = _at(known, np.where(still, place, log_omega), conditions)
+        # A limit that is no number further out keeps the last one that was.
         good = still & np.isfinite(nearer)
         value, sd = np.where(good, nearer, value), np.where(good, spread, sd)
     return _without_rounding(value, still, tiny), _without_rounding(sd, still, tiny)

@@ -16,6 +16,7 @@ from .leastsquares import FLAT, Evaluate, Rows, Solution, levenberg_marquardt
 from .starts import Grid, shapes_of, thinned
 
 SCAN_POINTS = 64
+"""Points at which shapes are scanned: a start need only lie in the right valley."""
 ROUNDING = 1e-28
 """Objective, relative to that of the data, at which only rounding is left."""
 NEARLY = 1e-20
@@ -127,6 +128,7 @@ class Task:
         """The data at no more than `most` of the points."""
         if self.stiffness.shape[1] <= most:
             return self
+        # The coordinates stay those of all points, so that what the few find holds for all.
         pick = thinned(self.points.log_omega, most)
         points = replace(self.points.mapped(lambda column: column[pick]), log_omega=self.points.log_omega[pick])
         return replace(

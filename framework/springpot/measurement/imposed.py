@@ -72,6 +72,7 @@ class Loading:
     def smooth(self) -> Loading | None:
         """The rest without its jumps, at rising times; None where nothing else moves."""
         times, _ = self.jumps
+        # What has jumped so far is taken off, so that what is left has no steps and one value at each time.
         passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
         first = np.concatenate([[True], np.diff(self.time) > 0.0])
         kept = Loading(self.time[first], (self.value - passed)[first]) if len(times) else self
@@ -109,6 +110,7 @@ def _at_levels(value: Real) -> float:
     """Share of the samples that are at the level that was held, or at nothing."""
     size = np.abs(value)
     largest = float(size.max())
+    # The level that was held, told from ramps and from the time before and after by the median of the upper half.
     raised = size > 0.5 * largest
     if largest == 0.0 or not raised.any():
         return 0.0
@@ -136,5 +138,6 @@ def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
 def is_released(value: Real, largest: float) -> bool:
     """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
     up = value * np.sign(value[np.argmax(np.abs(value))])
+    # Half the largest value is crossed once on the way up and once on the way down.
     changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))
     return bool(abs(up[-1]) <= STEADY * largest and changes <= 2 and up.min() >= -STEADY * largest)

@@ -384,6 +384,7 @@ class TimeTest:
         DataError
             If one is of a stiffness and the other of a modulus.
         """
+        # The same object: what was worked out of it stays.
         if units == self.units:
             return self
         pressures = {self.units.stiffness in PRESSURE_UNITS, units.stiffness in PRESSURE_UNITS}
@@ -392,6 +393,7 @@ class TimeTest:
                 f"{self.name} is in {self.units.stiffness} and the other test in {units.stiffness}: "
                 "a stiffness is no modulus; convert one of them by its geometry"
             )
+        # A force is stiffness times displacement: its factor is that of both.
         stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
         longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
         moved, pulled = (longer, stiffer * longer)

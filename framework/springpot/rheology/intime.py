@@ -127,6 +127,7 @@ class Passive:
             value[later] = modes.equilibrium + fade @ modes.weights
             by_theta[later] = slopes.equilibrium + fade @ slopes.weights
             by_theta[later] -= (t[later, None] * fade * modes.weights) @ slopes.rates
+        # No sum of exponentials reaches t = 0, where a springpot has infinite force: K far above all frequencies does.
         value[~later], by_theta[~later] = self.limit(FAR)
         return Traced(value, by_theta)
 
@@ -204,11 +205,13 @@ class Passive:
             raise ModelError(
                 f"a fluid under a force of {force[0].real:g} before the first sample flowed without end: begin at 0"
             )
+        # A fluid that carried nothing before the first sample was at rest there, wherever that was.
         start = force[0] / stiffness if stiffness > 0.0 else 0.0
         start_slopes = -start / stiffness * stiffness_slopes if stiffness > 0.0 else np.zeros(len(self.theta))
         modes = self.retardation(*_times(t.real))
         by = modes.by_theta
         more = force - force[0]
+        # By the trapezoidal rule, which is exact for a force that is straight between samples.
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (more[1:] + more[:-1]) * steps[1:])])
         value = start + (modes.glass + modes.weights.sum().real) * more + modes.fluidity * impulse
         if not slopes:
@@ -259,6 +262,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     last, the signs tell where a zero is. Two are left; sum and product of all zeros tell their quadratic equation.
     """
     w, r, m = modes.weights, modes.rates, modes.mass
+    # A mode without weight makes K neither infinite nor change its sign: it separates no zeros.
     w, r = w[w != 0.0], r[w != 0.0]
     solid = modes.equilibrium > 0.0
     _, steep, _, _, steep_by_theta = _around(modes, np.zeros(1))
@@ -285,6 +289,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     paired = np.sort(zeros) if solid else np.append(np.sort(zeros), 1.0)
     d = start / m * float(np.exp(np.sum(np.log(np.sort(r)) - np.log(paired))))
     pair = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
+    # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
     for _ in range(8):
         value, slope = _value(modes, pair)
         pair = pair - value / slope
@@ -309,6 +314,7 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
         return low
     if low[0] == -np.inf:
         low[0] = high[0] - 1.0
+        # The outermost intervals have one end only: the other is looked for, factor e by factor e.
         while np.sign(_value(modes, -np.exp(low[:1]))[0][0]) != sign[0]:
             low[0] -= 1.0
     if high[-1] == np.inf:
@@ -320,6 +326,8 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
         value, slope = _value(modes, -np.exp(u))
         before = np.sign(value) == sign
         low, high = np.where(before, u, low), np.where(before, high, u)
+        # Newton where it stays inside, as it ends in few steps; half the interval where it does not, as that always
+        # ends.
         newton = u + value / slope * np.exp(-u)
         moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
         if np.all(np.abs(moved - u) <= 4e-16 * (1.0 + np.abs(u))):

@@ -94,9 +94,11 @@ def prony_of(
     low, high = np.log(spectrum.band)
     grid = np.linspace(low, high, max(12, int(PER_DECADE * (high - low) / np.log(10.0))))
     target = spectrum.stiffness(np.exp(grid)) + spectrum.mass * np.exp(2.0 * grid)
+    # A classical model is its own series: then nothing is fitted that is already known.
     exact = _exact(spectrum, dashpot)
     if terms is not None:
         return exact if exact and len(exact.times) <= terms else _fitted(grid, target, terms, dashpot, spectrum.band)
+    # From one term up: a solver carries every term through all its steps.
     for count in range(1, MOST + 1):
         if exact and len(exact.times) <= count:
             return exact
@@ -122,6 +124,7 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
     s = 1j * np.exp(grid)
     lawson = np.ones(len(grid))
     width = (grid[-1] - grid[0]) / count
+    # Evenly over the decades to begin with; the descent moves them.
     u = grid[0] + width * (np.arange(count) + 0.5)
     best: Prony | None = None
     for _ in range(ROUNDS):
@@ -142,7 +145,9 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
             viscosity = float(amounts[1]) if dashpot else 0.0
             weights = amounts[-count:][order]
             best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
+        # Lawson: weights grow where the error is largest, so that least squares tend to the least largest error.
         lawson = lawson * error / max(error.mean(), 1e-300)
+        # No point is let go altogether, or its error would grow unseen.
         lawson = np.maximum(lawson / lawson.mean(), 1e-3)
     assert best is not None
     kept = best.weights > 0.0

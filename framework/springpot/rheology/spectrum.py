@@ -315,6 +315,7 @@ class Sum:
         # The power of omega as which |K| grows: a relaxation time is where it changes most.
         power = (slope / value).real
         change = np.abs(np.diff(power))
+        # Where |K| grows as one power throughout, as of a springpot alone, no time stands out.
         largest = np.max(change)
         if not largest > 1e-6:
             return WITHOUT_TIME
@@ -384,6 +385,7 @@ class Sum:
                 fixed,
                 (share * by_theta.imag / np.pi).T,
             )
+            # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of the frequency more.
             order = 3 if any(part.is_layer for part in spread) else 2
             needed = _needed(modes, sizes, (low, high), tolerance, order)
             found.append(Lines(*(field[needed] for field in modes)))
@@ -429,6 +431,7 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
     With x = u + sum of a arcsinh((u - u_p) / d_p), a peak of half width d_p is as wide in x as the kernel, pi/2.
     """
     widths = np.maximum(peaks.imag, 1e-12)
+    # A peak as wide as the kernel needs no stretching; the narrower, the more.
     strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
 
     def stretched(u: Real) -> tuple[Real, Real]:
@@ -459,6 +462,7 @@ def _needed(
     (low, high), rates, weights = np.exp(band), modes.rates, np.abs(modes.weights)
     slow = weights * rates / low * (rates < low)
     fast = weights * (high / rates) ** order * (rates > high)
+    # A tenth of the tolerance at each end: what is cut off there must not be seen beside the step's error.
     lost_slow = (np.cumsum(slow) < 0.1 * tolerance * sizes[0]) & (rates < low)
     lost_fast = (np.cumsum(fast[::-1])[::-1] < 0.1 * tolerance * sizes[1]) & (rates > high)
     needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)

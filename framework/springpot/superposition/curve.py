@@ -239,11 +239,13 @@ def mastercurve(
     _check(measurement, column)
     weighing, notes = _weighing(measurement, column, objective)
     number = levels_of(column, measurement.points.need(column))
+    # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
     own = each_alone(measurement, number, weighing)
     weighing = _by_level(weighing, column, own.share)
     sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
     upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
     plain = Model("material", Continuum(), effects=(sideways,))
+    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `_lifted`).
     alone = fit(plain, measurement, weighing)
     found = _lifted(alone, plain + upwards) if vertical else alone
     rows = Rows.of(found)
@@ -328,6 +330,7 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     """Number of the reference level, and a note where it is not what was asked for."""
     if wanted is None:
         return factors.reference, []
+    # Only at a measured level are the factors known to be one; between levels they would rest on a law.
     nearest = int(np.argmin(np.abs(factors.levels - wanted)))
     there = float(factors.levels[nearest])
     room = 0.5 if factors.column == "temperature" else 1e-2 * max(abs(there), abs(wanted))
@@ -345,6 +348,7 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     high = np.array([x[rows.number == i].max() for i in range(m)])
     touching = (low[:, None] <= high[None, :]) & (low[None, :] <= high[:, None])
     reached = np.arange(m) == reference
+    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
     for _ in range(m):
         reached = touching[reached].any(axis=0)
     return np.asarray(reached)

@@ -190,6 +190,7 @@ class Rows:
         residual = (self.residual / self.scale).reshape(2, -1).T[order]
         same = np.diff(self.number[order]) == 0
         product = np.mean((residual[1:] * residual[:-1])[same]) if np.any(same) else 0.0
+        # A negative correlation would narrow the intervals, on no more than a guess.
         r = float(np.clip(product / max(float(np.mean(residual**2)), 1e-300), 0.0, MOST_ALIKE))
         return (1.0 + r) / (1.0 - r)
 
@@ -206,6 +207,8 @@ def factors_of(rows: Rows) -> Factors:
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
     carry = (right[known].T / values[known]) @ left[:, known].T / size[:, None]
     covariance = rows.alike * (carry * rows.scale**2) @ carry.T
+    # What the data do not determine gets a deviation that nobody takes for knowledge, rather than infinity, with
+    # which nothing can be computed.
     lost = right[~known].T / size[:, None]
     lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
     covariance = covariance + OPEN**2 * lost @ lost.T
