@@ -131,6 +131,11 @@ def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
     told, seen = row.recommendations(), row.oracle_trace()
     grid = np.union1d(geometric_grid(row.evaluations), best[0])
     grid = grid[grid >= best[0][0]]
-    columns = [[None] * len(grid) if trace is None else at(*trace, grid).tolist() for trace in (best, told, seen)]
+    columns: list[list[Any]] = []
+    for trace in (best, told, seen):
+        if trace is None:
+            columns.append([None] * len(grid))
+        else:
+            columns.append(at(*trace, grid).tolist())
     who = _who(cell, row)
     yield from ((*who, *point) for point in zip(grid.tolist(), *columns, strict=True))

@@ -136,11 +136,13 @@ class Study:
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
 
     def _require_known(self, names: list[str]) -> None:
-        stray = [name for name in self.models if name not in names] if isinstance(self.models, Mapping) else []
-        if stray:
-            raise StudyError(
-                f"study {self.name}: models are given for '{stray[0]}', which is not among the data sets"
-            )
+        if not isinstance(self.models, Mapping):
+            return  # the same models for all data sets
+        for name in self.models:
+            if name not in names:
+                raise StudyError(
+                    f"study {self.name}: models are given for '{name}', which is not among the data sets"
+                )
 
     def _models_of(self, source: Source) -> list[str]:
         given = self.models.get(source.name, (OWN,)) if isinstance(self.models, Mapping) else self.models

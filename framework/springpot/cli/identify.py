@@ -161,8 +161,10 @@ def _each(
         if code not in (0, BAD_INPUT, FAULT):
             print(f"interrupted: {len(found)} of {len(data)} are done", file=sys.stderr)
             break
-    if found and not as_json:
-        print(many_csv(found) if as_csv else many_text(found), end="" if as_csv else "\n")
+    if found and as_csv:
+        print(many_csv(found), end="")
+    elif found and not as_json:  # with --json each was printed when it was there
+        print(many_text(found))
     return worst
 
 

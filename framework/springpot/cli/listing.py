@@ -31,7 +31,9 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
     found = plugins()
     kind_of = cards.KINDS[kind]
     items, whole = kind_of.all(found), verbose
-    families = {family.name: family for family in found.items("optimiser family")} if kind == "optimisers" else {}
+    families: dict[str, Any] = {}
+    if kind == "optimisers":
+        families = {family.name: family for family in found.items("optimiser family")}
     if len(names) == 1 and names[0] in families:
         items = list(families[names[0]].members().values())
     elif names:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -64,13 +64,12 @@ def command(
     if history is not None:
         timetests.predict(found, history, temperature, output, figure, as_json)
         return
-    predicted = found.predict(
-        None if frequency is None else numbers(frequency),
-        omega=None if omega is None else numbers(omega),
-        temperature=temperature,
-        amplitude=amplitude,
-        level=level,
-    )
+    asked: dict[str, Any] = {"temperature": temperature, "amplitude": amplitude, "level": level}
+    if frequency is not None:
+        asked["frequency"] = numbers(frequency)
+    if omega is not None:
+        asked["omega"] = numbers(omega)
+    predicted = found.predict(**asked)
     if output is not None:
         write_text(output, table_text(predicted))
     if figure is not None:

@@ -169,6 +169,9 @@ def _described(test: TimeTest) -> dict[str, Any]:
 
     noise = noise_of(test)
     steps = np.diff(test.time)
+    moves = None
+    if test.warmth is not None:
+        moves = [float(test.warmth.min()), float(test.warmth.max())]
     return {
         "name": test.name,
         "kind": test.kind,
@@ -186,7 +189,7 @@ def _described(test: TimeTest) -> dict[str, Any]:
         },
         "stiffness_unit": test.units.stiffness,
         "temperature": test.temperature,
-        "temperature_moves": None if test.warmth is None else [float(test.warmth.min()), float(test.warmth.max())],
+        "temperature_moves": moves,
         "noise": {
             "floor": noise.floor,
             "absolute": noise.absolute,

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement import CONDITIONS, HELD, KELVIN, Measurement, Moduli, Units
-from springpot.rheology import Complex, Points, Real
+from springpot.measurement import HELD, KELVIN, Measurement, Moduli, Units, points_at
+from springpot.rheology import Complex, Real
 
 from .uncertainty import Uncertainty
 
@@ -199,24 +199,15 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
             raise DataError(f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data")
     if name in model.needs:
         return
-    low, high = (np.nan, np.nan) if measured is None else (float(measured.min()), float(measured.max()))
-    slack = 0.0 if measured is None else _held(name, measured)
-    if measured is None or np.any(column < low - slack) or np.any(column > high + slack):
-        effect = {"temperature": "arrhenius-shift or wlf-shift", "amplitude": "payne or friction"}.get(name)
-        hint = f", such as {effect}" if effect else ""
-        span = "was not measured" if measured is None else f"was {low:.4g} to {high:.4g}"
-        raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
-
-
-def _points(data: Measurement, log_omega: Real, conditions: Mapping[str, Real]) -> Points:
-    temperature = conditions.get("temperature")
-    return Points(
-        log_omega,
-        conditions.get("amplitude"),
-        None if temperature is None else temperature + KELVIN,
-        data.reference_temperature,
-        {name: column for name, column in conditions.items() if name not in CONDITIONS},
-    )
+    span = "was not measured"
+    if measured is not None:
+        low, high, slack = float(measured.min()), float(measured.max()), _held(name, measured)
+        if np.all(column >= low - slack) and np.all(column <= high + slack):
+            return  # what was measured is what is asked for, and the fit holds there without knowing it
+        span = f"was {low:.4g} to {high:.4g}"
+    effect = {"temperature": "arrhenius-shift or wlf-shift", "amplitude": "payne or friction"}.get(name)
+    hint = f", such as {effect}" if effect else ""
+    raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
 
 
 def _value_and_sd(known: Uncertainty, rate: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
@@ -245,7 +236,7 @@ def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) ->
 
 def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
     fit = known.fit
-    points = _points(fit.measurement, log_omega, conditions)
+    points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
     with np.errstate(all="ignore"):
         value = fit.model.stiffness(fit.theta, points)
         slopes = np.nan_to_num(fit.model.jacobian(fit.theta, points))

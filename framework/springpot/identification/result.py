@@ -223,10 +223,10 @@ class Identification(Estimate):
         return f"<Identification {self.model.name} of {self.measurement.name}: {values}; {error}>"
 
     def _repr_html_(self) -> str:
-        rows = [
-            (name, f"{row.value:.4g}", *_interval(row), row.unit + (" (fixed)" if row.fixed else ""))
-            for name, row in self.parameters.items()
-        ]
+        rows = []
+        for name, row in self.parameters.items():
+            unit = f"{row.unit} (fixed)" if row.fixed else row.unit
+            rows.append((name, f"{row.value:.4g}", *_interval(row), unit))
         error = f"error {100 * self.relative_rms:.3g} % of |K|"
         if self.standing is not None:
             error += f", noise floor {100 * self.standing.noise_floor:.3g} % ({self.standing.noise_source})"

@@ -49,8 +49,9 @@ class SearchSpace:
     def lowest(self) -> Real:
         """Limits (d,) that no point leaves, in the box or out of it: a positive parameter stays positive."""
         tiny = TINY * np.minimum(self.expected, self.upper)
-        own = zip(self.parameters, tiny, strict=True)
-        return np.array([max(p.lower, -HUGE) if p.lower else least for p, least in own])
+        lowest = np.maximum([p.lower for p in self.parameters], -HUGE)
+        # A lower end of zero is no place for a logarithm.
+        return np.where(lowest == 0.0, tiny, lowest)
 
     @cached_property
     def highest(self) -> Real:
@@ -140,6 +141,7 @@ def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace
     form = model.search
     names = model.parameters if form is None else form.parameters + model.parameters[len(form.parameters) :]
     expected = np.array([_expected(parameter, scale, time, reach) for parameter in names])
+    # Only stiffnesses get twice their size: the paper's own example lies at the end of its box.
     room = np.array([2.0 if parameter.unit.stiffness else 1.0 for parameter in names])
     upper = np.minimum(room * expected, [parameter.upper for parameter in names])
     lower = np.array([-u if p.lower < 0 else max(p.lower, TINY * u) for p, u in zip(names, upper, strict=True)])

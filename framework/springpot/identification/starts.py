@@ -109,7 +109,9 @@ class Shapes:
         target, weight = plane_data(stiffness, weights, self.compliance)
         blocks = [slice(i, i + step) for i in range(0, len(stiffness), step)]
         found = [self._chosen(target[block], weight[block], keep) for block in blocks]
-        v, gains = found[0] if len(found) == 1 else (np.concatenate(parts) for parts in zip(*found, strict=True))
+        if len(found) == 1:
+            return found[0]
+        v, gains = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return v, gains
 
     def _chosen(self, target: Real, weight: Real, keep: int) -> tuple[Real, Real]:

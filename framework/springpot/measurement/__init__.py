@@ -12,7 +12,7 @@ from .imposed import Loading
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
-from .measurement import CONDITIONS, KELVIN, Measurement, misspelt
+from .measurement import CONDITIONS, KELVIN, Measurement, misspelt, points_at
 from .moduli import Moduli
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
@@ -110,6 +110,7 @@ __all__ = [
     "parse_geometry",
     "parts_of",
     "pick_reader",
+    "points_at",
     "relative_scatter",
     "select",
     "spread_of",

@@ -213,14 +213,7 @@ class Measurement(Rows):
     @cached_property
     def points(self) -> Points:
         """Where a model of these data is evaluated."""
-        temperature = self.conditions.get("temperature")
-        return Points(
-            np.log(self.omega),
-            self.conditions.get("amplitude"),
-            None if temperature is None else temperature + KELVIN,
-            self.reference_temperature,
-            {name: column for name, column in self.conditions.items() if name not in CONDITIONS},
-        )
+        return points_at(np.log(self.omega), self.conditions, self.reference_temperature)
 
     def subset(self, rows: NDArray[np.bool_] | NDArray[np.int64], name: str | None = None) -> Measurement:
         """The rows chosen by a mask or by indices.
@@ -335,6 +328,14 @@ class Measurement(Rows):
         for i in range(len(combinations)):
             rows = np.flatnonzero(which.ravel() == i)
             yield ", ".join(f"{name} {np.mean(column[rows]):.4g}" for name, column in columns.items()), rows
+
+
+def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_temperature: float) -> Points:
+    """Points (n,) under conditions as a measurement has them, with temperatures in degC; the reference in kelvin."""
+    temperature = conditions.get("temperature")
+    kelvin = None if temperature is None else temperature + KELVIN
+    others = {name: column for name, column in conditions.items() if name not in CONDITIONS}
+    return Points(log_omega, conditions.get("amplitude"), kelvin, reference_temperature, others)
 
 
 def _holds_complex(values: ArrayLike) -> bool:

@@ -63,7 +63,8 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     if is_file(name):
         return _read(Path(name), choice, readers)
     listed = list(datasets)
-    known = {alias: data for data in listed for alias in data.aliases} | {data.name: data for data in listed}
+    known = {alias: data for data in listed for alias in data.aliases}
+    known |= {data.name: data for data in listed}  # a name goes before the alias of another set
     if text in known:
         return known[text].open()
     if choice and name in known:

@@ -127,7 +127,7 @@ class Passive:
             value[later] = modes.equilibrium + fade @ modes.weights
             by_theta[later] = slopes.equilibrium + fade @ slopes.weights
             by_theta[later] -= (t[later, None] * fade * modes.weights) @ slopes.rates
-        # No sum of exponentials reaches t = 0, where a springpot has infinite force: K far above all frequencies does.
+        # No sum of exponentials reaches t = 0: there the force is that of K far above all frequencies.
         value[~later], by_theta[~later] = self.limit(FAR)
         return Traced(value, by_theta)
 

@@ -101,8 +101,14 @@ def unlogged(column: Column, base: str) -> Column:
     """The column itself of one that holds its logarithms, to base ``10`` or ``e``; others as they are."""
     if not base:
         return column
-    cells = [cell if cell.strip() in MISSING or not is_number(cell) else _power(base, cell) for cell in column.cells]
-    return replace(column, cells=cells, decimal_comma=False)
+    return replace(column, cells=[_unlogged(cell, base) for cell in column.cells], decimal_comma=False)
+
+
+def _unlogged(cell: str, base: str) -> str:
+    """The number of which a cell holds the logarithm; what is no number is told later, as it stands in the file."""
+    if cell.strip() in MISSING or not is_number(cell):
+        return cell
+    return _power(base, cell)
 
 
 def _power(base: str, cell: str) -> str:

@@ -37,7 +37,8 @@ def signals(path: Path, choice: Choice) -> Signals:
     named = [[cells[0].lstrip("#% "), *cells[1:]] for cells in above]
     titles = next((cells for cells in named if len(found_in(cells)) == 3), list(_FORMAT))
     units = next((cells for cells in named if sum(map(is_unit, cells)) >= 3), [])
-    titles = [title if channel_of(title)[1] or units else _with_unit(title) for title in titles]
+    if not units:
+        titles = [title if channel_of(title)[1] else _with_unit(title) for title in titles]
     places = places_of(titles, units, choice)
     width = max(places.columns) + 1
     values = []

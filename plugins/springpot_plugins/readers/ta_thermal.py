@@ -23,7 +23,8 @@ def recognises(head: bytes) -> float:
     """High for the list of signals; the numbers may begin far below."""
     lines = head_text(head).splitlines()
     named = sum(1 for line in lines if _SIGNAL.match(line))
-    return 0.97 if named > 1 and any(line.startswith(("Nsig", _START)) for line in lines) else 0.0
+    announced = any(line.startswith(("Nsig", _START)) for line in lines)
+    return 0.97 if named > 1 and announced else 0.0
 
 
 def _blocks(path: Path) -> tuple[list[Block], list[list[str]]]:

@@ -151,10 +151,11 @@ def sections_of(text: str) -> list[Section]:
 
 def _with_clock(titles: tuple[Title, ...], first: Sequence[str]) -> tuple[Title, ...]:
     """The columns, where timestamps are in seconds whatever stands above them."""
-    stamped = {i for i, cell in enumerate(first) if seconds_of(cell) is not None}
-    return tuple(
-        replace(title, unit="s") if title.role == "time" and i in stamped else title for i, title in enumerate(titles)
-    )
+    found = list(titles)
+    for i, cell in enumerate(first[: len(titles)]):
+        if found[i].role == "time" and seconds_of(cell) is not None:
+            found[i] = replace(found[i], unit="s")
+    return tuple(found)
 
 
 def _with_units_above(titles: tuple[Title, ...], above: Sequence[list[str]]) -> tuple[Title, ...]:
