@@ -116,8 +116,12 @@ def test_new_data_join_in_the_units_that_are_there(data: Measurement):
     assert both.units == data.units
     assert both.storage[-2:] == pytest.approx([250.0, 220.0])
     assert text_of(measurement_of(text_of(both))) == text_of(both)
-    with pytest.raises(DataError, match="no one test"):
+    with pytest.raises(DataError, match="no joint test"):
         joined(data, measured_in("p.csv", b"frequency [Hz],storage [Pa],loss [Pa]\n60,250,50\n80,220,40\n")[0])
+    strained = b"frequency [Hz],storage [kN/m],loss [kN/m],amplitude [%s]\n60,250,50,1\n80,220,40,1\n"
+    in_mm, in_percent = (measured_in("a.csv", strained % unit)[0] for unit in (b"mm", b"%"))
+    with pytest.raises(DataError, match="different kinds"):
+        joined(in_mm, in_percent)
 
 
 def test_an_answer_is_that_of_discover(first: dict, state: State, data: Measurement):

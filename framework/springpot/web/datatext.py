@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Part
+from springpot.measurement import joined as together
 from springpot.registry import open_measurement, parts_of, plugins
 
 LONGEST = 80
@@ -120,35 +121,16 @@ def joined(one: Measurement, other: Measurement) -> Measurement:
     DataError
         If one is a modulus and the other a stiffness, or one lacks a condition of the other.
     """
-    from springpot.measurement import AMPLITUDE_UNITS, MODULUS_UNITS
-
-    if one.units.is_modulus != other.units.is_modulus:
-        raise DataError(
-            f"{other.name} is in {other.units.stiffness}, {one.name} in {one.units.stiffness}: no one test"
-        )
-    if set(one.conditions) != set(other.conditions):
-        lacking = ", ".join(sorted(set(one.conditions) ^ set(other.conditions)))
-        raise DataError(f"{one.name} and {other.name} differ in their columns: {lacking} is in one of them only")
-    factor = MODULUS_UNITS[other.units.stiffness] / MODULUS_UNITS[one.units.stiffness]
-    columns = {name: np.concatenate([one.conditions[name], other.conditions[name]]) for name in one.conditions}
-    if "amplitude" in columns:
-        reach = AMPLITUDE_UNITS[other.units.amplitude] / AMPLITUDE_UNITS[one.units.amplitude]
-        columns["amplitude"][len(one) :] *= reach
-    sd = None
-    if one.sd is not None and other.sd is not None:
-        sd = np.concatenate([one.sd, other.sd * factor])
-    repeat = None
-    if one.repeat is not None or other.repeat is not None or np.intersect1d(one.omega, other.omega).size:
-        first, second = (np.zeros(len(d), dtype=int) if d.repeat is None else d.repeat for d in (one, other))
-        repeat = np.concatenate([first, second + first.max() + 1])
-    provenance: Mapping[str, str] = {**one.provenance, "joined with": other.name}
+    both = together([one, other])
+    # Only what was measured twice is a repeat: files of one frequency each are one sweep.
+    again = one.repeat is not None or other.repeat is not None or bool(np.intersect1d(one.omega, other.omega).size)
     return Measurement(
-        np.concatenate([one.omega, other.omega]),
-        np.concatenate([one.stiffness, other.stiffness * factor]),
-        sd=sd,
-        conditions=columns,
-        repeat=repeat,
-        units=one.units,
-        name=f"{one.name} + {other.name}",
-        provenance=provenance,
+        both.omega,
+        both.stiffness,
+        sd=both.sd,
+        conditions=both.conditions,
+        repeat=both.repeat if again else None,
+        units=both.units,
+        name=both.name,
+        provenance={**one.provenance, "joined with": other.name},
     )
