@@ -15,7 +15,6 @@ from springpot.identification import (
     best_run,
     is_material,
     levenberg_marquardt,
-    own_parameters,
 )
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows
@@ -28,7 +27,7 @@ from .quick import QuickPart, UnfollowedError
 from .result import PartResult, TimeIdentification, sampled_scatter
 from .searched import InTimeProblem
 from .start import start_of
-from .tries import Scales, tries_of
+from .tries import Scales, test_with, tries_of
 
 NATIVE = "native"
 BUDGET = 2000
@@ -121,9 +120,7 @@ def identify(
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
-    if isinstance(model, Timed) and is_material(model.material):
-        raise ModelError(f"{model.name}: any material could have done what a test did; name a model")
-    if not isinstance(model, Timed) and is_material(model):
+    if is_material(material_of(model)):
         return _of_material(model, parts, reference, began)
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     starts = search.starts()
@@ -151,11 +148,12 @@ def identify(
     return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=tuple(notes))
 
 
-def _of_material(model: Model, parts: Sequence[Part], reference: float, began: float) -> TimeIdentification:
+def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, began: float) -> TimeIdentification:
     """Any linear passive material, whose spectrum the tests choose."""
     typical = Search(model, parts, reference)
+    around = len(material_of(model).material.parameters)
     coordinates = Coordinates.of(
-        [model.parameters[i] for i in own_parameters(model)],
+        model.parameters[around:],
         typical.middle,
         np.array(typical.sizes[:1]),
         typical.sizes[1],
@@ -235,12 +233,8 @@ class Search:
         theta = [np.asarray(material, dtype=float)]
         scales = Scales.of(self.parts)
         for effect in self.model.time_effects:
-            mine = [part.test for part in in_time if effect.is_for(part.test)]
-            if not mine:
-                raise ModelError(
-                    f"{in_time[0].test.name}: '{effect.name}' cannot be seen in such a test: leave it out"
-                )
-            places = [np.array(place) for place in tries_of(effect, mine[0], scales)]
+            mine = test_with(effect, [part.test for part in in_time])
+            places = [np.array(place) for place in tries_of(effect, mine, scales)]
             theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
             theta = sorted(theta, key=lambda each: self._misfit(each))
         return theta[:TRIED]

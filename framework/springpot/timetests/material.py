@@ -9,15 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE, non_negative
+from springpot.measurement import Timed, material_of
 from springpot.rheology import Continuum, Model, Real
 
 from .parts import InTimePart, Part
+from .tries import Scales, test_with, tries_of
 
 SLOWER, FASTER = 1.0, 0.5
 """Decades beyond the times of the tests: what relaxes more slowly is a spring there, and of what is gone before the
@@ -28,20 +31,29 @@ STEPS = 60
 """A relaxation alone takes two, a creep or an effect around the material ten to thirty."""
 STILL = 1e-7
 """Relative drop of the sum of squares below which a step changes nothing that is printed."""
+BRIEF = 3
+"""Steps from each place where an effect of a test may lie: the material needs two, and the effect one."""
 SHORTEST = 1e-6
 """Share of a step below which none goes downhill."""
 LONGEST = 1.0
 """Of a step of a searched coordinate, most of which are logarithms: beyond a factor of e no slope holds."""
 
 
+def with_rates(model: Model | Timed, rates: Sequence[float]) -> Model | Timed:
+    """The same with these lines, rates in 1/s, in its material."""
+    if isinstance(model, Timed):
+        return replace(model, material=replace(model.material, material=Continuum(tuple(rates))))
+    return replace(model, material=Continuum(tuple(rates)))
+
+
 def spectral(
-    model: Model, parts: Sequence[Part], reference: float, coordinates: Coordinates
-) -> tuple[Model, Real, int]:
+    model: Model | Timed, parts: Sequence[Part], reference: float, coordinates: Coordinates
+) -> tuple[Model | Timed, Real, int]:
     """A material with the lines that tests in time show, and its parameters.
 
     Parameters
     ----------
-    model : Model
+    model : Model or Timed
         Its material is a `Continuum`.
     parts : sequence of Part
         The tests, each with its weight.
@@ -52,7 +64,7 @@ def spectral(
 
     Returns
     -------
-    model : Model
+    model : Model or Timed
         With the lines that carry weight.
     theta : ndarray, shape (p,)
         K_e, c, the weights, and the effects' parameters.
@@ -62,40 +74,47 @@ def spectral(
     Raises
     ------
     ModelError
-        If the model cannot be followed in these tests.
+        If the model cannot be followed in these tests, or any material could have done what an effect of them did.
     """
     search = _Search(model, parts, reference, coordinates)
-    weights, u, cost = search.start()
-    for _ in range(STEPS):
-        value, by_weights, by_u = search.slopes(weights, u)
-        better = search.step(weights, u, value, by_weights, by_u, cost)
-        if better is None:
-            break
-        drop = cost - better[2]
-        weights, u, cost = better
-        if drop <= STILL * cost:
-            break
+    weights, u, _ = search.descended(search.placed(search.start()), STEPS)
+    search.require_told(weights, u)
     kept = weights[2:] > 0.0
-    rates = tuple(search.rates[kept].tolist())
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
-    return replace(model, material=Continuum(rates)), theta, search.evaluations
+    return with_rates(model, search.rates[kept].tolist()), theta, search.evaluations
 
 
+FACTOR = 1.0
+"""Logarithm by which a size, a time or a threshold is moved to see whether the tests tell it: nearly threefold."""
+VISIBLE = 0.1
+"""Share of the signal that an effect of either sign is changed by for the same: no test is run for less."""
+SEEN = 4.0
+"""Rise of the sum of squares over the noise that such a move must cost: two standard deviations."""
 LEAST = 1e-9
 """Share of the stiffness that a line keeps while others are sought: a thousandth of the best transducer's noise."""
+
+
+class Place(NamedTuple):
+    """Weights of the lines, coordinates of the effects, and the sum of squares there."""
+
+    weights: Real
+    u: Real
+    cost: float
 
 
 class _Search:
     """Residuals of tests by the weights of a lattice of lines and by the effects' coordinates."""
 
-    def __init__(self, model: Model, parts: Sequence[Part], reference: float, coordinates: Coordinates) -> None:
+    def __init__(
+        self, model: Model | Timed, parts: Sequence[Part], reference: float, coordinates: Coordinates
+    ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
         seen = [_seen(part) for part in parts]
         low, high = min(each[0] for each in seen), max(each[1] for each in seen)
         decades = np.log10(high / low) + SLOWER + FASTER
         self.rates = np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2)
-        self.model = replace(model, material=Continuum(tuple(self.rates.tolist())))
+        self.model = with_rates(model, self.rates.tolist())
         self.count = 2 + len(self.rates)
         self.bounds = coordinates.bounds()
         self.evaluations = 0
@@ -104,26 +123,67 @@ class _Search:
         """Parameters of the effects at u."""
         return self.coordinates.theta(u, self.size)
 
-    def start(self) -> tuple[Real, Real, float]:
+    def start(self) -> Place:
         """All lines alike, as stiff together as what was measured, and effects of their natural size."""
         stiffness = float(np.exp(np.mean([np.log(_typical(part)) for part in self.parts])))
-        u = np.where(self.coordinates.log, 0.0, 0.5)
+        # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
+        u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
         for share in (1.0, 1e-2, 1e-4):
             # Effects that are far too large hide the material: smaller ones may be nearer.
             small = np.where(self.coordinates.log, u + np.log(share), u)
             weights = np.full(self.count, stiffness / self.count)
             cost = self.cost(weights, small)
             if np.isfinite(cost):
-                return weights, small, cost
+                return Place(weights, small, cost)
         raise ModelError(f"{self.model.name} cannot be followed in these tests")
+
+    def placed(self, start: Place) -> Place:
+        """A start with each effect of the tests where it does most good, of the places where it may lie."""
+        if not isinstance(self.model, Timed):
+            return start
+        tests = [part.test for part in self.parts if isinstance(part, InTimePart)]
+        scales = Scales.of(self.parts)
+        first = self.first_of_tests
+        for effect in self.model.time_effects:
+            own = slice(first, first + len(effect.parameters))
+            first = own.stop
+            found = [start]
+            for values in tries_of(effect, test_with(effect, tests), scales):
+                theta = self.own(start.u)
+                theta[own] = values
+                there = self.coordinates.u(theta, self.size)
+                begun = Place(start.weights, there, self.cost(start.weights, there))
+                if np.isfinite(begun.cost):
+                    found.append(self.descended(begun, BRIEF))
+            start = min(found, key=lambda each: each.cost)
+        return start
+
+    @property
+    def first_of_tests(self) -> int:
+        """Where the coordinates of effects of the tests begin, behind those of effects of the rig."""
+        return len(material_of(self.model).parameters) - self.count
+
+    def descended(self, place: Place, steps: int) -> Place:
+        """Gauss-Newton steps, until one changes nothing that is printed."""
+        for _ in range(steps):
+            better = self.step(place, *self.slopes(place.weights, place.u))
+            if better is None:
+                break
+            drop = place.cost - better.cost
+            place = better
+            if drop <= STILL * place.cost:
+                break
+        return place
 
     def cost(self, weights: Real, u: Real) -> float:
         """Sum of squares; endless where the model cannot be followed."""
         try:
-            value = self._residual(weights, u)[0]
+            with np.errstate(all="ignore"):
+                value = self._residual(weights, u)[0]
+                cost = float(value @ value)
         except SpringpotError:
             return np.inf
-        return float(value @ value)
+        return cost if np.isfinite(cost) else np.inf
 
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         self.evaluations += 1
@@ -139,18 +199,38 @@ class _Search:
         by_own = np.ascontiguousarray(by_theta[:, self.count :].T)
         return value, by_theta[:, : self.count], self.coordinates.carry(by_own, self.own(u), self.size).T
 
-    def step(
-        self, weights: Real, u: Real, value: Real, by_weights: Real, by_u: Real, cost: float
-    ) -> tuple[Real, Real, float] | None:
+    def require_told(self, weights: Real, u: Real) -> None:
+        """Check that no other lines could have done what an effect of the tests did.
+
+        After a slow ramp, for one, a material relaxes as another one does after a step.
+
+        Raises
+        ------
+        ModelError
+            If a much smaller or larger effect leaves the same, the lines being chosen anew.
+        """
+        if not isinstance(self.model, Timed):
+            return
+        value, by_weights, by_u = self.slopes(weights, u)
+        signal = np.concatenate([_signal(part) for part in self.parts])
+        names = [parameter.name for parameter in self.model.parameters[self.count :]]
+        for i in range(self.first_of_tests, len(u)):
+            effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
+            visible = VISIBLE * float(np.linalg.norm(signal)) / max(float(np.linalg.norm(effect)), 1e-300)
+            change = effect * (FACTOR if self.coordinates.log[i] else visible)
+            least = _left(by_weights, others, by_weights @ weights - value)
+            for moved in (change, -change):
+                if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
+                    raise ModelError(
+                        f"{names[i]}: another material could have done the same in these tests: name a model in "
+                        "place of 'material', or add a test of another kind"
+                    )
+
+    def step(self, place: Place, value: Real, by_weights: Real, by_u: Real) -> Place | None:
         """A better place, or None where none is found on the way to that of the linear problem."""
-        basis = np.linalg.qr(by_u)[0] if by_u.shape[1] else by_u
+        weights, u, cost = place
         target = by_weights @ weights - value
-
-        def beside(each: Real) -> Real:
-            rest: Real = each - basis @ (basis.T @ each)
-            return rest
-
-        wanted = non_negative(beside(by_weights), beside(target))[0]
+        wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
         move = np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0] if len(u) else u
         move = np.clip(move, -LONGEST, LONGEST)
         share = 1.0
@@ -159,9 +239,33 @@ class _Search:
             nearer = weights + share * (wanted - weights)
             found = self.cost(nearer, there)
             if found < cost:
-                return nearer, there, found
+                return Place(nearer, there, found)
             share *= 0.3
         return None
+
+
+def _beside(by_u: Real, each: Real) -> Real:
+    """What effects whose derivatives are `by_u` (m, q) leave of something (m, ...)."""
+    if not by_u.shape[1]:
+        return each
+    basis = np.linalg.qr(by_u)[0]
+    rest: Real = each - basis @ (basis.T @ each)
+    return rest
+
+
+def _left(by_weights: Real, by_u: Real, target: Real) -> float:
+    """Sum of squares that the best lines and effects leave of a target (m,)."""
+    lines, wanted = _beside(by_u, by_weights), _beside(by_u, target)
+    return float(np.sum((lines @ non_negative(lines, wanted)[0] - wanted) ** 2))
+
+
+def _signal(part: Part) -> Real:
+    """What was measured, over its noise."""
+    if isinstance(part, InTimePart):
+        signal: Real = part.test.response / (part.scale * part.sd)
+        return signal
+    both = np.concatenate([part.test.storage / part.sd.real, part.test.loss / part.sd.imag])
+    return np.asarray(both / part.scale, dtype=float)
 
 
 def _seen(part: Part) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from springpot.measurement import Loading, Record, Stage, Timed, TimeEffect, Tim
 from springpot.rheology import InTime, Model, Real, Traced
 
 from .predicted import TOLERANCE, answer, predicted, specimen
+from .warming import warming
 
 STEP = 1e-6
 """Relative step of the one derivative that is a difference: of what is not linear, by a changed loading."""
@@ -45,22 +46,54 @@ def recorded(
     Raises
     ------
     ModelError
-        As in `predicted`; also if something does not go by the clock of its material, such as a mass.
+        As in `predicted`; also if something does not go by the clock of its material, such as a mass, or if an effect
+        is to turn that clock while a moving temperature does.
     """
     if not isinstance(model, Timed):
         return predicted(model, theta, test, reference, at, tolerance)
-    if test.warmth is not None and "temperature" in model.needs:
-        raise ModelError(f"{model.name}: effects of the test are not followed where its temperature moves")
     t = test.time if at is None else at
     own, placed = model.parts(theta)
     mine = [(effect, place) for effect, place in placed if effect.is_for(test)]
-    inside = specimen(model.material, own, test, reference, tolerance)
-    found = _answered(inside, mine, theta, test, t)
+    if test.warmth is not None and "temperature" in model.needs:
+        found = _while_it_warms(model, own, mine, theta, test, reference, t, tolerance)
+    else:
+        inside = specimen(model.material, own, test, reference, tolerance)
+        found = _answered(inside, mine, theta, test, t)
     by_theta = np.zeros((len(t), len(theta)))
     by_theta[:, : len(own)] = found.by_theta[:, : len(own)]
     for k, index in enumerate(indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)):
         by_theta[:, index] = found.by_theta[:, len(own) + k]
     return shown(mine, theta, Record.of(test, t), found.value, by_theta)
+
+
+def _while_it_warms(
+    model: Timed,
+    own: Real,
+    mine: Sequence[tuple[TimeEffect, slice]],
+    theta: Real,
+    test: TimeTest,
+    reference: float | None,
+    t: Real,
+    tolerance: float,
+) -> Traced:
+    """What the specimen answers while its temperature moves: as `_answered`, without effects of the clock.
+
+    Which of two effects turns the clock first, the temperature or the other, no test of one course can tell.
+    """
+    for effect, _ in at_stage(mine, Stage.CLOCK):
+        raise ModelError(
+            f"{test.name}: '{effect.name}' turns the material's clock, which the moving temperature turns already: "
+            "leave it out, or name one temperature for the test"
+        )
+    loading, slopes = reached(mine, theta, test, t)
+
+    def respond(imposed: Loading) -> Traced:
+        return warming(model.material, own, test, reference, t, tolerance, imposed)
+
+    found = respond(loading)
+    linear = not slopes or specimen(model.material, own, test, reference, tolerance).linear
+    columns = [_by_loading(lambda imposed: respond(imposed).value, linear, loading, slope) for slope in slopes]
+    return Traced(found.value, np.column_stack([found.by_theta, *columns]))
 
 
 def shown(
@@ -96,7 +129,9 @@ def _answered(
     columns = [found.by_theta]
     for slope in slopes:
         moved = clock.turned(slope, t) if clock.effects else slope
-        column = _by_loading(inside, turned, moved, here, test.control)
+        column = _by_loading(
+            lambda imposed: answer(inside, imposed, here, test.control).value, inside.linear, turned, moved
+        )
         # At the very corner of a ramp the slope of a springpot's answer is endless; no other sample is touched.
         columns.append(np.where(np.isfinite(column), column, 0.0)[:, None])
     if clock.effects:
@@ -155,15 +190,15 @@ def with_jumps(time: Real, value: Real, when: Real, sizes: Real) -> Loading:
     return Loading(np.concatenate([knots, knots[jumping]])[order], np.concatenate([before, after[jumping]])[order])
 
 
-def _by_loading(inside: InTime, loading: Loading, slope: Loading, t: Real, control: str) -> Real:
+def _by_loading(respond: Callable[[Loading], Real], linear: bool, loading: Loading, slope: Loading) -> Real:
     """How the response changes with the loading: that to the change itself, as long as all is linear."""
-    if inside.linear:
-        return answer(inside, slope, t, control).value
+    if linear:
+        return respond(slope)
     size = STEP * np.abs(loading.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
     times = np.union1d(loading.time, slope.time)
     there, change = (np.interp(times, each.time, each.value) for each in (loading, slope))
-    more, less = (answer(inside, Loading(times, there + sign * size * change), t, control) for sign in (1.0, -1.0))
-    rate: Real = (more.value - less.value) / (2.0 * size)
+    more, less = (respond(Loading(times, there + sign * size * change)) for sign in (1.0, -1.0))
+    rate: Real = (more - less) / (2.0 * size)
     return rate
 
 

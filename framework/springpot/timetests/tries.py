@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 
+from springpot.errors import ModelError
 from springpot.measurement import TimeEffect, TimeTest
 from springpot.rheology import Parameter
 
@@ -85,6 +86,20 @@ def _sizes(test: TimeTest) -> tuple[float, float]:
         return max(float(np.median(answer) / imposed), 1e-300), float(imposed)
     reach = max(float(answer.max()), 1e-300)
     return max(float(imposed) / reach, 1e-300), reach
+
+
+def test_with(effect: TimeEffect, tests: Sequence[TimeTest]) -> TimeTest:
+    """The first test in which an effect can be seen.
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    for test in tests:
+        if effect.is_for(test):
+            return test
+    raise ModelError(f"{tests[0].name}: '{effect.name}' cannot be seen in such a test: leave it out")
 
 
 def tries_of(effect: TimeEffect, test: TimeTest, scales: Scales) -> list[tuple[float, ...]]:

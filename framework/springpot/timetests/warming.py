@@ -12,12 +12,19 @@ SUDDEN = 1e-6
 
 
 def warming(
-    model: Model, theta: Real, test: TimeTest, reference: float | None, at: Real | None, tolerance: float
+    model: Model,
+    theta: Real,
+    test: TimeTest,
+    reference: float | None,
+    at: Real | None,
+    tolerance: float,
+    loading: Loading | None = None,
 ) -> Traced:
     """The response of a model to the loading of a test whose temperature moved.
 
-    Parameters and returns are those of `predicted`; the temperature is straight between samples and held before and
-    after them, and the reference is its mean by default.
+    `loading` is what reached the specimen, where that is another. The other parameters and the returns are those of
+    `predicted`; the temperature is straight between samples and held before and after them, and the reference is its
+    mean by default.
 
     Raises
     ------
@@ -27,7 +34,7 @@ def warming(
     assert test.warmth is not None
     assert test.kelvin is not None
     t = test.time if at is None else at
-    loading = _gradual(test.loading, test.time)
+    loading = _gradual(test.loading if loading is None else loading, test.time)
     # All samples take part, whichever are asked for: between them the temperature may turn.
     grid = np.union1d(np.union1d(loading.time, test.time), t)
     kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
