@@ -107,13 +107,15 @@ def exported(
     writer: Writer = plugins().find("writer", format_name)
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
+    if dashpot and not writer.dashpot:
+        raise ModelError(f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot")
     known = lesser(_known(source, values, unit), without)
     _refuse_rig(known.model)
     kelvin = None if temperature is None else temperature + KELVIN
     spectrum = known.model.spectrum(
         known.theta, _band(band), temperature=kelvin, reference_temperature=known.reference
     )
-    prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot and writer.dashpot)
+    prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = known.units.stiffness if source.endswith(".json") or unit is not None else ""
     handoff = _handoff(known, prony, shown_unit, kelvin, poisson)

@@ -40,6 +40,8 @@ def test_a_fit_is_read_back_in_its_units(springpot, tmp_path):
         ),
         (["none.json", "--to", "csv", "--band", BAND], "none.json"),
         (["spring", "--to", "abaqus", "--band", BAND, "--set", "k=1", "--unit", "kN/m"], "modulus"),
+        (["dashpot", "--to", "csv", "--band", BAND, "--set", "c=1"], "--dashpot"),
+        (["dashpot", "--to", "abaqus", "--band", BAND, "--set", "c=1", "--unit", "MPa", "--dashpot"], "no place for"),
     ],
 )
 def test_bad_input_is_one_line(springpot, arguments: list[str], word: str):

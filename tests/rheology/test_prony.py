@@ -67,6 +67,13 @@ def test_classical_models_are_their_own_series():
     assert (kelvin.equilibrium, kelvin.viscosity, len(kelvin.times)) == (1.0, 2.0, 0)
 
 
+def test_a_dashpot_that_may_not_stand_is_refused_with_what_helps():
+    with pytest.raises(ModelError, match=r"follow its dashpot no nearer than 0\.\d+ %: .*\(--dashpot\)") as told:
+        prony_of(spectrum_of("kelvin", [1.0, 2.0]))
+    assert "\n" not in str(told.value)
+    assert prony_of(spectrum_of("kelvin", [1.0, 2.0]), tolerance=0.02).error < 0.02
+
+
 @pytest.mark.parametrize("options", [{"terms": 0}, {"terms": 61}, {"tolerance": 0.0}, {"tolerance": 2.0}])
 def test_nonsense_is_refused(options: dict[str, float]):
     with pytest.raises(ModelError):

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 MOST = 60
 """Terms beyond which a tolerance is given up: three a decade over twenty decades."""
+IN_VAIN = 6
+"""Terms that do not help after which no more are tried: one in every third of a decade of a band of two."""
+WORTH = 0.9
+"""Share of the error that a term must leave at most to have helped; of a springpot each leaves a quarter."""
 PER_DECADE = 16
 """Frequencies a decade at which the error is fitted and measured: beyond 12 it changes in the third digit only."""
 BEYOND = 5.0
@@ -84,7 +88,8 @@ def prony_of(
     Raises
     ------
     ModelError
-        If the tolerance needs more terms than `MOST`, or the number of terms is not 1 to `MOST`.
+        If the tolerance needs more terms than `MOST` or no terms hold it, as those of a dashpot that may not stand
+        beside them, or if the number of terms is not 1 to `MOST`.
     """
     if terms is not None and not 1 <= terms <= MOST:
         raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
@@ -98,6 +103,7 @@ def prony_of(
     exact = _exact(spectrum, dashpot)
     if terms is not None:
         return exact if exact and len(exact.times) <= terms else _fitted(grid, target, terms, dashpot, spectrum.band)
+    least, better = np.inf, 0
     # From one term up: a solver carries every term through all its steps.
     for count in range(1, MOST + 1):
         if exact and len(exact.times) <= count:
@@ -105,7 +111,18 @@ def prony_of(
         found = _fitted(grid, target, count, dashpot, spectrum.band)
         if found.error <= wanted:
             return found
-    raise ModelError(f"{MOST} terms do not hold {100 * wanted:g} %: widen the tolerance or narrow the band")
+        if found.error < WORTH * least:
+            least, better = found.error, count
+        if count - better >= IN_VAIN and not exact:
+            break
+    if spectrum.viscosity > 0.0 and not dashpot:
+        raise ModelError(
+            f"terms alone follow its dashpot no nearer than {100 * least:.2g} %: let a dashpot stand beside them "
+            "(--dashpot) where the format has one, or widen the tolerance"
+        )
+    raise ModelError(
+        f"{count} terms hold {100 * least:.2g} %, not {100 * wanted:g} %: widen the tolerance or narrow the band"
+    )
 
 
 def _exact(spectrum: Spectrum, dashpot: bool) -> Prony | None:
