@@ -23,6 +23,7 @@ def versions(further: Iterable[str] = ()) -> dict[str, str]:
     for name in dict.fromkeys((*LIBRARIES, *plugins().distributions(), *further)):
         try:
             found[name] = version(name)
+        # An extra that is not installed had no part in the result.
         except PackageNotFoundError:
             continue
     return found

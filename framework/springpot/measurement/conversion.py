@@ -50,6 +50,7 @@ class Conversion:
 
     def stiffness(self, values: Complex) -> Complex:
         """Real and imaginary parts (n,) each times or over a real factor, with one rounding."""
+        # NumPy divides complex numbers by complex ones, which rounds more than once.
         parts = np.ascontiguousarray(values).view(float)
         result: Complex = self.by(parts, self.factor).view(np.complex128)
         return result

@@ -121,6 +121,7 @@ def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[B
     for _ in range(rounds):
         normal, right, square, count = _moments(record, basis, coefficients)
         solution = _solve(normal, right, square, count)[:, 0]
+        # A longer step would leave the peak: beyond one over the length another one begins.
         coefficients, step = solution[:-1], float(np.clip(solution[-1], -width, width))
         left = max(float(square[0, 0] - solution @ right[:, 0]), 0.0) / max(count - len(solution), 1)
         variance = left * float(np.linalg.pinv(normal)[-1, -1])
@@ -167,6 +168,7 @@ def fit_harmonics(record: Record, basis: Basis) -> Fit:
                 right[g] += columns[low:high].T @ both[low:high]
     total = normal.sum(axis=0)
     solution = _solve(total, right.sum(axis=0))
+    # A group with a gap may hold fewer samples than unknowns.
     enough = normal[:, 0, 0] >= 2 * size
     inverse = _inverse(total)
     noise, freedom, residual, samples = _residuals(record, basis, solution, inverse)

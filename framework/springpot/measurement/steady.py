@@ -16,6 +16,7 @@ EXCERPT = 1 << 17
 CYCLES = 16
 """From which a frequency can be refined in any case."""
 QUARTERS = 4
+"""Parts of a period: amplitudes are taken over four, a new one from each quarter on."""
 MOST = 1 << 16
 """Quarters of periods in which a record is looked at; in longer ones, of several periods: memory stays the same."""
 TOLERANCE = 0.02
@@ -70,11 +71,14 @@ def _peak(record: Record, rows: slice) -> tuple[float, float]:
         raise DataError(f"{record.name}: the displacement does not move")
     even = np.linspace(time[0], time[-1], len(time))
     span = even[-1] - even[0]
+    # A drift has the largest amplitudes of all, at the lowest frequencies.
     trend = np.polynomial.Polynomial.fit(even, moved, 1)
     level = np.interp(even, time, moved)
     smooth = level - trend(even)
     padded = 1 << int(np.ceil(np.log2(8 * len(even))))
+    # The window keeps a strong line from spilling over its neighbours; padding gives places between the lines.
     power = np.abs(np.fft.rfft(smooth * np.hanning(len(even)), padded))
+    # Less than half a cycle in all is no oscillation.
     power[: padded // (2 * len(even))] = 0.0
     best = int(np.argmax(power))
     omega = 2 * np.pi * best * (len(even) - 1) / (padded * span)
@@ -131,8 +135,10 @@ def steady_part(record: Record, omega: float) -> Steady:
     size = np.abs(moved)
     if not np.nanmax(size, initial=0.0) > 0:
         return whole
+    # Of pauses and run-ups the amplitude is mostly noise: they do not say how large that is.
     loud = size > 0.2 * np.nanmax(size)
     noise = float(np.nanmedian(spread[loud] / size[loud]))
+    # As strict as the noise allows, and less so only where nothing is found.
     for tolerance in max(TOLERANCE, 4 * noise) * np.array([1.0, 2.0, 4.0]):
         first, last = _longest_level(np.where(loud, size, np.nan), float(tolerance))
         if last - first > QUARTERS:
@@ -165,6 +171,7 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
     # Sums over each quarter of (1, cos, sin) by itself, by the channels, and of the squared displacement.
     sums, origin = np.zeros((bins, 16)), None
     for time, both in record.blocks():
+        # About the first sample: squares of a large offset would leave no digits for the oscillation.
         origin = both[0] if origin is None else origin
         phase = omega * (time - begin)
         which = np.minimum(((time - begin) / quarter).astype(int), bins - 1)
@@ -209,6 +216,7 @@ def _transient(stiffness: Complex) -> int:
     settled = stiffness[len(stiffness) // 2 :]
     centre = np.median(settled.real) + 1j * np.median(settled.imag)
     away = np.abs(stiffness - centre)
+    # Median and not variance, as a transient must not widen the limit that it is told by.
     limit = max(0.05 * abs(centre), 6 * float(np.median(away[len(away) // 2 :])))
     outside = np.flatnonzero(away[: len(away) // 2] > limit)
     # Only an unbroken beginning is a transient; what comes later is scatter.

@@ -66,6 +66,7 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
     made orthogonal to the rest (variable projection, doi:10.1137/0710036).
     """
     period = 2 * np.pi / basis.omega
+    # In a short part even less: what lasts through it cannot be told from level and drift.
     longest = min(LONGEST * period, (basis.stop - basis.start) / 4)
     trials = np.exp(np.arange(np.log(period / 16), np.log(longest), np.log(STEP)))
     size = basis.size
@@ -75,6 +76,7 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
         if not len(time):
             continue
         columns = basis.columns(time)
+        # Later blocks hold nothing of it but rounding.
         if time[0] - basis.start < GONE * longest:
             columns = np.concatenate([columns, np.exp(-(time - basis.start)[:, None] / trials)], axis=1)
         have = columns.shape[1]

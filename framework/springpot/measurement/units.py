@@ -248,12 +248,14 @@ class Units:
         """
         if dimension.label:
             return 1.0, dimension.label
+        # Units that mechanics has a name for go first: kg rather than kN s^2/m.
         special = self._mechanical(dimension)
         return special if special else (1.0, self._plain(dimension))
 
     def _mechanical(self, dimension: Dimension) -> tuple[float, str] | None:
         powers = (dimension.stiffness, dimension.time, dimension.amplitude)
         stiff = MODULUS_UNITS[self.stiffness]
+        # A stiffness times s^2 is a mass, which nobody reads in kN s^2/m.
         if powers == (1, 2, 0):
             if self.is_modulus:
                 return stiff, "kg/m"

@@ -193,6 +193,7 @@ class InTime:
     def _reduced(self, inside: list[Placed], t: Real, x: Real, control: str = "displacement") -> Traced:
         """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
         shifts = [place for place, each in enumerate(inside) if each.effect.composition.kind is Shift]
+        # What joined before the last shift goes by the clock of the material, what joined later by that of the test.
         last = shifts[-1] + 1 if shifts else 0
         for effect, _, _ in inside:
             if "temperature" in effect.needs and effect.composition.kind is not Shift:
@@ -214,6 +215,7 @@ class InTime:
         found = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
         for own_law, law in laws:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
+                # A complex step: exact to rounding, as nothing is subtracted.
                 turned = _reduced_time(t, log_shift + 1j * STEP * slope)
                 mine = replace(passive, theta=self.theta[own])
                 answer = mine.respond if control == "displacement" else mine.respond_force

@@ -118,9 +118,12 @@ class Damper:
         """The same with parameters as they may as well be: positive ones by their logarithm."""
         if self.covariance is None:
             return self
+        # A positive parameter that is known within a factor must not be drawn below zero.
         log = np.array([parameter.scale == "log" for parameter in self.model.parameters]) & (self.theta > 0.0)
         size = np.where(log, self.theta, 1.0)
         spread = self.covariance / np.outer(size, size)
+        # By eigenvalues and unchecked: the covariance of a parameter on its bound is zero, and rounding may make it
+        # less.
         move = rng.multivariate_normal(np.zeros(len(size)), spread, method="eigh", check_valid="ignore")
         theta = np.where(log, self.theta * np.exp(np.where(log, move, 0.0)), self.theta + move)
         lower = np.array([parameter.lower for parameter in self.model.parameters])
