@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paper_problems import artificial
+from paper_problems import TRUTHS, artificial
 from springpot.identification import Problem
 
 
@@ -36,3 +36,18 @@ def test_a_logarithmic_objective_is_the_sum_of_its_squared_residuals():
     problem = Problem(base.model, base.measurement, replace(base.objective, logarithmic=True), base.space)
     x = base.upper * [[0.2, 0.4, 0.3, 0.5], [0.1, 0.6, 0.2, 0.7]]
     np.testing.assert_allclose(problem.evaluate(x), np.sum(problem.residuals(x) ** 2, axis=-1), rtol=1e-12)
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+@pytest.mark.parametrize("name", sorted(TRUTHS))
+def test_a_value_depends_on_no_point_beside_it(name, logarithmic):
+    """Batches of every size lie differently in memory; a run alone must still be the run among many, to the last bit."""
+    base = artificial(name)
+    problem = Problem(base.model, base.measurement, replace(base.objective, logarithmic=logarithmic), base.space)
+    points = np.random.default_rng(7).random((600, problem.dimension)) * 1.2 * problem.upper
+    whole = problem.evaluate(points)
+    np.testing.assert_array_equal(whole.reshape(30, 20), problem.evaluate(points.reshape(30, 20, -1)))
+    for size in (1, 2, 13, 14, 15, 100):
+        np.testing.assert_array_equal(whole[:size], problem.evaluate(points[:size]))
+        np.testing.assert_array_equal(whole[-size:], problem.evaluate(np.asfortranarray(points[-size:])))
+    np.testing.assert_array_equal(whole[:5], [problem.evaluate(point) for point in points[:5]])

@@ -187,7 +187,8 @@ class LedgerGroup:
             If every run has ended.
         """
         m = x.shape[1]
-        allowed = [min(m, ledger.left) for ledger in self.ledgers]
+        left = [ledger.left for ledger in self.ledgers]
+        allowed = [m] * len(left) if min(left) >= m else [min(m, count) for count in left]
         if max(allowed) <= 0:
             raise BudgetSpent
         points = np.minimum(np.maximum(x, self.problem.space.lowest), self.problem.space.highest)
@@ -221,20 +222,33 @@ def _note(
     rows = np.flatnonzero(lowest < bests)
     if rows.size:  # late in a run most calls improve on nothing
         _trace(ledgers, values[rows], bests[rows], rows.tolist())
+    for ledger, count in zip(ledgers, allowed, strict=True):
+        if count > 0:
+            ledger.evaluations += count
+            ledger.batched += count
+    if ledgers[0].diary is not None:
+        _write_down(ledgers, points, allowed, factor)
+    if rows.size:
+        columns = values[rows].argmin(axis=1)
+        factors = [1.0] * len(rows) if factor is None else factor[rows, columns].tolist()
+        for i, point, own in zip(rows.tolist(), points[rows, columns], factors, strict=True):
+            ledgers[i].settle(point, own)
+
+
+def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None) -> None:
+    """Append what each was allowed to its diary."""
     for i, (ledger, count) in enumerate(zip(ledgers, allowed, strict=True)):
-        made = max(count, 0)
-        ledger.evaluations += made
-        ledger.batched += made
         if ledger.diary is not None:
+            made = max(count, 0)
             ledger.diary.append((points[i, :made], None if factor is None else factor[i, :made]))
-    for i in rows.tolist():
-        j = values[i].argmin()
-        ledgers[i].settle(points[i, j], 1.0 if factor is None else float(factor[i, j]))
 
 
 def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
     """Append to the traces of some ledgers what improves on their best among new values (rows, m)."""
-    before = np.minimum.accumulate(np.hstack([bests[:, None], values[:, :-1]]), axis=1)
+    before = np.empty_like(values)
+    before[:, 0] = bests
+    np.minimum.accumulate(values[:, :-1], axis=1, out=before[:, 1:])
+    np.minimum(before, bests[:, None], out=before)
     run, step = np.nonzero(values < before)
     for i, column, value in zip(run.tolist(), step.tolist(), values[run, step].tolist(), strict=True):
         ledger = ledgers[rows[i]]

@@ -6,10 +6,11 @@ A spring, a dashpot, a mass and a springpot are all K = c s^order; only the spri
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from .nodes import FULL, VALUE, Node, Response
+from .nodes import FULL, VALUE, Node, Response, repeated
 from .parameters import INERTANCE, Parameter, order, quasi_property, stiffness, viscosity
 from .points import Complex, Points, Real
 
@@ -20,6 +21,20 @@ def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
     """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much."""
     modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
     return modulus
+
+
+T = TypeVar("T", Real, Complex)
+
+
+def table_of(column: Real, row: T) -> T:
+    """Product (m, n) of a column (m, 1) and a row (n,), the longer of the two lying side by side in memory.
+
+    numpy runs along what lies side by side; whatever is made from the table keeps its order. For values alone:
+    what is summed later with the derivatives is to be the same for one row as for many.
+    """
+    tall = column.ndim == 2 and row.ndim == 1 and len(column) > len(row)
+    table: T = np.multiply(column, row, order="F" if tall else "K")
+    return table
 
 
 def _phase(exponent: float) -> complex:
@@ -78,13 +93,15 @@ class FixedPower(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = c s^exponent, real for springs and masses."""
+        if self.exponent == 0 and depth == VALUE:
+            return Response(repeated(theta.astype(complex), at.log_omega.shape))
         if self.exponent == 0:
             power: Complex = np.ones(at.log_omega.shape, dtype=complex)
         else:
             power = np.exp(self.exponent * at.log_omega) * _phase(self.exponent)
-        value = theta * power
         if depth == VALUE:
-            return Response(value)
+            return Response(table_of(theta, power))
+        value = theta * power
         by_theta = np.broadcast_to(power, value.shape)[..., None, :]
         return Response(value, by_theta, self.exponent * value if depth == FULL else value)
 
@@ -111,10 +128,14 @@ class Springpot(Node):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = c s^alpha; dK/dalpha = K ln s."""
         alpha = theta[..., 1:]
-        power = power_of_s(alpha, at.log_omega)
-        value = theta[..., :1] * power
+        exponents = table_of(alpha, at.log_omega) if depth == VALUE else alpha * at.log_omega
+        modulus, phase = np.exp(exponents), np.exp(HALF_PI * alpha)
+        value: Complex = modulus.astype(complex)
+        # The constant joins the phase, one number for all frequencies, and not the long table.
+        value *= theta[..., :1] * phase
         if depth == VALUE:
             return Response(value)
+        power: Complex = modulus * phase
         by_theta = np.empty((*value.shape[:-1], 2, value.shape[-1]), dtype=complex)
         by_theta[..., 0, :] = power
         by_theta[..., 1, :] = value * (at.log_omega + HALF_PI)

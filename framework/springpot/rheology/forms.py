@@ -53,7 +53,7 @@ class SearchForm:
         violated = x[..., high] <= x[..., low]
         if not violated.any():
             return x
-        mended = x.copy()
+        mended = x.copy(order="K")
         mended[..., high] = np.where(violated, self.margin * x[..., low], x[..., high])
         return mended
 
@@ -62,13 +62,18 @@ def columns(*parts: Real | float) -> Real:
     """Parameter vectors (..., p) from their p components, each (...) or a number; complex ones stay complex."""
     if not any(isinstance(part, np.ndarray) and part.ndim for part in parts):
         return np.array(parts) * 1.0
-    return np.stack(np.broadcast_arrays(*parts), axis=-1) * 1.0
+    # Each component lies side by side, as the elements take them.
+    lead = np.broadcast_shapes(*(np.shape(part) for part in parts))
+    x = np.empty((len(parts), *lead), np.result_type(float, *parts))
+    for component, part in zip(x, parts, strict=True):
+        component[...] = part
+    return x.transpose(*range(1, x.ndim), 0)
 
 
 def components(x: Real) -> Real:
     """The components (p, ...) of parameter vectors (..., p)."""
-    # A single point is the case that optimisers wait for, and moving no axis takes as long as an element.
-    return x if x.ndim == 1 else np.moveaxis(x, -1, 0)
+    # By hand, for `moveaxis` takes longer than an element.
+    return x.transpose(-1, *range(x.ndim - 1))
 
 
 def rows(*parts: Real) -> Real:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import pairwise
 from typing import ClassVar, NamedTuple
 
@@ -37,6 +37,19 @@ class Response(NamedTuple):
     value: Complex
     by_theta: Complex = _ABSENT
     by_log_omega: Complex = _ABSENT
+
+
+def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
+    """The same numbers (..., 1) at all frequencies of shape (..., n), as a view that takes no memory."""
+    return np.broadcast_to(column, np.broadcast_shapes(column.shape, frequencies))
+
+
+def _together(a: Complex, b: Complex) -> Complex:
+    """Stiffness of two parts in series: a b / (a + b), whose one division is less than the three of 1/(1/a + 1/b)."""
+    both = a + b
+    np.divide(b, both, out=both)
+    both *= a
+    return both
 
 
 class Node:
@@ -225,7 +238,7 @@ class Series(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """1/K = sum 1/K_i, so that dK/dK_i = (K/K_i)^2."""
         parts = self._respond_each(theta, at, depth)
-        value = 1.0 / sum((1.0 / part.value for part in parts[1:]), 1.0 / parts[0].value)
+        value = reduce(_together, (part.value for part in parts))
         factors = None if depth == VALUE else [(value / part.value) ** 2 for part in parts]
         return _combine(value, parts, factors, depth)
 

@@ -15,8 +15,14 @@ from springpot.rheology import Real
 Mask: TypeAlias = NDArray[np.bool_]
 Indices: TypeAlias = NDArray[np.int64]
 
-BLOCK = 20
-"""Instances whose random numbers are drawn at once; they are the same as if drawn one by one."""
+BLOCK = 5
+"""Instances whose random numbers are drawn at once: those of 50 swarms then stay in the processor's cache.
+
+They are the same as if drawn one by one.
+"""
+
+# The swarm computes with (d, runs, particles), where each parameter's numbers lie side by side; all else has d last.
+PARAMETERS_LAST, PARAMETERS_FIRST = (1, 2, 0), (2, 0, 1)
 
 
 @dataclass(frozen=True)
@@ -72,111 +78,161 @@ class PaperSwarm(BatchedOptimiser):
 
     def minimise_batch(self, problems: RecorderGroup, budget: int, rngs: Sequence[np.random.Generator]) -> None:
         """Fly swarm after swarm until the recorders end it."""
-        constraints = Constraints.of(problems.problem.space, (len(rngs), self.particles))
+        limits = Limits.of(problems.problem.space)
         left = budget
         while True:
             instances = max(0, min(self.instances, left // self.particles - 1))
-            self._fly(problems, constraints, instances, rngs)
+            self._fly(problems, limits, instances, rngs)
             left -= self.particles * (instances + 1)
 
     def _fly(
         self,
         problems: RecorderGroup,
-        constraints: Constraints,
+        limits: Limits,
         instances: int,
         rngs: Sequence[np.random.Generator],
     ) -> None:
-        """One swarm for each run, all runs side by side: arrays of shape (runs, particles, d)."""
-        x = constraints.birth(_draw(rngs, constraints.shape[1:]))
-        velocity, fastest = np.zeros_like(x), self.clamp * constraints.expected
-        own, own_value = x.copy(), self._evaluate(problems, constraints, x)
+        """One swarm for each run, all runs side by side: arrays of shape (d, runs, particles)."""
+        d = len(limits.expected)
+        x = limits.birth(_draw(rngs, (self.particles, d)))
+        velocity, fastest = np.zeros_like(x), self.clamp * limits.expected
+        own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()
         known = _ring(self.particles, self.neighbourhood)
-        for instance, (r1, r2) in enumerate(_numbers(rngs, constraints.shape[1:], instances)):
-            guide = _best_known(own, own_value, known)
-            pull = self.individuality * r1 * (own - x) + self.sociality * r2 * (guide - x)
-            velocity = _clamped(self._inertia(instance, instances) * velocity + pull, fastest)
-            outside = constraints.outside(x + velocity)
-            velocity = np.where(outside, _clamped(pull / 2.0, fastest), velocity)
-            x = constraints.space.repaired(x + velocity)
-            value = self._evaluate(problems, constraints, x)
+        weights = np.array([self.individuality, self.sociality])
+        for instance, (r1, r2) in enumerate(_numbers(rngs, (self.particles, d), instances, weights)):
+            pull = r1 * (own - x)
+            pull += r2 * (_best_known(own, own_value, known) - x)
+            velocity *= self._inertia(instance, instances)
+            velocity += pull
+            _clamp(velocity, fastest)
+            limits.turn_back(x, velocity, pull, fastest)
+            x += velocity
+            limits.repair(x)
+            value = self._evaluate(problems, limits, x)
             better = value < own_value
-            own[better], own_value[better] = x[better], value[better]
+            np.copyto(own, x, where=better)
+            np.copyto(own_value, value, where=better)
 
     def _inertia(self, instance: int, instances: int) -> float:
         """w(i) of eq. (52), which starts at w(1); w(0) never acts, for the first velocity is zero."""
         return self.inertia_first - (self.inertia_first - self.inertia_last) * max(instance - 1, 0) / instances
 
-    def _evaluate(self, problems: RecorderGroup, constraints: Constraints, x: Real) -> Real:
-        violated = constraints.violated(x)
+    def _evaluate(self, problems: RecorderGroup, limits: Limits, x: Real) -> Real:
+        violated = limits.violated(x)
         if not violated.any():
-            return problems.batch(x)
-        return problems.batch(constraints.mirrored(x), np.where(violated, self.penalty, 1.0))
+            return problems.batch(x.transpose(PARAMETERS_LAST))
+        points = limits.mirrored(x).transpose(PARAMETERS_LAST)
+        return problems.batch(points, np.where(violated, self.penalty, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
-class Constraints:
-    """The paper's constraints on a search space, every bound in the shape (runs, particles, d) of the swarm.
+class Limits:
+    """The paper's constraints on a search space: columns (d, 1, 1) for swarms of shape (d, runs, particles).
 
     Times and bounded parameters (tau, alpha) stay between a floor and their expected size; all others that cannot
-    be negative (stiffnesses) stay positive.
+    be negative (stiffnesses) stay positive. Where there is no such limit, it is infinite.
+
+    Parameters
+    ----------
+    space : SearchSpace
+        What is searched.
+    expected : ndarray
+        Sizes of the order of the answer.
+    birthplace : ndarray
+        Lower ends of the intervals in which particles are born.
+    floor, ceiling : ndarray
+        What makes the velocity of a bounded component turn back once it is reached.
+    least : ndarray
+        What breaks a constraint once it is reached; so does the ceiling.
+    upright : tuple of int
+        Components that are evaluated at their absolute value: bounded ones that cannot be negative.
     """
 
     space: SearchSpace
     expected: Real
+    birthplace: Real
     floor: Real
-    boxed: Mask
-    positive: Mask
+    ceiling: Real
+    least: Real
+    upright: tuple[int, ...]
 
     @classmethod
-    def of(cls, space: SearchSpace, lead: tuple[int, int]) -> Constraints:
-        """Read them off the parameters, for so many runs and particles."""
-        boxed = [p.upper < np.inf or (p.unit.time == 1 and not p.unit.stiffness) for p in space.parameters]
+    def of(cls, space: SearchSpace) -> Limits:
+        """Read them off the parameters."""
+        boxed = np.array([p.upper < np.inf or (p.unit.time == 1 and not p.unit.stiffness) for p in space.parameters])
         positive = space.lower >= 0
-        floor = np.where(positive, 0.0, -space.expected)
-        columns = (space.expected, floor, np.array(boxed), positive)
-        return cls(space, *(np.tile(column, (*lead, 1)) for column in columns))
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(runs, particles, d)."""
-        return self.expected.shape
+        birthplace = np.where(positive, 0.0, -space.expected)
+        floor = np.where(boxed, birthplace, -np.inf)
+        ceiling = np.where(boxed, space.expected, np.inf)
+        least = np.where(positive, 0.0, floor)
+        rows = np.array([space.expected, birthplace, floor, ceiling, least])
+        expected, birthplace, floor, ceiling, least = rows[:, :, None, None]
+        upright = tuple(np.flatnonzero(boxed & positive).tolist())
+        return cls(space, expected, birthplace, floor, ceiling, least, upright)
 
     def birth(self, numbers: Real) -> Real:
-        """Initial positions, uniform between floor and expected size."""
-        return self.floor + (self.expected - self.floor) * numbers
+        """Initial positions (d, runs, particles) from numbers (runs, particles, d), uniform in the expected size."""
+        spread = np.multiply(numbers.transpose(PARAMETERS_FIRST), self.expected - self.birthplace, order="C")
+        return self.birthplace + spread
 
-    def outside(self, x: Real) -> Mask:
-        """Which of the boxed components left their interval, shape of `x`."""
-        left: Mask = self.boxed & ((x <= self.floor) | (x >= self.expected))
-        return left
+    def turn_back(self, x: Real, velocity: Real, pull: Real, fastest: Real) -> None:
+        """Where a bounded component would leave its interval, its velocity becomes half the pull, clamped."""
+        ahead = x + velocity
+        leaving = ahead <= self.floor
+        leaving |= ahead >= self.ceiling
+        if not leaving.any():
+            return
+        # Late in a run only a few do: they are picked out of the flat arrays.
+        places = np.flatnonzero(leaving)
+        limit = fastest.ravel().take(places // x[0].size)
+        velocity.ravel()[places] = np.minimum(np.maximum(pull.ravel().take(places) / 2.0, -limit), limit)
+
+    def repair(self, x: Real) -> None:
+        """Restore the order kinf > k0, in place."""
+        points = x.transpose(PARAMETERS_LAST)
+        repaired = self.space.repaired(points)
+        if repaired is not points:
+            x[...] = repaired.transpose(PARAMETERS_FIRST)
 
     def violated(self, x: Real) -> Mask:
-        """Which points violate any constraint, shape (...)."""
-        broken = (self.positive & (x <= 0.0)) | self.outside(x)
-        any_broken: Mask = np.logical_or.reduce(broken, axis=-1)
+        """Which points violate any constraint, shape (runs, particles)."""
+        broken = x <= self.least
+        broken |= x >= self.ceiling
+        any_broken: Mask = np.logical_or.reduce(broken, axis=0)
         return any_broken
 
     def mirrored(self, x: Real) -> Real:
         """`x` with negative times made positive: where a penalised point is evaluated."""
-        return np.where(self.boxed & self.positive, np.abs(x), x)
+        upright = x.copy()
+        for i in self.upright:
+            np.abs(x[i], out=upright[i])
+        return upright
 
 
-def _clamped(velocity: Real, fastest: Real) -> Real:
-    return np.minimum(np.maximum(velocity, -fastest), fastest)
+def _clamp(velocity: Real, fastest: Real) -> None:
+    np.maximum(velocity, -fastest, out=velocity)
+    np.minimum(velocity, fastest, out=velocity)
 
 
 def _draw(rngs: Sequence[np.random.Generator], shape: tuple[int, ...]) -> Real:
-    return np.stack([rng.random(shape) for rng in rngs])
+    """Random numbers (runs, *shape), each run's from its own generator."""
+    numbers = np.empty((len(rngs), *shape))
+    for rng, own in zip(rngs, numbers, strict=True):
+        rng.random(out=own)
+    return numbers
 
 
 def _numbers(
-    rngs: Sequence[np.random.Generator], shape: tuple[int, ...], instances: int
-) -> Iterator[tuple[Real, Real]]:
-    """R1 and R2 of eq. (50) for each instance, each run from its own generator."""
+    rngs: Sequence[np.random.Generator], shape: tuple[int, int], instances: int, weights: Real
+) -> Iterator[Real]:
+    """R1 and R2 of eq. (50) times their weights, (2, d, runs, particles) for each instance.
+
+    Each generator is asked in the order instance, term, particle, parameter, as if one number were drawn at a time.
+    """
     for first in range(0, instances, BLOCK):
         block = _draw(rngs, (min(BLOCK, instances - first), 2, *shape))
-        for numbers in np.moveaxis(block, 0, 2):
-            yield numbers[0], numbers[1]
+        turned = block.transpose(1, 2, 4, 0, 3)
+        yield from np.multiply(turned, weights[:, None, None, None], order="C")
 
 
 def _ring(particles: int, neighbourhood: int | Literal["global"]) -> Indices:
@@ -188,13 +244,13 @@ def _ring(particles: int, neighbourhood: int | Literal["global"]) -> Indices:
 
 
 def _best_known(own: Real, value: Real, known: Indices) -> Real:
-    """Best position (runs, particles, d) in each particle's neighbourhood."""
-    runs, particles, d = own.shape
-    best, where = value, np.broadcast_to(known[0], value.shape)
+    """Best position (d, runs, particles) in each particle's neighbourhood."""
+    runs, particles = value.shape
+    rows = particles * np.arange(runs)[:, None]
+    best, where = value, known[0] + rows
     for others in known[1:]:
         rival = value.take(others, axis=1)
         closer = rival < best
-        best, where = np.where(closer, rival, best), np.where(closer, others, where)
-    rows = where + particles * np.arange(runs)[:, None]
-    guides: Real = own.reshape(-1, d).take(rows, axis=0)
+        best, where = np.where(closer, rival, best), np.where(closer, others + rows, where)
+    guides: Real = own.reshape(len(own), -1).take(where.ravel(), axis=1).reshape(own.shape)
     return guides
