@@ -1,7 +1,7 @@
 """The paper's swarm, 50 runs of 20 particles side by side, against two references of the same minute.
 
-An evaluation here is all that a run does for one: its share of the random numbers, the move of the particle with the
-paper's constraints, the objective at the 14 frequencies of section 5.1, and the recorder's count, trace and best point.
+An evaluation here is all that a run does for one: its share of the random numbers, the move of the particle with
+the paper's constraints, the objective at the 14 frequencies of section 5.1, and the recorder's count and best point.
 Times are of the processor, so that whoever else uses it counts less; no test asks for an absolute time.
 """
 
@@ -20,7 +20,7 @@ from springpot_plugins.optimisers.swarm import PaperSwarm
 MODELS = ["fractional-kelvin", "fractional-maxwell", "fractional-kelvin4", "fractional-zener"]
 RUNS, EVALUATIONS = 50, 8020
 
-# Measured on a busy machine: 0.043 to 0.053, and XX to YY; half as much again is left for other processors.
+# Measured on a busy machine: 0.04 to 0.05, and 37 to 51; half as much again is left for other processors.
 PART_OF_PYSWARMS, TIMES_EXPONENTIALS = 0.08, 80.0
 
 

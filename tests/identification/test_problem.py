@@ -41,7 +41,7 @@ def test_a_logarithmic_objective_is_the_sum_of_its_squared_residuals():
 @pytest.mark.parametrize("logarithmic", [False, True])
 @pytest.mark.parametrize("name", sorted(TRUTHS))
 def test_a_value_depends_on_no_point_beside_it(name, logarithmic):
-    """Batches of every size lie differently in memory; a run alone must still be the run among many, to the last bit."""
+    """Batches lie differently in memory; a run alone must still be the run among many, to the last bit."""
     base = artificial(name)
     problem = Problem(base.model, base.measurement, replace(base.objective, logarithmic=logarithmic), base.space)
     points = np.random.default_rng(7).random((600, problem.dimension)) * 1.2 * problem.upper

@@ -29,8 +29,7 @@ T = TypeVar("T", Real, Complex)
 def table_of(column: Real, row: T) -> T:
     """Product (m, n) of a column (m, 1) and a row (n,), the longer of the two lying side by side in memory.
 
-    numpy runs along what lies side by side; whatever is made from the table keeps its order. For values alone:
-    what is summed later with the derivatives is to be the same for one row as for many.
+    numpy runs along what lies side by side; whatever is made from the table keeps its order.
     """
     tall = column.ndim == 2 and row.ndim == 1 and len(column) > len(row)
     table: T = np.multiply(column, row, order="F" if tall else "K")
@@ -128,14 +127,13 @@ class Springpot(Node):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = c s^alpha; dK/dalpha = K ln s."""
         alpha = theta[..., 1:]
-        exponents = table_of(alpha, at.log_omega) if depth == VALUE else alpha * at.log_omega
-        modulus, phase = np.exp(exponents), np.exp(HALF_PI * alpha)
-        value: Complex = modulus.astype(complex)
-        # The constant joins the phase, one number for all frequencies, and not the long table.
-        value *= theta[..., :1] * phase
         if depth == VALUE:
+            value: Complex = np.exp(table_of(alpha, at.log_omega)).astype(complex)
+            # The constant joins the phase, one number for all frequencies, and not the long table.
+            value *= theta[..., :1] * np.exp(HALF_PI * alpha)
             return Response(value)
-        power: Complex = modulus * phase
+        power = power_of_s(alpha, at.log_omega)
+        value = theta[..., :1] * power
         by_theta = np.empty((*value.shape[:-1], 2, value.shape[-1]), dtype=complex)
         by_theta[..., 0, :] = power
         by_theta[..., 1, :] = value * (at.log_omega + HALF_PI)

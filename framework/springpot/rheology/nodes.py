@@ -45,7 +45,10 @@ def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
 
 
 def _together(a: Complex, b: Complex) -> Complex:
-    """Stiffness of two parts in series: a b / (a + b), whose one division is less than the three of 1/(1/a + 1/b)."""
+    """Stiffness of two parts in series, a b / (a + b): a complex division takes as long as eight products.
+
+    The quotient comes first, so that no product of two large or two small numbers leaves the range.
+    """
     both = a + b
     np.divide(b, both, out=both)
     both *= a
@@ -238,8 +241,10 @@ class Series(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """1/K = sum 1/K_i, so that dK/dK_i = (K/K_i)^2."""
         parts = self._respond_each(theta, at, depth)
-        value = reduce(_together, (part.value for part in parts))
-        factors = None if depth == VALUE else [(value / part.value) ** 2 for part in parts]
+        if depth == VALUE:
+            return Response(reduce(_together, (part.value for part in parts)))
+        value = 1.0 / sum((1.0 / part.value for part in parts[1:]), 1.0 / parts[0].value)
+        factors = [(value / part.value) ** 2 for part in parts]
         return _combine(value, parts, factors, depth)
 
 
