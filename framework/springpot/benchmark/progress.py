@@ -104,10 +104,5 @@ class Bar:
 
 
 def make_progress(name: str, total: int) -> Progress:
-    """A bar where standard error is a terminal and rich is there, lines elsewhere."""
-    if sys.stderr.isatty():
-        try:
-            return Bar(name, total)
-        except ImportError:
-            pass  # without rich, lines tell the same
-    return Lines(name, total)
+    """A bar where standard error is a terminal, lines elsewhere."""
+    return Bar(name, total) if sys.stderr.isatty() else Lines(name, total)
