@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import springpot
 from springpot import Measurement, Units
 from springpot.diagnosis.outliers import Outlier, point_in_words
 
@@ -34,3 +35,17 @@ def test_its_row_is_that_of_the_whole_measurement_and_leaves_it_out():
     assert told.place.says == "a single point at 10 rad/s, row 5, stands out by 12 sd"
     assert MODULUS[4] not in data.excluding(row=told.row).stiffness
     assert "row" not in str(point.counted_in(Measurement(OMEGA, MODULUS * 2, units=GEL)))
+
+
+def test_where_no_material_comes_nearer_none_is_called_missing():
+    """One frequency, a modulus that falls with amplitude: the noise is estimated from the very fit that fails."""
+    rng = np.random.default_rng(4)
+    strain = np.geomspace(0.01, 10.0, 24)
+    modulus = (1.0 + 4.0 / (1.0 + strain)) * (1.0 + 0.3j)
+    noise = 0.01 * (rng.normal(size=24) + 1j * rng.normal(size=24))
+    data = Measurement(
+        np.full(24, 6.28), modulus * (1.0 + noise), conditions={"amplitude": strain}, units=GEL, name="gel"
+    )
+    diagnosis = springpot.diagnose(data, "kelvin")
+    assert diagnosis.error.material_floor > 0.99 * diagnosis.error.relative_rms
+    assert "no part of the material" in diagnosis.split

@@ -84,3 +84,14 @@ def test_the_right_calls_are_as_short():
     assert Units("N/mm2", "%") == Units("N/mm^2", "%")
     hot = Measurement(W, K, conditions={"temperature": [210.0, 220.0, 230.0, 240.0]})  # a melt
     assert len(hot) == 4
+
+
+def test_a_note_on_several_tests_is_of_the_rows_that_are_left(tmp_path):
+    path = tmp_path / "job.csv"
+    rows = [f"{f},100,10,{t},{run}" for run, t in (("a", 20), ("b", 20), ("c", 40)) for f in (1, 2, 3, 4)]
+    path.write_text("\n".join(["frequency [Hz],storage [Pa],loss [Pa],temperature [degC],run", *rows]))
+    note = "note together"
+    assert "3 values of run, choose one by '@run=a'" in springpot.read(path).provenance[note]
+    assert "2 values of run" in springpot.read(f"{path}@temperature=20").provenance[note]
+    assert note not in springpot.read(f"{path}@temperature=40").provenance
+    assert note not in springpot.read(f"{path}@temperature=20,run=b").provenance

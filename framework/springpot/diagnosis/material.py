@@ -100,7 +100,8 @@ def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
     misfit, left = max(base.rss - spare, 0.0), max(floor.refit.rss - floor.refit.fit.dof, 0.0)
     could = f"a material could be at {percent(floor.relative_rms)}"
     beside = f" ({times(floor.relative_rms / floor.refit.floor)} the noise floor)"
-    if left > VERDICT.mostly * misfit:
+    # Where the noise was estimated from this very fit, both are zero, and no material comes nearer.
+    if left > VERDICT.mostly * misfit or (misfit == 0.0 and floor.chance < alarm):
         would = f"any linear material would be {percent(floor.relative_rms)} off"
         return f"{would}: what is missing is no part of the material"
     if floor.chance >= alarm:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real, levels_of
 
-RUNS = frozenset({"run", "set", "test", "series", "specimen", "sample", "batch", "cycle", "measurement"})
-"""Conditions in numbers that tell one test from another."""
+from .together import RUNS
+
 MOST_WORDS = 0.5
 """Share of the rows that distinct words may be: with more, they are remarks on rows rather than names of sweeps."""
 RECURS = 1.5

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from springpot.errors import DataError
 
 from .measurement import Measurement
 from .rows import rows_with, rows_without
+from .together import NOTE, runs_together
 
 EXAMPLE = "temperature=20,amplitude=1 or frequency=1..10"
 
@@ -59,7 +61,13 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
         chosen = ", ".join(f"{key}={value}" for key, value in wanted.items())
         raise DataError(f"{measurement.name}: no row has {chosen} together")
     chosen = ",".join(f"{key}={value}" for key, value in wanted.items())
-    return measurement.subset(rows, f"{measurement.name}@{chosen}")
+    part = measurement.subset(rows, f"{measurement.name}@{chosen}")
+    if NOTE not in part.provenance:
+        return part
+    # Of the tests that stood together fewer may be left, or one.
+    known = {key: value for key, value in part.provenance.items() if key != NOTE}
+    told = frozenset({"step"} if "note parts" in known else ())
+    return replace(part, provenance={**known, **runs_together(part.conditions, part.labels, told)})
 
 
 def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measurement:

@@ -142,7 +142,8 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     together = result["provenance"].get("note together", "")
     if "choose one by '" in together:
         chosen = together.partition("choose one by '")[2].partition("'")[0]
-        return f"next: springpot inspect {quote(spec + chosen)}"
+        further = chosen.replace("@", ",", 1) if "@" in spec else chosen
+        return f"next: springpot inspect {quote(spec + further)}"
     temperatures = {round(sweep["temperature"]) for sweep in result["sweeps"] if sweep.get("temperature") is not None}
     swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
     if len(temperatures) > 1 and swept:

@@ -23,6 +23,7 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
+from springpot.measurement.together import runs_together
 from springpot.rheology import Complex, Real
 
 from .table import Column
@@ -77,7 +78,7 @@ def measurement_of(
     extra, labels, units = _further(others)
     notes = {
         **_doubts(roles),
-        **_runs_together(extra, labels, "note parts" in provenance),
+        **runs_together(extra, labels, frozenset({"step"} if "note parts" in provenance else ())),
         **_negative_loss(stiffness),
     }
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
@@ -206,31 +207,6 @@ def _doubts(roles: Mapping[str, Column]) -> dict[str, str]:
 
 NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature"})
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
-RUNS = frozenset(
-    (
-        *("run", "set", "test", "series", "specimen", "sample", "file", "batch", "cycle", "dataset", "measurement"),
-        *("probe", "lauf", "serie", "versuch", "messung", "essai", "prueba", "prova"),
-    )
-)
-"""Names of columns that tell one test from another, also where they hold numbers."""
-_MOST_RUNS = 0.5
-"""Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
-
-
-def _runs_together(numbers: Mapping[str, Real], words: Mapping[str, NDArray[np.str_]], known: bool) -> dict[str, str]:
-    """A note where a column says that the rows are of several tests: they are fitted as one set of data.
-
-    The label ``step`` of parts that were joined is `known` already from the note on them.
-    """
-    found = []
-    for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
-        values = np.unique(column[column == column])
-        if key == "step" and known:
-            continue
-        if 1 < len(values) <= max(2, _MOST_RUNS * len(column)):
-            first = values[0] if key in words else f"{values[0]:g}"
-            found.append(f"{len(values)} values of {key}, choose one by '@{key}={first}'")
-    return {"note together": f"rows of several tests are together: {'; '.join(found)}"} if found else {}
 
 
 def _negative_loss(stiffness: Complex) -> dict[str, str]:
