@@ -11,6 +11,8 @@ from springpot.diagnosis import examine
 from springpot.identification import fit, held_costs, profile
 from springpot.registry import plugins
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 WIDE = design(60, 0.05, 150.0)
 STEPS = design(10, 0.1, 50.0, temperatures=(-10.0, 5.0, 20.0, 35.0, 50.0))
 

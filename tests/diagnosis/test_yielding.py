@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import springpot
+from soaked import soaked
 from springpot.registry import parse_model
 from springpot.rheology import Points
 
@@ -59,7 +60,7 @@ def damper(*theta):
 SHARP, DAHL = (100.0, 200.0, 2.0, 0.5), (100.0, 50.0, 1.0, 0.9)
 
 
-@pytest.mark.parametrize("theta", [(100.0, 100.0, 1.0, 0.5), SHARP, (100.0, 300.0, 1.0, 0.7)])
+@pytest.mark.parametrize("theta", [(100.0, 100.0, 1.0, 0.5), SHARP, soaked((100.0, 300.0, 1.0, 0.7))])
 def test_a_damper_that_yields_gradually_is_no_filled_rubber(theta):
     found = springpot.diagnose(measured(damper(*theta)[0]), "fractional-kelvin")
     assert found.verdict == "effect-missing"
@@ -83,7 +84,7 @@ U = (X / 2.0) ** 0.6
 RUBBER = SOLID + 80.0 * (1.0 + 0.6j * U) / (1.0 + U**2)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.02], ids=["silent", "quiet"])
+@pytest.mark.parametrize("share", [soaked(0.0, id="silent"), pytest.param(0.02, id="quiet")])
 def test_filled_rubber_whose_stress_is_nearly_a_sinusoid_is_payne(share):
     found = springpot.diagnose(measured(RUBBER, share * RUBBER), "fractional-kelvin")
     assert found.verdict == "effect-missing"
