@@ -17,6 +17,7 @@ MODULES = [
 ]
 
 
+@pytest.mark.usefixtures("asked_once")
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_run(name: str, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

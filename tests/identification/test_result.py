@@ -16,6 +16,8 @@ from springpot.registry import plugins
 from springpot.report.jsontext import to_json
 from springpot.rheology.family import Family
 
+pytestmark = pytest.mark.usefixtures("asked_once")
+
 MODEL = "fractional-maxwell + inertia + time-delay"
 TRUTH = {"k": 400.0, "c": 60.0, "alpha": 0.5, "inertia.m": 0.6, "time-delay.tau": 4e-4}
 
@@ -150,13 +152,13 @@ def test_all_that_can_be_drawn_is_drawn_alone_and_on_given_axes(fit: Identificat
     compared = springpot.compare("artificial-hidden", "fractional-maxwell")
     for thing in (fit.measurement, fit, fit.predict([1.0, 10.0]), compared):
         axes = figure().subplots()
-        assert thing.plot()._repr_png_().startswith(b"\x89PNG")
         assert thing.plot(ax=axes) is axes
         assert axes.lines
         assert axes.get_legend() is not None
         assert thing.plot(tmp_path / "picture.svg").stat().st_size > 1000
         with pytest.raises(OutputError, match="not both"):
             thing.plot("x.png", ax=axes)
+    assert fit.plot()._repr_png_().startswith(b"\x89PNG")
 
 
 def test_print_is_the_text_of_the_command_line(fit: Identification, capsys):

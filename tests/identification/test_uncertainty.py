@@ -5,6 +5,7 @@ import pytest
 from native_problems import OMEGA, noisy, setup
 from scipy.optimize import least_squares
 
+from soaked import soaked
 from springpot.identification import Uncertainty, bootstrap, fit, profile
 from springpot.identification.uncertainty import student
 from springpot.measurement import Measurement
@@ -13,8 +14,15 @@ from springpot.registry import parse_model
 TRIALS = 300
 
 
-@pytest.mark.parametrize("given", [False, True], ids=["scatter", "given-sd"])
-@pytest.mark.parametrize("name", ["fractional-kelvin", "fractional-zener"])
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        pytest.param("fractional-kelvin", True, id="fractional-kelvin-given-sd"),
+        pytest.param("fractional-zener", False, id="fractional-zener-scatter"),
+        soaked("fractional-kelvin", False, id="fractional-kelvin-scatter"),
+        soaked("fractional-zener", True, id="fractional-zener-given-sd"),
+    ],
+)
 def test_coverage_is_that_of_the_level(name, given, rng):
     model, theta, data = setup(name)
     sd = 0.004 * data.magnitude

@@ -105,7 +105,9 @@ def test_coulomb_friction_has_a_third_harmonic_of_one_third():
     np.testing.assert_allclose(found.relative, [0, 1 / 3, 0, 1 / 5, 0, 1 / 7], atol=2e-3)
 
 
-@pytest.mark.parametrize(("correlation", "cycles", "n"), [(0.0, 12.3, 1200), (0.9, 12.3, 1200), (0.0, 3.4, 300)])
+@pytest.mark.parametrize(
+    ("correlation", "cycles", "n"), [soaked(0.0, 12.3, 1200), (0.9, 12.3, 1200), (0.0, 3.4, 300)]
+)
 def test_standard_deviations_are_those_of_repeated_tests(correlation, cycles, n, rng):
     errors, told = [], []
     for _ in range(150):
