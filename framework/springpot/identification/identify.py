@@ -26,9 +26,13 @@ from .uncertainty import Uncertainty, bootstrap, profile
 
 NATIVE = "native"
 BUDGET = 8000
+"""Evaluations of a restart: 20 particles and 400 time instances, as in section 5.1 of the paper."""
 STARTS = 8
+"""Starts of a native fit, for each restart."""
 MORE_STARTS = 32
+"""Starts of a fit that has not been confirmed, or that a simpler model beats."""
 RESAMPLES = 400
+"""Of a bootstrap: ten of them lie beyond each end of a 95 % interval."""
 INTERVALS = ("jacobian", "profile", "bootstrap")
 NESTING = 1e-6
 """A richer model may be worse than one it contains by this fraction, from rounding."""

@@ -20,6 +20,7 @@ Evaluate: TypeAlias = Callable[[Real, Rows], tuple[Real, Real]]
 
 START_DAMPING = 1e-2
 LEAST_DAMPING = 1e-13
+"""Damping that is left in the end, so that a singular matrix still has an inverse."""
 SHRINK = 0.05
 """Strongest reduction of the damping after a step that did as foretold."""
 FLAT = 1e-13

@@ -31,6 +31,7 @@ REFINEMENTS = 3
 SETTINGS = 48
 """Settings of the effects' parameters that are tried for each of them."""
 MOST_SETTINGS = 192
+"""Settings that are tried at most, however many effects there are: each costs a convex problem."""
 KEPT = 2
 """Settings from which the search begins."""
 COARSE_POINTS = 120
@@ -38,6 +39,7 @@ COARSE_POINTS = 120
 LAST = 3
 """Steps with all points: each squares the error that was left."""
 ITERATIONS = 40
+"""Steps at most of a descent."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
 SHORTEST = 1e-7
@@ -55,6 +57,7 @@ ROUNDING = 1e-12
 CLOSER = 0.25
 """Each refined lattice has lines this much closer than the one before."""
 STEP = float(np.log(10.0)) / PER_DECADE
+"""Between lines of the first lattice, in ln r."""
 
 
 def is_material(model: Model) -> bool:

@@ -25,6 +25,7 @@ PER_DECADE = 8
 DRAWS = 100
 """Simulated measurements behind the band: its ends are then uncertain by a sixth of its width."""
 LEVEL = 0.95
+"""Probability of the band."""
 WEAKEST, STRONGEST = -12.0, 8.0
 """Decades of the weight of smoothness, in units of the variance of the noise, between which it is sought."""
 HALVINGS = 14

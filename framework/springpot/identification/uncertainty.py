@@ -17,6 +17,7 @@ from .native import Fit, fit_batch
 from .task import Task
 
 LEVEL = 0.95
+"""Probability of an interval, where no other is asked for."""
 RANK = 1e-10
 """Directions whose singular value is this small a fraction of the largest are not determined by the data."""
 NUMBERS = 4_000_000

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KELVIN = 273.15
+"""The freezing point of water, 0 degC, in kelvin."""
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""

@@ -24,6 +24,7 @@ SIBLINGS = 2
 APART = 5
 """Kelvin between such numbers, at least."""
 LISTED = 2000
+"""Entries of a folder that are looked at: of a very large one the rest would only take time."""
 
 
 def is_file(text: str) -> bool:

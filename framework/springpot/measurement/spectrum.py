@@ -9,6 +9,7 @@ import numpy as np
 from springpot.rheology import Complex, Real
 
 PER_CYCLE = 16
+"""Parts of a cycle over which residuals are summed."""
 LONGEST = 1024
 """Cycles at the beginning of the part from which the density is read."""
 FREEDOM = 40.0

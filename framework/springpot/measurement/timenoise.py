@@ -28,6 +28,7 @@ NORMAL = 1.482602218505602
 WIDE = 3.0
 """Ratio of the largest to the smallest signal from which a constant part can be told from a proportional one."""
 BINS = 12
+"""Levels of the signal at most, at each of which the scatter is told."""
 FEWEST_IN_BIN = 16
 """Samples of a level of the signal whose scatter is worth a number."""
 ROUNDS = 6

@@ -80,6 +80,7 @@ _SPELLINGS = {
 _SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
 _WITHOUT_BLANK = {"Nm": "N m", "mNm": "mN m", "uNm": "uN m", "kNm": "kN m", "Nmm": "N mm"}
 _SHOWN = 12
+"""Units that a message lists."""
 
 
 _RUSSIAN = {

@@ -19,6 +19,7 @@ DASHES = ("none", "6 3", "2 2.5")
 """What tells lines of one colour apart."""
 
 MOST_TICKS = 7
+"""Numbers at an axis at most."""
 
 
 @dataclass(frozen=True)

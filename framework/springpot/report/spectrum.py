@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 DECADES = 4.0
 """Decades of H below its peak that a logarithmic axis shows: what is smaller is as good as nothing."""
 MOST_PEAKS = 4
+"""Peaks that the sentence names, the highest."""
 
 
 def figure_material(found: Identification, path: str | Path | None = None) -> Figure | Path:

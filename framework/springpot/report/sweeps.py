@@ -30,6 +30,7 @@ PROFILE = 3.0
 BIN = 8
 """Points of a bin of a condition that was never held."""
 MOST_BINS = 40
+"""Bins at most, however many points there are."""
 
 
 @dataclass(frozen=True, eq=False)

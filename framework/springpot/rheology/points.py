@@ -15,6 +15,7 @@ Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 
 KELVIN = 273.15
+"""0 degC in kelvin."""
 COLDEST = 75.0
 """Kelvin below which a number is rather one in degC: specimens are cooled by nitrogen, which boils at 77.4 K."""
 

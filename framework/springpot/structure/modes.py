@@ -12,6 +12,7 @@ from springpot.rheology import Complex, Real
 from .frame import Frame
 
 ITERATIONS = 60
+"""Newton steps before a mode counts as not found."""
 CLOSE = 1e-12
 """Relative change of an eigenvalue at which it is found."""
 

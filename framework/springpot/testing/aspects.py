@@ -14,6 +14,7 @@ Aspect: TypeAlias = Callable[[], Iterable[str]]
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
 SEED = 20240607
+"""Of whatever is drawn: a contract that holds once holds again."""
 LONGEST = 160
 """Characters of a summary that still fit a listing."""
 

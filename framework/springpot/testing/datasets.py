@@ -16,6 +16,7 @@ from .aspects import cited, complaints
 
 KINDS = ("measured", "artificial", "reconstruction")
 LONGEST = 240
+"""Characters of a summary."""
 
 
 def check_dataset(

@@ -32,6 +32,7 @@ from .derivatives import derivative, sample
 OMEGA: Real = np.geomspace(0.1, 30.0, 9)
 POINTS = Points(np.log(OMEGA), np.linspace(0.5, 2.0, 9), np.linspace(285.0, 305.0, 9))
 DRAWS = 4
+"""Parameter vectors that are tried."""
 EXACT = 1e-8
 """Relative error above which a derivative is not exact; finite differences are worse than this."""
 

@@ -23,6 +23,7 @@ LONG = 400
 BETTER = 0.5
 """What is left by then of the objective at the centre of the box."""
 TRUTH = np.array([600.0, 400.0, 150.0, 0.6])
+"""Those of the paper, section 5.1, in kN/m and s."""
 SCALE = 1000.0
 
 EQUAL = Objective("sample", "plain squares", lambda data: np.full(data.stiffness.shape, 1.0 + 1.0j))

@@ -18,6 +18,7 @@ from .aspects import SEED, complaints, name_and_summary
 from .networks import sample_measurement
 
 RANDOM_FILES = 40
+"""Files of random bytes, and as many of random pieces of tables."""
 DAMAGED = 1 << 14
 """Bytes of a sample that are damaged; more would take long and show no more."""
 TABLE = b"frequency [Hz],storage [kN/m],loss [kN/m]\n"
