@@ -141,6 +141,7 @@ class ExecutorEngine:
             raise error
         elif isinstance(error, BrokenExecutor):
             raise StudyError(f"the executor is broken: {error}")
+        # Singly: then only the trial that its worker dies of is told as failed.
         elif len(batch) > 1:
             for task in batch:
                 self._submit(busy, [task])
@@ -198,6 +199,7 @@ def make_engine(
 
 def cores() -> int:
     """Processors that this process may use."""
+    # A job or container may be given fewer processors than the machine has.
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

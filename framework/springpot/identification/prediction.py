@@ -138,6 +138,7 @@ def predict(
         lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
         raise DataError(f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}") from None
     value, sd = _value_and_sd(known, rate, conditions)
+    # The band has the probability that is asked for, which need not be that of the intervals.
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
         low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))

@@ -70,6 +70,7 @@ class NamedNetwork(HasParameters):
         """
         network, resized = self.material, factor == 1.0 and mass == 0.0
         for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
+            # The specimen ends where the first effect of the rig stands: only what lies within is resized.
             if not resized and effect.layer > Layer.SPECIMEN:
                 network, resized = _loaded(network, factor, mass), True
             network = effect.composition(network, effect.element.with_prefix(prefix))
@@ -146,6 +147,7 @@ class NamedNetwork(HasParameters):
             if isinstance(effect.element, Levels) and any(mine):
                 raise ModelError(f"{effect.name} has a factor for each level of the data: none of them can be held")
             effects.append(replace(effect, element=hold(effect.element, *mine)) if any(mine) else effect)
+        # The published search form knows no model of which a parameter is missing: it is left out.
         material = hold(self.material, values, bounds)
         return replace(self, material=material, effects=tuple(effects), search=None)
 
@@ -305,6 +307,7 @@ class NamedNetwork(HasParameters):
             If the model has no such effect.
         """
         name = effect if isinstance(effect, str) else effect.name
+        # The last one, as of two relaxation modes the second was added to the first.
         for i in reversed(range(len(self.effects))):
             if self.effects[i].name == name:
                 return replace(self, effects=self.effects[:i] + self.effects[i + 1 :])

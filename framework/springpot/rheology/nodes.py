@@ -292,6 +292,7 @@ class Shift(Composition):
         # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass through.
         exact: Real = log_shift.value if np.iscomplexobj(theta) else log_shift.value.real  # type: ignore[assignment]
         moved = at.shifted(exact)
+        # The derivative by a shift is that by ln omega: the base gives it even where only a gradient is asked for.
         base = self.children[0].respond(base_theta, moved, VALUE if depth == VALUE else FULL)
         if depth == VALUE:
             return Response(base.value)
@@ -299,6 +300,7 @@ class Shift(Composition):
         by_theta = np.concatenate([base.by_theta, slope[..., None, :] * log_shift.by_theta], axis=-2)
         if depth == GRADIENT:
             return Response(base.value, by_theta)
+        # The shift may itself depend on the frequency: then ln(omega a_T) does not grow as ln omega.
         return Response(base.value, by_theta, slope * (1.0 + log_shift.by_log_omega))
 
 

@@ -132,9 +132,12 @@ class Rational:
         if not len(poles):
             return np.array([spring / dashpot]) if spring > 0.0 and dashpot > 0.0 else np.zeros(0)
         if spring > 0.0:
+            # K(-r) is positive there: up to half the first rate it is no less than spring - slope r.
             low, high = np.append(0.99 * min(0.5 * first, spring / slope), low), np.append(first, high)
         if dashpot > 0.0:
+            # And negative there: from twice the last rate on it is no more than height - dashpot r.
             low, high = np.append(low, last), np.append(high, 1.01 * max(2.0 * last, height / dashpot))
+        # Two modes of one rate are one, and no zero lies between them.
         apart = high > low * (1.0 + SAME)
         return self._between(np.log(low[apart]), np.log(high[apart]))
 
@@ -195,6 +198,7 @@ def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | 
     if len(parts) < count:
         return None
     if in_series:
+        # What has no stiffness at all has no compliance that could be added.
         if any(not part.ends.any() and not part.weights.any() for part in parts):
             return None
         parts = [part.inverse() for part in parts]
@@ -209,6 +213,7 @@ def _carried(node: Shift | Chain, theta: Real, chain: Real, conditions: Points) 
     first, second = node.cuts
     inner = rational_of(node.children[0], theta[first], chain[first], conditions)
     law = node.children[1].respond(theta[second], conditions, GRADIENT)
+    # Asked at two frequencies: only a law that is the same at both leaves springs and dashpots what they are.
     elsewhere = node.children[1].respond(theta[second], conditions.shifted(np.ones(1)))
     if inner is None or law.value.imag.any() or law.value[0] != elsewhere.value[0]:
         return None
