@@ -1,10 +1,13 @@
 """A point that stands out is told where it was measured, in its file's words, and by the row that leaves it out."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import springpot
 from springpot import Measurement, Units
+from springpot.diagnosis.material import split_in_words
 from springpot.diagnosis.outliers import Outlier, point_in_words
 
 OMEGA = np.array([1.0, 10.0, 100.0, 1.0, 10.0, 100.0])
@@ -37,15 +40,29 @@ def test_its_row_is_that_of_the_whole_measurement_and_leaves_it_out():
     assert "row" not in str(point.counted_in(Measurement(OMEGA, MODULUS * 2, units=GEL)))
 
 
-def test_where_no_material_comes_nearer_none_is_called_missing():
-    """One frequency, a modulus that falls with amplitude: the noise is estimated from the very fit that fails."""
+def test_one_frequency_is_told_as_such():
+    """A modulus that falls with amplitude: nothing is known of springs, dashpots and masses."""
     rng = np.random.default_rng(4)
     strain = np.geomspace(0.01, 10.0, 24)
     modulus = (1.0 + 4.0 / (1.0 + strain)) * (1.0 + 0.3j)
     noise = 0.01 * (rng.normal(size=24) + 1j * rng.normal(size=24))
     data = Measurement(
-        np.full(24, 6.28), modulus * (1.0 + noise), conditions={"amplitude": strain}, units=GEL, name="gel"
+        np.full(24, 10.0), modulus * (1.0 + noise), conditions={"amplitude": strain}, units=GEL, name="gel"
     )
     diagnosis = springpot.diagnose(data, "kelvin")
-    assert diagnosis.error.material_floor > 0.99 * diagnosis.error.relative_rms
-    assert "no part of the material" in diagnosis.split
+    assert "all points have one frequency, 10 rad/s" in str(diagnosis)
+    assert "all points have one frequency" in diagnosis._repr_html_()
+    frequency_only = {"inertia", "series-spring", "parallel-springpot", "time-delay"}
+    assert not [
+        each.effect for each in diagnosis.candidates if each.verdict == "missing" and each.effect in frequency_only
+    ]
+    assert not any("all points have" in note for note in springpot.diagnose("artificial-hidden", "kelvin").notes)
+
+
+@pytest.mark.parametrize(("left", "says"), [(0.0, "no part of the material"), (72.0, "is a part of the material")])
+def test_words_on_the_material_agree_with_the_errors_beside_them(left, says):
+    """The noise was estimated from the very fit that fails, so that its sum of squares is what noise leaves."""
+    base = SimpleNamespace(model=springpot.parse_model("kelvin"), rss=72.0 + left, fit=SimpleNamespace(dof=72))
+    refit = SimpleNamespace(rss=72.0, fit=SimpleNamespace(dof=72), floor=0.1)
+    floor = SimpleNamespace(refit=refit, relative_rms=0.21, chance=1e-4)
+    assert says in split_in_words(base, floor, alarm=0.01)

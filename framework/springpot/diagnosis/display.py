@@ -12,6 +12,8 @@ Plain: TypeAlias = Mapping[str, Any]
 
 SHOWN = 6
 """Candidates in a notebook's table."""
+NOTES = 5
+"""Notes below it, the most telling first; `print` tells all."""
 
 
 def _percent(fraction: float) -> str:
@@ -23,7 +25,7 @@ def _floors(error: Plain) -> str:
 
 
 def html_of_diagnosis(answer: Plain) -> Html:
-    """Verdict, error against both floors, where the model fails, its parameters and the leading effects.
+    """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes.
 
     Parameters
     ----------
@@ -38,8 +40,9 @@ def html_of_diagnosis(answer: Plain) -> Html:
     rows = []
     for c in answer["candidates"][:SHOWN]:
         errors = [_percent(c[name]) for name in ("predicted_error", "error_after")]
-        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"]))
-    headers = ("effect", "probability", "predicted error", "error after", "verdict")
+        alike = ", ".join(name for name in c["class"] if name != c["effect"])
+        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"], alike))
+    headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
     parts = [
         tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
         tag("p", answer["says"]),
@@ -52,6 +55,10 @@ def html_of_diagnosis(answer: Plain) -> Html:
         parts.append(table(("parameter", "value", "from", "to", "unit"), values))
     if rows:
         parts.append(table(headers, rows))
+    if answer["next_experiment"]:
+        parts.append(tag("p", f"next experiment: {answer['next_experiment']['says']}"))
+    if answer["notes"]:
+        parts.append(tag("ul", *(tag("li", note) for note in answer["notes"][:NOTES])))
     return tag("div", *parts)
 
 

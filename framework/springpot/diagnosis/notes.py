@@ -21,6 +21,9 @@ from .scatter import _scatter
 from .search import Search, moved_along
 from .words import percent, times
 
+ONE_FREQUENCY = 1e-3
+"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
+
 
 def notes(
     evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], measured: int, library: Sequence[Effect]
@@ -41,6 +44,7 @@ def notes(
         Those with a factor for each level tell whether any shift would do.
     """
     search = evidence.search
+    yield from _of_one_frequency(search)
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
@@ -63,6 +67,14 @@ def notes(
     if evidence.explanations:
         yield from validation(search.base, evidence.likeliest_with()[evidence.leader])
     yield from _confounded(evidence)
+
+
+def _of_one_frequency(search: Search) -> Iterator[str]:
+    """Why nothing is told of springs, dashpots and masses, where the frequency was not varied."""
+    measurement = search.base.fit.measurement
+    if float(np.ptp(np.log(measurement.omega))) < ONE_FREQUENCY:
+        where = measurement.units.at(float(measurement.frequency[0]))
+        yield f"all points have one frequency, {where}: what differs by its dependence on it cannot be told apart"
 
 
 def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
