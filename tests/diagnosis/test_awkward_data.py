@@ -128,3 +128,13 @@ def test_a_grown_model_with_more_parameters_than_numbers_is_not_tried():
     """Two points are four numbers: enough for a model of three, not for one more with two."""
     data = springpot.Measurement(np.array([1.0, 10.0]), np.array([10.0 + 4.0j, 20.0 + 9.0j]))
     quiet(springpot.diagnose(data, "fractional-maxwell"))
+
+
+def test_a_trial_whose_square_is_no_number_ends_nothing():
+    """A wave in a specimen, driven at its resonance on the way to a fit, makes a K of 1e192."""
+    omega = 2.0 * np.pi * np.geomspace(0.5, 100.0, 40)
+    s, rng = 1j * omega, np.random.default_rng(7)
+    exact = 1.0 / (1.0 / 400.0 + 1.0 / (60.0 * s**0.5)) + 6e-4 * s**2
+    noisy = exact * (1.0 + 0.01 * (rng.normal(size=40) + 1j * rng.normal(size=40)))
+    found = springpot.diagnose(springpot.Measurement(omega[::2], noisy[::2], units=springpot.Units("kN/m", "mm")))
+    assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")

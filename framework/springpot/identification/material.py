@@ -184,7 +184,10 @@ class _Search:
             if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
                 break
             residual = weighted(self.data - response.value, self.weights)
-            cost = float(residual @ residual)
+            with np.errstate(over="ignore"):
+                cost = float(residual @ residual)
+            if not np.isfinite(cost):
+                break  # K is a number, yet its square is none: a wave in a specimen, driven at its resonance
             if np.isfinite(foretold):
                 self.linear = abs(cost - foretold) <= LINEAR * foretold + ROUNDING
                 if cost < best.cost:
