@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from springpot.benchmark import Status, Store
-from springpot.benchmark.store import SCHEMA
+from springpot.benchmark.layout import SCHEMA
 from springpot.benchmark.trace import pack, unpack
 from springpot.benchmark.trial import TrialResult
 from springpot.errors import StudyError

@@ -9,7 +9,7 @@ from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
 from springpot.benchmark import Store, run_study
-from springpot.benchmark.store import SCHEMA
+from springpot.benchmark.layout import SCHEMA
 from springpot.benchmark.trace import at, geometric_grid, improvements
 from springpot.benchmark.trial import Bench
 from springpot.errors import StudyError

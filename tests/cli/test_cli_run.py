@@ -1,7 +1,11 @@
 """``springpot run`` and ``springpot tables``: a small study, run, resumed and tabulated."""
 
 import csv
+import re
+import shlex
+import sys
 from io import StringIO
+from pathlib import Path
 
 import pytest
 
@@ -80,3 +84,52 @@ def test_bad_input_is_one_line(springpot, study, write):
     assert springpot("run", write("x = 1", "empty.py")).is_one_line("declares no study")
     assert springpot("tables", "nothing").is_one_line("run the study first")
     assert springpot("tables", "nothing", "--format", "doc").is_one_line("--format", "latex")
+
+
+@pytest.fixture
+def race(springpot, tmp_path, monkeypatch):
+    """The study that 'springpot init study' writes, made short and run; its script."""
+    monkeypatch.chdir(tmp_path)
+    assert springpot("init", "study").code == 0
+    script = tmp_path / "race.py"
+    short = script.read_text("utf-8").replace("repetitions=20", "repetitions=2").replace("budget=2000", "budget=100")
+    script.write_text(short, encoding="utf-8")
+    assert springpot("run", script, "--engine", "serial", "-q", "--json").json["ran"] == 6
+    return script
+
+
+def examples(text, command):
+    """The lines that start with `springpot COMMAND` in a text whose lines were broken, as arguments."""
+    flat = " ".join(text.split())
+    found = re.findall(rf"springpot {command} race [^`]*?(?= Options:|`|$)", flat)
+    return [shlex.split(line)[1:] for line in found]
+
+
+def test_the_examples_of_tables_and_exports_work_on_the_race_that_init_writes(springpot, race):
+    recipes = (Path(__file__).parents[2] / "docs" / "recipes.md").read_text("utf-8")
+    texts = [springpot("tables", "--help").out, recipes]
+    tried = [line for text in texts for line in examples(text, "tables")]
+    assert len(tried) == 3, tried
+    for line in tried:
+        printed = springpot(*line)
+        assert printed.code == 0, (line, printed.err)
+        assert "tabular" in printed.out
+        if "--label" in line:
+            assert r"\label{tab:race}" in printed.out
+            assert "fractional-zener" not in printed.out
+    [exported] = examples(springpot("export", "--help").out, "export")
+    assert springpot(*exported).code == 0
+
+
+def test_more_repetitions_of_that_race_run_the_new_ones_only(springpot, race):
+    def run_with(repetitions):
+        wanted = f"repetitions={repetitions},  # {'more ' * repetitions}"
+        text = re.sub(r"repetitions=.*", wanted, race.read_text("utf-8"))
+        race.write_text(text, encoding="utf-8")
+        del sys.modules["springpot_study_race"]  # a script is executed once in a process; users start another
+        return springpot("run", race, "--engine", "serial", "-q", "--json").json["ran"]
+
+    kept = springpot("tables", "race", "--table", "summary", "--json").json
+    assert run_with(3) == 3
+    assert run_with(2) == 0
+    assert springpot("tables", "race", "--table", "summary", "--json").json == kept

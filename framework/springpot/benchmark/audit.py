@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -69,7 +69,7 @@ class Audit:
         return ""
 
 
-def _equal(found: dict[str, float], claimed: dict[str, float] | None) -> bool:
+def _equal(found: Mapping[str, float], claimed: Mapping[str, float] | None) -> bool:
     """Whether parameters agree but for rounding."""
     if claimed is None or found.keys() != claimed.keys():
         return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.rheology import Real
 
 from .trace import unpack, unpack_values
-from .trial import Status
+from .trial import TrialResult
 
 
 @dataclass(frozen=True)
@@ -43,30 +43,16 @@ class CellRow:
     budget: int
 
 
-@dataclass(slots=True)
-class TrialRow:
-    """One finished trial."""
+@dataclass(frozen=True, slots=True)
+class TrialRow(TrialResult):
+    """One finished trial as the store has it: its cell by the store's number, its parameters empty if it failed."""
 
-    repetition: int
-    status: Status
-    reason: str
-    best: float | None
-    theta_text: str | None
-    parameter_error: float | None
-    oracle: float | None
-    evaluations: int
-    gradients: int
-    seconds: float
-    batched: int
-    trace: bytes
-    recommended: bytes | None = None
-    seen: bytes | None = None
+    theta: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def theta(self) -> Mapping[str, float]:
-        """Element parameters by name, empty if the trial failed."""
-        found: dict[str, float] = json.loads(self.theta_text) if self.theta_text else {}
-        return found
+    def theta_text(self) -> str | None:
+        """Its parameters as JSON, None if it failed."""
+        return json.dumps(self.theta) if self.theta else None
 
     def improvements(self) -> tuple[NDArray[np.int64], Real]:
         """Evaluation numbers (n,) and objectives (n,) of the improvements."""

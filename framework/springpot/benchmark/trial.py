@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -82,7 +83,7 @@ class TrialResult:
     status: Status
     reason: str = ""
     best: float | None = None
-    theta: dict[str, float] | None = None
+    theta: Mapping[str, float] | None = None
     parameter_error: float | None = None
     oracle: float | None = None
     evaluations: int = 0

@@ -13,7 +13,7 @@ from .common import FILE, emit, json_option
 FORMATS = ("ioh", "coco", "csv", "parquet")
 
 
-@click.command("export", epilog="Example: springpot export optimiser-comparison --format ioh -o for-iohanalyzer")
+@click.command("export", epilog="Example: springpot export race --format ioh -o for-iohanalyzer")
 @click.argument("study", metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), required=True, help="For which tool.")
 @click.option("-o", "--output", "folder", type=FILE, metavar="DIR", help="Folder; by default beside the results.")

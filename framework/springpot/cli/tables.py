@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 FORMATS = ("md", "csv", "latex", "html")
 
 
-@click.command("tables", epilog="Example: springpot tables optimiser-comparison --format latex --table summary")
+@click.command("tables", epilog="Example: springpot tables race --format latex --table summary")
 @click.argument("study", metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), default="md", show_default=True)
 @click.option("--table", "wanted", metavar="NAME", help="Only this table, such as summary; all by default.")
@@ -46,8 +46,8 @@ def command(
 ) -> None:
     """Print the tables of STUDY: its name, its script, its folder or its .sqlite file.
 
-    For a paper: springpot tables race --table summary --format latex --column optimiser --column ERT --digits 3
-    --row problem=... --caption "The race" --label tab:race
+    For a paper: springpot tables race --table summary --format latex --column optimiser --column success --digits 3
+    --row model=fractional-zener --caption "The race" --label tab:race
     """
     from springpot.benchmark import FORMATS as WRITERS
     from springpot.benchmark import write_tables
