@@ -62,7 +62,7 @@ def parts(path: Path) -> tuple[Part, ...]:
 
 READER = Reader(
     "ta-thermal",
-    "TA Instruments DMA (Q800, RSA), exported as text with Sig1, Sig2, ...",
+    "TA Instruments DMA (Q800, RSA), exported as text with Sig1, Sig2 and so on",
     recognises,
     read,
     parts=parts,
