@@ -15,7 +15,7 @@ from springpot.measurement import CONDITIONS
 from springpot.rheology import Complex, Real
 
 from .frame import Frame, orthonormal
-from .policy import EVIDENCE
+from .policy import EVIDENCE, VERDICT
 from .refit import Refit
 from .search import Grown, Search
 
@@ -243,7 +243,19 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
 
 def likeliest_unknown(search: Search) -> Unknown:
     """The kind of structure without a name that explains the data best."""
-    return max(unknowns(search.frame), key=lambda kind: _evidence_of(search, kind))
+    return max(_kinds(search), key=lambda kind: _evidence_of(search, kind))
+
+
+def _kinds(search: Search) -> list[Unknown]:
+    """Kinds of structure that may be missing here.
+
+    Where repeats differ by what is common to a sweep, each sweep has a gain and a phase of its own: that is known
+    already and told of, and to find it again along a condition is no evidence that no effect is missing.
+    """
+    kinds = list(unknowns(search.frame))
+    if search.repeats.p_value < VERDICT.repeats_alarm:
+        kinds = [kind for kind in kinds if not kind.says]
+    return kinds
 
 
 def unknown_marginal(search: Search) -> float:
@@ -252,7 +264,7 @@ def unknown_marginal(search: Search) -> float:
     Structure in general has the weight of one common effect; each fault of a measuring chain has one of its own, as
     laboratories meet them one by one.
     """
-    kinds = list(unknowns(search.frame))
+    kinds = _kinds(search)
     general = sum(not kind.says for kind in kinds)
     weights = np.array([EVIDENCE.prior_chain if kind.says else 1.0 / general for kind in kinds])
     evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
