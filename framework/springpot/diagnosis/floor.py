@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Model, Real
@@ -25,7 +26,7 @@ from .noise import (
 )
 from .policy import SCATTER
 from .refit import Refit, refit
-from .scatter import Trimmed, _scatter
+from .scatter import Trimmed, _scatter, trimmed
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -75,13 +76,33 @@ def borne_out(best: Refit) -> bool:
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
+    free, inside = found, np.ones(len(data.mean), dtype=bool)
     for _ in range(SCATTER.rounds):
-        shaped = refit(model, data, _shaped(found), [found.theta], starts=2)
-        variance, dof = _scatter(shaped.frame())
+        shaped = refit(model, data, _shaped(free, data.mean, inside), [found.theta], starts=2)
+        free, inside = undragged(shaped)
+        variance, dof = _scatter(free.frame())
         sd = at_least_rounding(float(np.sqrt(variance)) * shaped.noise.sd, data.mean)
         noise = replace(shaped.noise, sd=sd, dof=dof)
         found = refit(model, data, noise, [shaped.theta], starts=2)
     return found
+
+
+def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
+    """The fit to what does not stand out, and which points (n,) that is.
+
+    A notch or a bad point drags the curve, and all else then seems to scatter. Those that stand out are found anew
+    beside the curve that is free of them (Rousseeuw 1984, least trimmed squares, doi:10.1080/01621459.1984.10477105).
+    """
+    n = len(fitted.fit.measurement)
+    free, followed = fitted, np.ones(n, dtype=bool)
+    inside = trimmed(fitted.frame()).kept[:n]
+    for _ in range(SCATTER.trimmed_fits):
+        if np.array_equal(inside, followed):
+            break
+        free, followed = fitted.without(~inside), inside
+        of_all = replace(fitted, fit=replace(free.fit, measurement=fitted.fit.measurement))
+        inside = trimmed(of_all.frame(), followed).kept[:n]
+    return free, followed
 
 
 def sharpened(base: Refit, best: Refit) -> Refit | None:
@@ -111,11 +132,23 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     return refit(base.model, base.data, noise, [base.theta], starts=8)
 
 
-def _shaped(found: Refit) -> Noise:
-    """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later."""
-    frame, n = found.frame(), len(found.fit.measurement)
-    rough = frame.rough[:n] / found.noise.weights.real + 1j * frame.rough[n:] / found.noise.weights.imag
-    sd = at_least_rounding(robust_shape(found.data.mean, rough), found.data.mean)
+def _shaped(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) -> Noise:
+    """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later.
+
+    Parameters
+    ----------
+    free : Refit
+        The fit to the points that do not stand out.
+    measurement : Measurement
+        All points.
+    inside : ndarray of bool, shape (n,)
+        Those that do not.
+    """
+    frame, n = free.frame(), int(np.sum(inside))
+    # Not a ripple or a drift either: its storage and its loss would be taken for the sizes of the noise in both.
+    left = trimmed(frame).left
+    rough = left[:n] / free.noise.weights.real + 1j * left[n:] / free.noise.weights.imag
+    sd = at_least_rounding(robust_shape(measurement, rough, inside), measurement)
     return Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 

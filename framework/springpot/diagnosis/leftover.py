@@ -23,7 +23,6 @@ from springpot.measurement import (
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import Frame, chance_of_squares, orthonormal
-from .noise import Averaged, Noise, Scatter
 from .policy import LEFTOVER, VALIDATION
 from .refit import Refit, refit
 from .where import where
@@ -331,7 +330,7 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     """
     total, count = 0.0, 0
     for fold in folds:
-        less = refit(fitted.model, data_without(fitted.data, fold), noise_of(fitted, ~fold), [fitted.theta], starts=0)
+        less = fitted.without(fold)
         off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
         sd = fitted.noise.sd
         total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
@@ -367,15 +366,3 @@ def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
 def _inner(count: int) -> list[int]:
     """A few of the numbers 1 to count - 2, evenly."""
     return sorted({round(x) for x in np.linspace(1, count - 2, min(VALIDATION.folds, count - 2)).tolist()})
-
-
-def data_without(data: Averaged, fold: NDArray[np.bool_]) -> Averaged:
-    """The averaged data without some rows; the reference temperature stays."""
-    mean = data.mean.subset(np.flatnonzero(~fold))
-    scatter = Scatter(*(column[~fold] for column in data.scatter))
-    return Averaged(mean, mean, scatter, np.arange(len(mean)))
-
-
-def noise_of(fitted: Refit, rows: NDArray[np.bool_]) -> Noise:
-    """The noise of some rows."""
-    return replace(fitted.noise, sd=fitted.noise.sd[rows])

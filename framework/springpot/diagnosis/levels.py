@@ -17,7 +17,6 @@ from springpot.distributions import f_sf
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Real
 
-from .leftover import data_without, noise_of
 from .material import any_material
 from .policy import LEVELS
 from .refit import Refit, refit
@@ -90,7 +89,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
         inside = number == each
         if np.sum(inside) < LEVELS.points:
             continue
-        fitted = refit(any_material(), data_without(base.data, ~inside), noise_of(base, inside))
+        fitted = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
         value = float(np.mean(measurement.conditions[name][inside]))
         found.append(Level(value, np.flatnonzero(inside), fitted))
     return found
@@ -115,7 +114,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     inside = np.zeros(len(base.fit.measurement), dtype=bool)
     inside[np.concatenate([level.rows for level in levels])] = True
     model = replace(any_material(), effects=tuple(free))
-    together = refit(model, data_without(base.data, ~inside), noise_of(base, inside))
+    together = refit(model, base.data.without(~inside), base.noise.of(inside))
     apart = sum(level.fitted.rss for level in levels)
     spare = sum(level.fitted.fit.dof for level in levels)
     spent = max(together.fit.dof - spare, 1)

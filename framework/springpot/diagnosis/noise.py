@@ -63,6 +63,10 @@ class Noise:
             return -0.5 * (self.dof + size) * float(np.log1p(rss / self.dof))
         return -0.5 * size * float(np.log(max(rss, 1e-300)))
 
+    def of(self, rows: NDArray[np.bool_]) -> Noise:
+        """The noise of some of the points, (n,)."""
+        return replace(self, sd=self.sd[rows])
+
     def scaled(self, factor: float) -> Noise:
         """The same shape with every standard deviation multiplied."""
         return replace(self, sd=self.sd * factor)
@@ -103,6 +107,10 @@ class Shape:
     tied: bool
     price: float
 
+    def of(self, rows: NDArray[np.bool_]) -> Shape:
+        """The same for some of the points, (n,)."""
+        return replace(self, real=self.real[rows], imag=self.imag[rows])
+
     def fit(self, scatter: Scatter) -> tuple[float, Complex]:
         """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
         total = float(np.sum(scatter.dof))
@@ -141,7 +149,7 @@ def best_shape(measurement: Measurement, scatter: Scatter) -> Complex:
     return min(fits, key=lambda fit: fit[0])[1]
 
 
-def robust_shape(measurement: Measurement, residual: Complex) -> Complex:
+def robust_shape(measurement: Measurement, residual: Complex, rows: NDArray[np.bool_]) -> Complex:
     """Standard deviations (n,), up to a scale, of the shape that a residual favours, whatever stands out from it.
 
     By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the noise of some
@@ -151,13 +159,15 @@ def robust_shape(measurement: Measurement, residual: Complex) -> Complex:
     ----------
     measurement : Measurement
         The data.
-    residual : ndarray of complex, shape (n,)
-        Their scatter about slow curves, in the unit of K.
+    residual : ndarray of complex, shape (m,)
+        The scatter of some of them about slow curves, in the unit of K.
+    rows : ndarray of bool, shape (n,)
+        Which these are.
     """
     shapes = list(shapes_of(measurement))
-    costs = [_student_cost(shape, residual) + shape.price for shape in shapes]
+    costs = [_student_cost(shape.of(rows), residual) + shape.price for shape in shapes]
     best = shapes[int(np.argmin(costs))]
-    real, imag = _student_scales(best, residual)
+    real, imag = _student_scales(best.of(rows), residual)
     return np.asarray(real * best.real + 1j * imag * best.imag, dtype=np.complex128)
 
 
@@ -226,6 +236,12 @@ class Averaged:
         """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
         gains = 0.0 if self.gains is None else self.gains
         return (self.raw.stiffness / (1.0 + gains) - self.mean.stiffness[self.group]) / self.raw.magnitude
+
+    def without(self, rows: NDArray[np.bool_]) -> Averaged:
+        """The averages without some of them, (n,); the reference temperature stays."""
+        mean = self.mean.subset(np.flatnonzero(~rows))
+        scatter = Scatter(*(column[~rows] for column in self.scatter))
+        return Averaged(mean, mean, scatter, np.arange(len(mean)))
 
     def relative_rms(self, model: Model, theta: Real) -> float:
         """Root mean square of |K - K_m| / |K_m| over all measured rows."""

@@ -121,21 +121,27 @@ def may_be_effects(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
 
 def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]) -> tuple[int, float]:
     """The row that stands out most from a fit to these rows alone, and the chance that noise does so at a row."""
+    scaled, _ = _squares(frame, followed, rows)
+    worst = int(np.argmax(scaled))
+    if frame.scale_dof == inf:
+        return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
+    # The others are judged without it: a bad point drags the curve from its neighbours, whose tails then seem long.
+    others, variance = _squares(frame, followed, np.delete(rows, worst))
+    return int(rows[worst]), _chance(np.append(others, scaled[worst]) / variance)
+
+
+def _squares(
+    frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], float]:
+    """Squared deviations of rows (m,), both parts together, from a fit to these rows alone, and their variance."""
     n = len(frame.measurement)
     both = np.concatenate([rows, rows + n])
     basis, _ = np.linalg.qr(followed[both])
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
     free = 1.0 - np.sum(basis**2, axis=1)
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
-    scaled = (
-        np.where(free > OUTLIERS.least_left, left**2 / np.maximum(free, OUTLIERS.least_left), 0.0)
-        .reshape(2, -1)
-        .sum(axis=0)
-    )
-    worst = int(np.argmax(scaled))
-    if frame.scale_dof == inf:
-        return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
-    return int(rows[worst]), _chance(scaled / variance)
+    scaled = np.where(free > OUTLIERS.least_left, left**2 / np.maximum(free, OUTLIERS.least_left), 0.0)
+    return scaled.reshape(2, -1).sum(axis=0), variance
 
 
 def _chance(squares: NDArray[np.float64]) -> float:

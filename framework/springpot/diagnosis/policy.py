@@ -62,6 +62,8 @@ class ScatterLevels:
     """Chance of white noise whose strongest period is as strong as one that is taken out."""
     slowest_ripple: float = 16.0
     """Points of the longest period: longer waves are slow structure already."""
+    slow_waves: int = 2
+    """Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
     least_new: float = 0.001
     """Share of a curve that those already taken out must leave for it to count."""
     fewest_free: float = 20.0
@@ -72,6 +74,8 @@ class ScatterLevels:
     """Chance below which the scatter at one frequency is held to be no noise."""
     rounds: int = 2
     """Times that the noise is estimated anew about the fit that it gave."""
+    trimmed_fits: int = 6
+    """Fits without what stands out, each beside the last: of the notches tried nearly all settle in three."""
     sharper: float = 0.7
     """The noise is estimated anew where the scatter about the best model is less than this share of the
     estimate."""
@@ -282,6 +286,9 @@ EVIDENCE = EvidenceLevels()
 class VerdictLevels:
     """From evidence to a word."""
 
+    neighbours: float = 0.02
+    """Chance that the points of an error beyond the floor lie side by side; such an error is rare already, so that
+    noise with long tails is called structure once in ten thousand data sets."""
     library_alarm: float = 0.006
     """Chance of a false alarm granted to the scan of the library."""
     structure_alarm: float = 0.005

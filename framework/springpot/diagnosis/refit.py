@@ -100,6 +100,10 @@ class Refit:
         followed = 2 * len(self.fit.measurement) - max(self.fit.dof, 1)
         return self.data.floor(self.noise) * float(np.sqrt(1.0 - followed / (2 * len(self.data.raw))))
 
+    def without(self, rows: NDArray[np.bool_]) -> Refit:
+        """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
+        return refit(self.model, self.data.without(rows), self.noise.of(~rows), [self.theta], starts=0)
+
     def frame(self) -> Frame:
         """The linear geometry at this fit."""
         measurement = self.fit.measurement

@@ -39,10 +39,18 @@ class Trimmed(NamedTuple):
         return float(np.sum(self.left[self.kept] ** 2)) / self.dof
 
 
-def trimmed(frame: Frame) -> Trimmed:
-    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger."""
+def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
+    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit.
+    kept : ndarray of bool, shape (n,), optional
+        Rows known to be free of what stands out; without them the median over frequencies is the first guess.
+    """
     followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
-    found = trimmed_residual(frame.residual, followed, omega)
+    found = trimmed_residual(frame.residual, followed, omega, kept)
     drift = frame.relative(drift_shapes(len(frame.measurement)))
     if found.dof >= SCATTER.fewest_free and _explains(drift, followed, found):
         followed = np.concatenate([followed, drift], axis=1)
@@ -83,7 +91,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     lines = 2 * len(sweeps_of(frame.measurement))
     longest = len(power) - 1
     # Slow waves are structure, and told of elsewhere.
-    first = int(np.ceil(2.0 * longest / SCATTER.slowest_ripple))
+    first = min(int(np.ceil(2.0 * longest / SCATTER.slowest_ripple)), SCATTER.slow_waves * 2)
     if first + 1 >= len(power):
         return 0.0
     peak = first + int(np.argmax(power[first:]))
@@ -97,7 +105,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     return 2.0 * longest / float(fine[int(np.argmax(tried))])
 
 
-def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
+def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray[np.bool_] | None = None) -> Trimmed:
     """What curves leave of a residual, without the frequencies at which it is far larger.
 
     An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not. The
@@ -112,12 +120,16 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
         Orthonormal basis of the curves.
     omega : ndarray, shape (n,)
         Angular frequencies.
+    first : ndarray of bool, shape (n,), optional
+        Rows from which to start; all of them by default.
     """
     _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
     usual, middle = chi2_quantile(1.0 - SCATTER.outlying_frequency, count), chi2_quantile(0.5, count)
     kept = np.ones(len(count), dtype=bool)
+    if first is not None:
+        kept[group[: len(omega)][~first]] = False
     for turn in range(10):
         rows = kept[group]
         left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
@@ -125,7 +137,9 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real) -> Trimmed:
         # Curves take their share from every frequency alike.
         squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof
         mean = float(np.sum(squares[kept]) / np.sum(count[kept]))
-        variance = float(np.median(squares / middle)) if turn == 0 else mean
+        variance = mean
+        if turn == 0 and first is None:
+            variance = float(np.median(squares / middle))
         within = squares <= usual * variance
         too_many = np.sum(count[within]) < SCATTER.least_kept * len(residual)
         if too_many or (turn > 0 and np.array_equal(within, kept)):

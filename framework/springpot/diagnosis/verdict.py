@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import comb
 from typing import NamedTuple
+
+import numpy as np
+
+from springpot.distributions import f_sf
+from springpot.measurement import sweeps_of
 
 from .battery import drift_share
 from .evidence import Evidence
+from .floor import undragged
 from .marginal import likeliest_unknown
 from .outliers import Outlier
 from .policy import EVIDENCE, SEARCH, VERDICT
+from .refit import Refit
 from .result import Verdict
 from .search import Grown, Search
 from .words import times
@@ -48,6 +56,10 @@ class Facts:
         Single points were set aside.
     material : bool
         A free spectrum follows the data better than the model with any effect does.
+    exceeds : bool
+        The error is beyond the noise floor by more than chance, though no test sees a pattern.
+    together : bool
+        The points that are beyond it are neighbours, as those of a notch are and those of long-tailed noise are not.
     """
 
     repeats: bool = False
@@ -63,6 +75,8 @@ class Facts:
     few: bool = False
     outliers: bool = False
     material: bool = False
+    exceeds: bool = False
+    together: bool = False
 
     @property
     def alarm(self) -> bool:
@@ -89,6 +103,8 @@ RULES = (
     Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
+    Rule("neighbours stand out together", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
+    Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
@@ -133,7 +149,36 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         few=search.base.fit.dof < VERDICT.fewest_spare,
         outliers=bool(outliers),
         material=beside_material,
+        exceeds=_exceeds(search),
+        together=_exceeds(search) and _stand_out_together(search.base),
     )
+
+
+def _exceeds(search: Search) -> bool:
+    """Whether the error is beyond the floor by more than chance.
+
+    The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
+    long tails too: no test sees them, and yet the model does not go through them.
+    """
+    base = search.base
+    ratio = base.relative_rms / base.floor
+    return bool(ratio > VERDICT.misfit and f_sf(ratio**2, base.fit.dof, base.noise.dof) < VERDICT.structure_alarm)
+
+
+def _stand_out_together(base: Refit) -> bool:
+    """Whether more of the points that stand out are next to one another than chance would put there.
+
+    Of m points dealt out over n places, C(n-m+1, r) C(m-1, r-1) of all C(n, m) ways make r runs (Wald and Wolfowitz
+    1940, doi:10.1214/aoms/1177731909).
+    """
+    _, inside = undragged(base)
+    n, m = len(inside), int(np.sum(~inside))
+    pairs = 0
+    for sweep in sweeps_of(base.data.mean):
+        outside = ~inside[sweep.rows]
+        pairs += int(np.sum(outside[1:] & outside[:-1]))
+    ways = sum(comb(n - m + 1, runs) * comb(m - 1, runs - 1) for runs in range(1, m - pairs + 1))
+    return pairs > 0 and ways < VERDICT.neighbours * comb(n, m)
 
 
 def drifted(search: Search) -> bool:
