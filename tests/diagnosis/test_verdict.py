@@ -24,6 +24,8 @@ SEEN = {"by_battery": True, "certain": True}
         ({"gain": CLEAR}, "adequate"),
         ({"material": True}, "unexplained"),
         ({"repeats": True}, "unexplained"),
+        ({"exceeds": True}, "inconclusive"),
+        ({"exceeds": True, "together": True}, "unexplained"),
         (SEEN | {"gain": CLEAR, "named": True}, "effect-missing"),
         (SEEN | {"gain": CLEAR, "named": True, "outliers": True}, "effect-missing"),
         (SEEN | {"gain": CLEAR, "named": True, "left": True}, "unexplained"),

@@ -1,0 +1,87 @@
+"""A few points that are far off: they do not raise the noise floor, and what they leave is not called adequate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, WARM, design, exact, measured
+
+import springpot
+from springpot.diagnosis.floor import fitted_to_floor, undragged
+from springpot.measurement import Measurement
+
+MODEL = springpot.parse_model("fractional-kelvin")
+AT = design(40, 0.1, 50.0)
+NOISE = 0.005
+ORDER = np.arange(len(AT.omega))
+
+
+def seen_through(factor, seed):
+    """The model's K times a factor, with noise of a size that nobody knows."""
+    return measured(AT, exact(KELVIN, AT) * factor, seed, NOISE / np.sqrt(2.0), known=False)
+
+
+def notch(place, depth=0.3):
+    x = ORDER - place
+    return 1.0 + depth * (-1.0 + 0.6j * x) * np.exp(-0.5 * x**2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("place", [8, 20, 33])
+def test_a_notch_neither_raises_the_floor_nor_is_called_adequate(place, seed):
+    data = seen_through(notch(place), seed)
+    base = fitted_to_floor(MODEL, data)
+    free, inside = undragged(base)
+    assert base.floor == pytest.approx(NOISE, rel=0.5)
+    assert not inside[place]
+    assert np.sum(~inside) <= 8
+    assert np.max(np.abs(free.model.stiffness(free.theta, data.points) / exact(KELVIN, AT) - 1.0)) < 0.02
+    if (place, seed) == (33, 0):
+        assert springpot.diagnose(data, MODEL).verdict != "adequate"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_ripple_in_phase_only_does_not_raise_the_floor(seed):
+    ripple = 1.0 + 0.06j * np.cos(2.0 * np.pi * ORDER / 8.0)
+    assert fitted_to_floor(MODEL, seen_through(ripple, seed)).floor == pytest.approx(NOISE, rel=0.5)
+
+
+def test_noise_alone_leaves_the_fit_as_it_is():
+    kept = 0
+    for seed in range(20):
+        base = fitted_to_floor(MODEL, seen_through(1.0, seed))
+        free, inside = undragged(base)
+        kept += bool(np.all(inside))
+        assert (free is base) == bool(np.all(inside))
+        assert base.floor == pytest.approx(NOISE, rel=0.3)
+    assert kept >= 18
+
+
+def test_long_tails_are_no_structure():
+    """Student's t with three degrees of freedom: far points anywhere are told one by one, and nothing is missing."""
+    for seed in range(6):
+        tails = np.random.default_rng(seed).standard_t(3.0, (2, len(ORDER)))
+        factor = 1.0 + NOISE * (tails[0] + 1j * tails[1])
+        answer = springpot.diagnose(seen_through(factor, seed), MODEL)
+        assert answer.verdict in ("adequate", "inconclusive") or "nothing else is missing" in answer.says
+
+
+def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unknown():
+    """Three specimens at each of four temperatures, each sweep with a gain of its own; the shift is still named."""
+    rng = np.random.default_rng(5)
+    at = design(15, temperatures=(10.0, 25.0, 40.0, 55.0))
+    hidden = exact(WARM, at)
+    rows = np.tile(np.arange(len(hidden)), 3)
+    specimen = np.repeat(np.arange(3), len(hidden))
+    sweep = 4 * specimen + np.unique(at.celsius, return_inverse=True)[1][rows]
+    gain = 1.0 + 0.02 * rng.normal(size=12)[sweep]
+    noise = 0.004 * (rng.normal(size=len(rows)) + 1j * rng.normal(size=len(rows)))
+    data = Measurement(
+        at.omega[rows],
+        hidden[rows] * gain * (1.0 + noise),
+        repeat=specimen,
+        conditions={"temperature": at.celsius[rows]},
+    )
+    answer = springpot.diagnose(data, MODEL)
+    assert answer.verdict == "effect-missing"
+    assert {"arrhenius-shift", "wlf-shift"} & set(answer.classes[0])
