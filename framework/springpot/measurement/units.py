@@ -26,6 +26,7 @@ FORCE_UNITS = {
     "kip": 4448.2216152605,
     "kgf": 9.80665,
     "dyn": 1e-5,
+    "daN": 10.0,
 }
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048}
 TORQUE_UNITS = {

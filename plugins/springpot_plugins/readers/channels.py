@@ -64,6 +64,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("crosshead", "extension", "axial displacement", "axial position", "axial disp", "traverse", "traversenweg"),
         *("machine position", "standardweg"),
         *("angle", "rotation", "angular displacement", "winkel", "drehwinkel", "angulo", "angolo", "d"),
+        *("dep", "depl", "depla"),
     ),
     "force": (
         *("force", "f", "load", "actuator force", "load cell", "axial force", "damper force", "effort", "kraft"),
@@ -97,6 +98,8 @@ _PREFIX = re.compile(
 """What an amplifier writes before the name of a channel: ``Ch 1 Kraft``, ``Channel 2: Load``, ``MX840_CH_1 Weg``."""
 _NUMBERED = re.compile(r"[\s_#.-]{0,2}\d{1,2}(?:\s+-\s.*)?$")
 """A sensor's number behind its name, or a clock's with its rate: ``LVDT 3``, ``Zeit 1 - Standardmessrate``."""
+_WAY = "s"
+"""The German symbol of a displacement; without a length beside it, it is the unit of a time."""
 _NOT_MEASURED = frozenset(
     (
         *(
@@ -147,6 +150,8 @@ def _numbered(title: str) -> tuple[str | None, str | None, str]:
     """The channel of a sensor that has a number; single letters with one are any sensor's."""
     match = _BRACKETED.match(title)
     words, unit = (match[1], match[2]) if match else (title, None)
+    if words.strip() == _WAY and normal_unit(unit or "") in LENGTH_UNITS:
+        return "displacement", unit, words
     bare = _NUMBERED.sub("", words)
     if (channel := _OF.get(fold(bare))) is not None and len(fold(bare)) > 2:
         return channel, unit, bare

@@ -148,7 +148,7 @@ def heading(title: str, below: str | None = None) -> Heading:
 def _by_unit(found: Heading) -> Heading:
     """The heading whose unit tells what its name leaves open: a damping, or the dynamic stiffness ``C_dyn``."""
     unit = normal_unit(found.unit or "")
-    if unit in DAMPING_UNITS and found.role in (None, "damping", "damping_ratio"):
+    if unit in DAMPING_UNITS:
         return replace(found, role="damping")
     if found.role == "damping" and unit in MODULUS_UNITS:
         return replace(found, role="magnitude")

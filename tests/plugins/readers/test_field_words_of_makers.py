@@ -36,6 +36,8 @@ SHEETS = {
     "primes of Windows": ("f [Hz];G\u2019 [Pa];G\u2019\u2019 [Pa];T [°C]", (*G, 20), "cp1252"),
     "loss and tan delta": ("Frequency/Hz;Modulus/Pa;Tan Delta;Loss Modulus/Pa", (*G[:2], TANGENT, G[2]), "utf-8"),
     "damping coefficient": ("Frequency (Hz);Kdyn (N/m);Damping C (N.s/m)", (HERTZ, SIZE, G[2] / OMEGA), "utf-8"),
+    "letters": ("f (Hz);K' (N/m);d (Ns/m)", (*G[:2], G[2] / OMEGA), "utf-8"),
+    "effective modulus": ("f (Hz);gamma (%);Geff (Pa);heq (%)", (HERTZ, 100, G[1], 50 * TANGENT), "utf-8"),
     "amplitudes": ("Frequency [Hz];Force amplitude [N];Displacement amplitude [m];Phase [deg]",
                    (HERTZ, SIZE / 4, 0.25, PHASE), "utf-8"),
     "work of a cycle": ("Frequency [Hz];Effective stiffness [N/m];Energy dissipated per cycle [N m];Amplitude [m]",

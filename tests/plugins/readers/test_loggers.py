@@ -28,6 +28,8 @@ FILES = {
     ),
     "catman with brackets": signals("Zeit  1 - Standardmessrate [s]\tWeg LVDT 2 [mm]\tKraft 50kN [kN]").encode(),
     "labview": signals(LABVIEW, decimal=".").encode(),
+    "symbols": signals("t[s]\ts[mm]\tF[kN]").encode(),
+    "french": signals("Temps;Dep1;Force1\nsec;mm;kN", ";").encode("latin-1"),
     "japanese": signals("時間(s),変位(mm),荷重(kN)", ",", ".").encode("cp932"),
     "chinese": signals("时间(s),位移(mm),载荷(kN)", ",", ".").encode("gb18030"),
     "russian": signals("Время, с;Перемещение, мм;Усилие, кН", ";").encode("cp1251"),
