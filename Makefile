@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 # Bytecode is made of what is imported, when it is: of all that is installed it takes as long as the rest of it.
 PIP := --quiet --disable-pip-version-check --no-compile
 
-# The tests start some two hundred interpreters: without bytecode each of them would compile all that it imports anew.
+# The tests start many interpreters: without bytecode each takes about two seconds longer, compiling what it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
 # The matrices of a fit are small: more threads only wait for one another.
