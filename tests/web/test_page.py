@@ -358,7 +358,6 @@ def test_three_temperatures_and_the_race(page: Open, tmp_path: Path, monkeypatch
     here.page.click("text=Choose rows")
     here.page.locator("text=temperature 0 °C").click()
     playwright.expect(here.page.locator("#facts")).to_contain_text("6 left out", timeout=PATIENCE)
-    here.done()
     assert here.page.locator("#plot-view .mark.out").count() == 2 * 6
     assert here.page.locator("#rows-0").is_visible(), "the choice stays open, and keeps the focus"
     assert here.page.evaluate("() => document.activeElement.id") == "rows-0"

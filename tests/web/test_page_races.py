@@ -18,8 +18,9 @@ BAD = b"hello\nworld\n"
 def judged(page: Open, damper: bytes) -> Page:
     """The README's file with the README's model; the server has the answer from the first test that asked for it."""
     here: Page = page()
+    here.name(MODEL)
     here.drop("damper.csv", damper)
-    here.judge(MODEL)
+    here.shows(MODEL)
     return here
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -127,15 +127,9 @@ def identify(
     u, evaluations, converged = search.ended(parts, starts[0], 0) if near else search.solved(parts, starts)
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
-        scales = []
-        for i, part in enumerate(parts):
-            own, spent, _ = search.solved([part], [u])
-            evaluations += spent
-            alone[i] = min(alone[i], search.ratio(part, own))
-            scales.append(search.scale(part, own))
-        parts = [part.with_scale(scale) for part, scale in zip(parts, scales, strict=True)]
-        u, spent, converged = search.solved(parts, [u])
-        evaluations += spent
+        parts, alone, spent = _weighed(parts, alone, lambda part: (search, *search.solved([part], [u])[:2]))
+        u, more, converged = search.solved(parts, [u])
+        evaluations += spent + more
     found = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
     if optimiser is None or optimiser.name == NATIVE:
         return found
@@ -145,7 +139,25 @@ def identify(
     best, notes = best_run(problem, optimiser, budget or BUDGET, restarts, seed)
     u = search.coordinates.u(best.theta.copy(), search.size)
     other = search.result(u, parts, alone, best.evaluations, best.status != "budget", perf_counter() - began)
+    # The theta that was found, not one that went to search coordinates and back.
     return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=tuple(notes))
+
+
+def _weighed(
+    parts: Sequence[Part], together: Sequence[float], fitted: Callable[[Part], tuple[Search, Real, int]]
+) -> tuple[list[Part], list[float], int]:
+    """Parts that weigh as each is missed even when fitted alone.
+
+    Also the errors over the noise that they have alone, which are none larger than those together, and evaluations
+    spent.
+    """
+    weighed, alone, evaluations = [], [], 0
+    for part, ratio in zip(parts, together, strict=True):
+        search, u, spent = fitted(part)
+        evaluations += spent
+        alone.append(min(ratio, search.ratio(part, u)))
+        weighed.append(part.with_scale(search.scale(part, u)))
+    return weighed, alone, evaluations
 
 
 def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, began: float) -> TimeIdentification:
@@ -167,15 +179,9 @@ def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, 
     search, u, evaluations = fitted(parts)
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
-        scales = []
-        for i, part in enumerate(parts):
-            own, there, spent = fitted([part])
-            evaluations += spent
-            alone[i] = min(alone[i], own.ratio(part, there))
-            scales.append(own.scale(part, there))
-        parts = [part.with_scale(scale) for part, scale in zip(parts, scales, strict=True)]
-        search, u, spent = fitted(parts)
-        evaluations += spent
+        parts, alone, spent = _weighed(parts, alone, lambda part: fitted([part]))
+        search, u, more = fitted(parts)
+        evaluations += spent + more
     return search.result(u, parts, alone, evaluations, True, perf_counter() - began)
 
 
