@@ -3,6 +3,7 @@
 import csv
 import re
 import shlex
+import subprocess
 import sys
 from io import StringIO
 from pathlib import Path
@@ -133,3 +134,14 @@ def test_more_repetitions_of_that_race_run_the_new_ones_only(springpot, race):
     assert run_with(3) == 3
     assert run_with(2) == 0
     assert springpot("tables", "race", "--table", "summary", "--json").json == kept
+
+
+def test_a_script_run_by_python_tells_the_command_as_it_was_written(springpot, race):
+    """The report is handed on: a path of one machine repeats nothing on another."""
+    done = subprocess.run(
+        [sys.executable, race.name, "--engine", "serial", "-q"], cwd=race.parent, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    report = race.parent.joinpath("results", "race", "report.html").read_text("utf-8")
+    assert "springpot run race.py" in report
+    assert str(race.parent) not in report

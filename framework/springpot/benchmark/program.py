@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from runpy import run_module
 
 from springpot.errors import StudyError
@@ -20,6 +21,8 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
         raise StudyError("call study.main() in the script that declares it as study = Study(...)")
-    sys.argv = ["springpot", "run", script, *(sys.argv[1:] if arguments is None else arguments)]
+    # As the user wrote it where that is the script: the command is told in the report, to be repeated elsewhere.
+    written = sys.argv[0] if Path(sys.argv[0]).resolve() == Path(script).resolve() else script
+    sys.argv = ["springpot", "run", written, *(sys.argv[1:] if arguments is None else arguments)]
     # The command stands above this room and is started like any other program, not imported.
     run_module("springpot", run_name="__main__")

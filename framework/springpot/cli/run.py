@@ -11,7 +11,7 @@ import click
 from .common import FILE, POSITIVE, emit, json_option, own_stdout
 
 
-@click.command("run", epilog="Example: springpot run studies/optimiser_comparison.py --workers 2")
+@click.command("run", epilog="Example: springpot run race.py --workers 2")
 @click.argument("study", type=FILE, metavar="STUDY.py")
 @click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default.")
 @click.option("--engine", metavar="NAME", help="local (default), serial or dask:ADDRESS.")
