@@ -159,3 +159,13 @@ def test_the_bad_highest_frequency_of_a_soft_solid_is_found(shared):
 def test_a_set_without_temperatures_refuses_a_shift_in_one_line(shared):
     with pytest.raises(SpringpotError, match="temperature"):
         springpot.discover(shared("mr-damper-utfsm-sinusoid@current=1"), "kelvin", accept=["wlf-shift"])
+
+
+@pytest.mark.soak
+def test_bitumen_at_seven_temperatures_comes_down_to_what_its_replicates_scatter_by(shared):
+    """No model is named and no option set: replicates that share a disturbance do not end the search."""
+    ladder = springpot.discover(shared("fhwa-ptf-binder-dsr@lane=1"))
+    assert [step.accepted for step in ladder.steps] == [None, "wlf-shift", "vertical-shift"]
+    last = ladder.steps[-1]
+    assert last.relative_rms < 1.3 * last.noise_floor
+    assert any("repeats differ by more than chance" in note for note in ladder.diagnosis.notes)
