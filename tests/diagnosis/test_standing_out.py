@@ -85,3 +85,15 @@ def test_where_repeats_share_a_disturbance_a_gain_of_each_temperature_is_no_unkn
     answer = springpot.diagnose(data, MODEL)
     assert answer.verdict == "effect-missing"
     assert {"arrhenius-shift", "wlf-shift"} & set(answer.classes[0])
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_one_absurd_point_is_all_that_is_told(known):
+    at = design(48)
+    factor = np.where(np.arange(48) == 20, 1.2, 1.0)
+    answer = springpot.diagnose(measured(at, exact(KELVIN, at) * factor, 1, 0.007, known=known), MODEL)
+    assert answer.verdict == "unexplained"
+    assert "a single point stands out" in answer.says
+    assert "nothing else is missing" in answer.says
+    assert answer.split == ""
+    assert answer.where[0].low == pytest.approx(at.omega[20] / (2.0 * np.pi))

@@ -24,7 +24,7 @@ from .policy import EXPERIMENT, SEARCH, VERDICT
 from .progress import Progress, silent
 from .result import Diagnosis, NextExperiment, Verdict, Where
 from .search import Search, confounded, scan_effects, search_data, search_from
-from .verdict import facts_of, rule_for, sentence
+from .verdict import facts_of, only_points, rule_for, sentence
 from .where import periodic, where
 
 BESIDE_MATERIAL = {
@@ -228,8 +228,9 @@ def _answer(
     error = error_of(search.base, floor)
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     if verdict != "adequate":
-        # Beside such noise nothing is known to be missing that could be split.
-        split = "" if doubted else split_in_words(search.base, floor, VERDICT.structure_alarm)
+        # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
+        if not doubted and not only_points(search, outliers):
+            split = split_in_words(search.base, floor, VERDICT.structure_alarm)
         classes = evidence.classes
         experiment = _next_experiment(evidence)
     told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]

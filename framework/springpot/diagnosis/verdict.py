@@ -220,7 +220,7 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         return f"{error}; missing is {_named(evidence)}"
     if verdict == "inconclusive":
         return f"{error}; these data cannot tell whether something is missing"
-    if outliers and min(own.scan.p_value, own.structure.p_value) > VERDICT.structure_alarm:
+    if only_points(own, outliers):
         points = "a single point stands out"
         if len(outliers) > 1:
             points = f"{len(outliers)} single points stand out"
@@ -234,6 +234,11 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
         return f"{error}; {names} takes it to {left}, and something is missing beside it that no effect explains"
     return f"{error}; something is missing that no effect of the library explains"
+
+
+def only_points(own: Search, outliers: Sequence[Outlier]) -> bool:
+    """Whether single points were set aside and nothing is left beside them."""
+    return bool(outliers) and min(own.scan.p_value, own.structure.p_value) > VERDICT.structure_alarm
 
 
 def _most_of_it(search: Search) -> list[Grown]:
