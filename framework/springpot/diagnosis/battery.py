@@ -412,7 +412,9 @@ def _hum(frame: Frame, sample: Drawn) -> Real | None:
 
 def _hum_in_words(frame: Frame) -> tuple[float, str]:
     value = _hum(frame, frame.rest[None])
-    ratio = 1.0 if value is None else float(value[0])
+    ratio = 1.0
+    if value is not None:
+        ratio = float(value[0])
     frequency = frame.measurement.frequency
     units = frame.measurement.units
     places = ", ".join(units.at(x) for x in np.unique(frequency[_near_mains(frequency)])[:4])
@@ -440,7 +442,9 @@ def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
         assert x is not None, "the test was made"
         off = np.log(frame.measurement.stiffness / frame.model_stiffness)
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
-        verb = "gains" if size > 0 else "loses"
+        verb = "loses"
+        if size > 0:
+            verb = "gains"
         words = (
             f"from the lowest to the highest {name} the measured |K| {verb} {100 * abs(np.expm1(size)):.2g} % "
             f"and its phase {phase:+.2g} deg against the model"
@@ -521,7 +525,8 @@ def _growth(measurement: Measurement, share: Real, rows: NDArray[np.int64]) -> s
     rest = y - design @ np.array([slope, level])
     error = float(np.sqrt(np.sum(rest**2) / max(len(x) - 2, 1) / np.sum(design[:, 0] ** 2)))
     named = min(MEANINGS, key=lambda power: abs(power - slope))
-    meaning = (
-        f", {MEANINGS[named]}" if abs(named - slope) < max(VERDICT.close_power, 2 * error) and error < 0.7 else ""
-    )
+    meaning = ""
+    # The powers are one or two apart: a slope known worse than that has no name.
+    if error < 0.7 and abs(named - slope) < max(VERDICT.close_power, 2 * error):
+        meaning = f", {MEANINGS[named]}"
     return f", growing as amplitude^{slope:.2g} ± {2 * error:.1g}{meaning}"

@@ -29,23 +29,31 @@ class Standing(NamedTuple):
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     """All scanned effects as candidates, the likeliest first; none is missing where the verdict is another."""
     search = evidence.search
-    groups = [] if verdict == "adequate" else evidence.classes
+    groups: list[list[str]] = []
+    if verdict != "adequate":
+        groups = evidence.classes
     class_of = {name: tuple(group) for group in groups for name in group}
     alone = {grown.names[0]: grown for grown in reversed(search.grown) if len(grown.effects) == 1}
     best, chances = best_with(search), evidence.effects
-    leader = evidence.leader if evidence.explanations else ""
-    beside = evidence.grown_beside(evidence.beside) if evidence.explanations else {}
+    leader, beside = "", dict[str, Grown]()
+    if evidence.explanations:
+        leader, beside = evidence.leader, evidence.grown_beside(evidence.beside)
     rows = []
     for score in search.scan.scores:
         name = score.influence.effect.name
         chance = chances.get(name, 0.0)
-        least = VERDICT.likely if groups and name in groups[0] else EVIDENCE.beside
+        # Of the first class one member is missing for certain; any other must be likely in its own right.
+        least = EVIDENCE.beside
+        if groups and name in groups[0]:
+            least = VERDICT.likely
         missing = verdict == "effect-missing" and chance > least * evidence.trust(name)
         word = _effect_verdict(search, score, best.get(name), missing)
         standing = Standing(chance, class_of.get(name, (name,)), word)
         if name in beside:
             # An effect that only shows beside the leading one is told as it is there.
-            before = alone[leader].refit if leader in alone else search.base
+            before = search.base
+            if leader in alone:
+                before = alone[leader].refit
             row = _candidate(before, score, beside[name], standing)
             row = replace(row, says=f"beside {leader}: {row.says}")
         else:

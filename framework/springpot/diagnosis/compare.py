@@ -286,16 +286,17 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
     for model in models:
         progress(f"fitting {model.name}")
         first.append(fitted_to_floor(model, measurement))
-    for found in first:
-        if found.fit.dof < 1:
+    for fitted in first:
+        if fitted.fit.dof < 1:
             raise DataError(
-                f"{measurement.name}: {len(found.fit.measurement)} points cannot judge {found.model.name}, which has "
-                f"{len(found.theta)} parameters; measure at more frequencies"
+                f"{measurement.name}: {len(fitted.fit.measurement)} points cannot judge {fitted.model.name}, "
+                f"which has {len(fitted.theta)} parameters; measure at more frequencies"
             )
-    quiet = min(first, key=lambda found: found.floor)
-    return [
-        found
-        if found is quiet
-        else refit(found.model, quiet.data, quiet.noise, [found.theta], starts=RANKING.compared_starts)
-        for found in first
-    ]
+    # One noise for all, that of the model which leaves the least scatter: errors are then compared, not noises.
+    quiet = min(first, key=lambda fitted: fitted.floor)
+    in_its_noise = []
+    for fitted in first:
+        if fitted is not quiet:
+            fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=RANKING.compared_starts)
+        in_its_noise.append(fitted)
+    return in_its_noise

@@ -100,14 +100,19 @@ def html_of_comparison(says: str, answer: Plain) -> Html:
     rows = []
     for judged in answer["models"]:
         best = judged["model"] == answer["best"] and len(answer["models"]) > 1
-        error = judged["error"]
+        error, name = judged["error"], judged["model"]
+        if best:
+            name = f"{name} (best)"
+        word = "holds"
+        if judged["fails"]:
+            word = "fails"
         rows.append(
             (
-                f"{judged['model']} (best)" if best else judged["model"],
-                *(_percent(error[name]) for name in ("relative_rms", "noise_floor", "material_floor")),
+                name,
+                *(_percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
                 f"{error['relative_rms'] / error['noise_floor']:.3g}",
                 f"{judged['delta_bic']:.3g}",
-                "fails" if judged["fails"] else "holds",
+                word,
             )
         )
     told = [f"{judged['model']}: {judged['says']}" for judged in answer["models"]]

@@ -105,7 +105,9 @@ class Evidence:
         for one in self.explanations:
             doubtful = not self.imitators.isdisjoint(one.names)
             for name in set(one.names):
-                share = self.trust(name) if doubtful else 1.0
+                share = 1.0
+                if doubtful:
+                    share = self.trust(name)
                 chances[name] = chances.get(name, 0.0) + one.probability * share
         return chances
 
@@ -162,8 +164,11 @@ class Evidence:
             if len(one.names) == len(best.names) and len(others) == 1:
                 chances[others[0]] = chances.get(others[0], 0.0) + one.probability
             elif len(one.names) < len(best.names):
-                counted = 0.0 if one.names[0] in partners else one.probability
-                chances[one.names[0]] = chances.get(one.names[0], 0.0) + counted
+                alone = one.names[0]
+                chances.setdefault(alone, 0.0)
+                # A partner stays whoever leads: alone it is no rival of the leader.
+                if alone not in partners:
+                    chances[alone] += one.probability
         return chances
 
     @cached_property
@@ -176,7 +181,9 @@ class Evidence:
                 (partner,) = _without(one.names, [self.leader])
                 chances[partner] = chances.get(partner, 0.0) + one.probability
         enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
-        return chances if sum(chances.values()) > enough else {}
+        if sum(chances.values()) <= enough:
+            return {}
+        return chances
 
     @property
     def beside(self) -> list[str]:

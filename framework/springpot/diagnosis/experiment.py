@@ -106,9 +106,12 @@ def _amplitudes(measurement: Measurement) -> Iterator[Action]:
     amplitude, omega = measurement.conditions.get("amplitude"), _usual(measurement)
     if amplitude is None:
         return
-    unit = "" if measurement.units.amplitude == "-" else f" {measurement.units.amplitude}"
-    for factor in (3.0, 1.0 / 3.0):
-        new = float((amplitude.max() if factor > 1 else amplitude.min()) * factor)
+    largest, least = float(amplitude.max()), float(amplitude.min())
+    unit = ""
+    if measurement.units.amplitude != "-":
+        unit = f" {measurement.units.amplitude}"
+    # Three times beyond what was measured: nonlinear effects go with a power of the amplitude, and show there.
+    for new in (3.0 * largest, least / 3.0):
         where = replace(_at(omega, _typical(measurement)), amplitude=np.full(EXPERIMENT.points, new))
         says = f"measure {EXPERIMENT.points} points at the amplitude {new:.3g}{unit}"
         yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
@@ -228,8 +231,10 @@ class Clash:
         new = self._evaluated(self.truth, self.truth.theta)[0]
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
         relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
-        # Without a specimen the force is small, and its noise is not.
-        floor = np.abs(new) if self.action.scale else np.maximum(np.abs(new), float(np.median(size)))
+        floor = np.abs(new)
+        if self.action.scale == 0.0:
+            # Without a specimen the force is small, and its noise is not.
+            floor = np.maximum(floor, float(np.median(size)))
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
@@ -237,7 +242,9 @@ class Clash:
     def _quieter(self) -> float:
         """How much smaller the new amplitude is than the usual one: at worst the noise is a force of fixed size."""
         usual, new = self.truth.fit.measurement.points.amplitude, self.action.points.amplitude
-        return 1.0 if usual is None or new is None else max(1.0, float(np.median(usual) / np.median(new)))
+        if usual is None or new is None:
+            return 1.0
+        return max(1.0, float(np.median(usual) / np.median(new)))
 
     def _seen(self, theta: Real) -> tuple[Real, Real]:
         """Whitened difference of truth and rival at old and new points (2n,), and the rival's slopes (p, 2n)."""
@@ -253,7 +260,10 @@ class Clash:
     def _evaluated(self, refit: Refit, theta: Real) -> tuple[Complex, Complex]:
         """K and dK/dtheta where the action would measure, the specimen being larger, absent or a known mass."""
         scale, mass = self.action.scale, self.action.mass
-        network = refit.model.network if scale == 1.0 else refit.model.resized(max(scale, 1e-9), mass)
+        network = refit.model.network
+        if scale != 1.0:
+            # No specimen is one of hardly any size, as a network cannot be empty.
+            network = refit.model.resized(max(scale, 1e-9), mass)
         with np.errstate(all="ignore"):
             response = network.respond(theta, self.action.points, GRADIENT)
         return response.value, response.by_theta
@@ -298,7 +308,9 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
 
 def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
     """Where one explanation follows the other everywhere, nothing is to be bought by measuring."""
-    size = plain(sigma, 2) if sigma > 0.1 else "less than 0.1"
+    size = "less than 0.1"
+    if sigma > 0.1:
+        size = plain(sigma, 2)
     return (
         f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
         f"separate them by {size} sigma"
@@ -306,8 +318,10 @@ def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
 
 
 def _both(clashes: tuple[Clash, Clash], kind: str) -> Pair:
-    first, second = (clash.linear if kind == "linear" else clash.fitted() for clash in clashes)
-    return first, second
+    first, second = clashes
+    if kind == "linear":
+        return first.linear, second.linear
+    return first.fitted(), second.fitted()
 
 
 def _expected(shares: Pair, sigmas: Pair) -> float:
@@ -321,7 +335,9 @@ def _enough(sigma: float) -> float:
 
 def separation(shares: Pair, sigmas: Pair) -> float:
     """The standard deviations that are promised: at least so many, or where it depends on who is right, the mean."""
-    return min(sigmas) if _either_way(sigmas) else _expected(shares, sigmas)
+    if _either_way(sigmas):
+        return min(sigmas)
+    return _expected(shares, sigmas)
 
 
 def _either_way(sigmas: Pair) -> bool:

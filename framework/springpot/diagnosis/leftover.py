@@ -157,11 +157,12 @@ def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
     places = where(frame)
     if not places and _seen(frame, np.concatenate([frame.smooth, frame.shared], axis=1)).chance > LEFTOVER.alarm:
         return []
-    told = [_size_in_words(frame, places[0].says if places else "")]
+    place = ""
+    if places:
+        place = places[0].says
     pattern = _pattern(frame, log_shift)
-    told.append(PATTERNS[pattern])
-    told.append(_causality(frame, pattern, log_shift))
-    return [sentence for sentence in told if sentence]
+    sentences = [_size_in_words(frame, place), PATTERNS[pattern], _causality(frame, pattern, log_shift)]
+    return [sentence for sentence in sentences if sentence]
 
 
 def log_shift_of(found: Refit) -> Real | None:
@@ -183,8 +184,12 @@ def _size_in_words(frame: Frame, place: str) -> str:
     kept = 1.0 - frame.absorbed.shape[1] / frame.size
     size = float(np.sqrt(max(np.mean(off**2) - kept * np.mean(noise), 0.0)))
     share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
-    much = f"about {share} beyond the noise" if size > 0 else "no more than the noise in size"
-    return f"what is left is {much}{': ' if place else ''}{place}"
+    much = "no more than the noise in size"
+    if size > 0:
+        much = f"about {share} beyond the noise"
+    if not place:
+        return f"what is left is {much}"
+    return f"what is left is {much}: {place}"
 
 
 def _seen(frame: Frame, basis: Real) -> _Seen:
@@ -292,7 +297,9 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
         if not folds:
             continue
         old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
-        word = "predicts it better" if new < VALIDATION.better * old else "does not predict it better"
+        word = "does not predict it better"
+        if new < VALIDATION.better * old:
+            word = "predicts it better"
         yield (
             f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
         )

@@ -238,7 +238,9 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
     spread = np.geomspace if parameter.scale == "log" else np.linspace
     worse = held_costs(refit.fit, parameter.name, spread(low, high, EVIDENCE.places)) - refit.rss
     share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
-    return share if share > EVIDENCE.least_share else 0.0
+    if share <= EVIDENCE.least_share:
+        return 0.0
+    return share
 
 
 def likeliest_unknown(search: Search) -> Unknown:
@@ -266,7 +268,8 @@ def unknown_marginal(search: Search) -> float:
     """
     kinds = _kinds(search)
     general = sum(not kind.says for kind in kinds)
-    weights = np.array([EVIDENCE.prior_chain if kind.says else 1.0 / general for kind in kinds])
+    weights = np.full(len(kinds), EVIDENCE.prior_chain)
+    weights[[not kind.says for kind in kinds]] = 1.0 / general
     evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
     return float(logsumexp(evidence))
 

@@ -230,7 +230,9 @@ class Averaged:
     @property
     def own_gain(self) -> float:
         """Root mean square of what sets replicates apart as a whole, relative to |K|."""
-        return 0.0 if self.gains is None else float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
+        if self.gains is None:
+            return 0.0
+        return float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
 
     def deviations(self) -> Complex:
         """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
@@ -302,7 +304,9 @@ def average_repeats(measurement: Measurement) -> Averaged:
         return Averaged(measurement, measurement, Scatter(nothing, nothing, nothing), group)
     mean = _means(measurement.stiffness, group)
     gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, count[group])
-    stiffness = measurement.stiffness if gains is None else measurement.stiffness / (1.0 + gains)
+    stiffness = measurement.stiffness
+    if gains is not None:
+        stiffness = stiffness / (1.0 + gains)
     mean = _means(stiffness, group)
     off = stiffness - mean[group]
     real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
@@ -310,7 +314,9 @@ def average_repeats(measurement: Measurement) -> Averaged:
     free = max(1.0 - spent / max(float(np.sum(count - 1.0)), 1.0), 0.0)
     scatter = Scatter(real, imag, (count - 1.0) * free)
     averaged = measurement.subset(first)
-    sd = None if averaged.sd is None else averaged.sd / np.sqrt(count)
+    sd = averaged.sd
+    if sd is not None:
+        sd = sd / np.sqrt(count)
     return Averaged(measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains)
 
 
@@ -448,7 +454,10 @@ def _largest(fits: Callable[[int], bool], most: int) -> int:
     low, high = 1, most + 1
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (middle, high) if fits(middle) else (low, middle)
+        if fits(middle):
+            low = middle
+        else:
+            high = middle
     return low
 
 

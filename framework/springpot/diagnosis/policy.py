@@ -153,6 +153,12 @@ class ScanLevels:
     """Relative changes of K that count as small: there a direction is a tangent."""
     absorbed: float = 0.001
     """A direction of which less than this is left after projection cannot be seen in these data."""
+    settings_of_one: int = 64
+    """Settings of an effect of one parameter, over all that is physically possible."""
+    settings_of_more: int = 96
+    """Settings of an effect of more parameters, beside those for each further one."""
+    settings_of_each: int = 160
+    """Settings for each further parameter, of a sequence that fills space evenly."""
     per_effect: int = 64
     """Directions kept of one effect: its grid is finer than the data resolve."""
     draws: int = 3000

@@ -136,7 +136,10 @@ def rank(
     floor = case.search.base
     fits: list[Refit] = []
     skipped: list[Skipped] = []
-    for effects in [floor.model.effects, ()] if floor.model.effects else [()]:
+    companions: list[tuple[Effect, ...]] = [()]
+    if floor.model.effects:
+        companions.insert(0, floor.model.effects)
+    for effects in companions:
         for number, item in enumerate(installed, 1):
             progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
             fits += _fitted(item, effects, floor, skipped)

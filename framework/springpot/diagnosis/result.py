@@ -78,8 +78,8 @@ class Where:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema, where the ends of the range are called from and to."""
-        row = asdict(self)
-        return {"from" if key == "low" else "to" if key == "high" else key: value for key, value in row.items()}
+        names = {"low": "from", "high": "to"}
+        return {names.get(key, key): value for key, value in asdict(self).items()}
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,10 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     old = [grown.names.index(name) for name in model.names]
     new = [i for i in range(len(grown.names)) if i not in old]
     added = tuple(grown.parameters[i] for i in new)
-    grid = settings(added, Window.of(measurement), 64 if len(added) == 1 else 160 * (len(added) - 1) + 96)
+    count = SCAN.settings_of_one
+    if len(added) > 1:
+        count = SCAN.settings_of_more + SCAN.settings_of_each * (len(added) - 1)
+    grid = settings(added, Window.of(measurement), count)
     full = np.empty((len(grid), len(grown.names)))
     full[:, old] = theta
     full[:, new] = grid
@@ -231,7 +234,10 @@ def _score(frame: Frame, influence: Influence, directions: Directions, threshold
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
     needed = (np.sqrt(threshold) + SCAN.power) * influence.relative[directions.setting] / directions.length
-    bound = float(np.quantile(needed, 0.9)) if len(needed) and threshold < np.inf else np.inf
+    bound = np.inf
+    if len(needed) and threshold < np.inf:
+        # Nine settings in ten would have been seen at this size; the last may lie where these data hardly show it.
+        bound = float(np.quantile(needed, 0.9))
     left = frame.project(frame.whiten(influence.change).T)
     cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
     starts = influence.theta[np.argsort(cost)[: SCAN.whole_starts]]

@@ -49,14 +49,18 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
         number = _set_values(measurement, name, most)
         count = int(number.max()) + 1
         if count > 1:
-            found.append(Axis(name, number if count <= most else number * most // count))
+            if count > most:
+                number = number * most // count
+            found.append(Axis(name, number))
     return found
 
 
 def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
     column, number = measurement.conditions[name], measurement.levels(name)
-    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
+    x = column
+    if name == "amplitude":  # a rig holds it to a share, a temperature to a part of a kelvin
+        x = np.log(np.maximum(np.abs(column), 1e-300))
     part = np.zeros_like(number)
     for value in range(int(number.max()) + 1):
         rows = np.flatnonzero(number == value)
@@ -85,8 +89,12 @@ def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
 
 def with_unit(measurement: Measurement, name: str, value: float) -> str:
     """A temperature or an amplitude as it is printed."""
-    unit = "degC" if name == "temperature" else measurement.units.amplitude
-    return f"{_number(value)}{'' if unit == '-' else f' {unit}'}"
+    if name == "temperature":
+        return f"{_number(value)} degC"
+    unit = measurement.units.amplitude
+    if unit == "-":
+        return _number(value)
+    return f"{_number(value)} {unit}"
 
 
 def _number(value: float) -> str:
@@ -108,20 +116,24 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     middle = float(np.average(whitened, weights=count))
     uneven = float(chi2_sf(np.sum(count * (whitened - middle) ** 2), len(count) - 1)) < WHERE.levels_differ
     if np.ptp(relative) <= WHERE.alike * np.abs(np.mean(relative)):
-        these = "these " if _some(measurement, name, rows) else ""
-        return f"the same at all {these}{name}s"
+        if _some(measurement, name, rows):
+            return f"the same at all these {name}s"
+        return f"the same at all {name}s"
     if not uneven:
         return ""
     at = np.bincount(level, measurement.conditions[name][rows]) / count
     size = np.abs(relative)
+    law = ""
     # A misfit that changes sign elsewhere is the difference of two laws and follows neither.
-    lawful = name == "amplitude" and not _some(measurement, name, rows)
-    law = _power(at, np.bincount(level, part.residual[rows]) / count) if lawful else ""
+    if name == "amplitude" and not _some(measurement, name, rows):
+        law = _power(at, np.bincount(level, part.residual[rows]) / count)
     rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
     if not law and abs(rank) < 0.5:
         return f"varying with {name}"
     ends = ", ".join(f"{plain(100 * size[i], 2)} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
-    trend = f"{'larger' if rank > 0 else 'smaller'} at higher {name}s"
+    trend = f"smaller at higher {name}s"
+    if rank > 0:
+        trend = f"larger at higher {name}s"
     return f"{law or trend} ({ends})"
 
 
@@ -191,7 +203,9 @@ def where(frame: Frame) -> list[Where]:
         found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
     found = [(part, region) for part, region in found if abs(region.sigma) > WHERE.slight * abs(found[0][1].sigma)]
-    plane = _simplest_plane(frame) if found else ""
+    plane = ""
+    if found:
+        plane = _simplest_plane(frame)
     places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[: WHERE.most]]
     if period:
         places.insert(sum(abs(region.sigma) > clear for _, region in found[: WHERE.most]), periodic(frame))
@@ -220,7 +234,9 @@ def periodic(frame: Frame) -> Where:
     frequency = frame.measurement.frequency
     relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
     size = float(np.sqrt(2.0 * np.mean(relative**2)))
-    length = f" ({period * step:.2g} decades)" if decades else ""
+    length = ""
+    if decades:
+        length = f" ({period * step:.2g} decades)"
     share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
     says = f"the misfit swings by about {share} with a period of {period:.2g} points{length}"
     low, high = float(frequency.min()), float(frequency.max())
@@ -268,17 +284,17 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     frequency, conditions = measurement.frequency, axes[1:]
     low, high = float(frequency[rows].min()), float(frequency[rows].max())
     size = float(np.mean(part.relative[rows]))
-    side = "low" if size > 0 else "high"
+    side = "high"
+    if size > 0:
+        side = "low"
     levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
     units = measurement.units
     share = f"{plain(100 * abs(size), 2)} % of {units.magnitude}"
     place = f"{part.word} {share} too {side} {_range(low, high, frequency, units)}"
     growth = _growth(measurement, part, rows)
-    told = [
-        " ".join([place, *levels]),
-        "" if growth == LEVEL and place.endswith(EVERYWHERE) else growth,
-        *dependences(measurement, conditions, part, rows),
-    ]
+    if growth == LEVEL and place.endswith(EVERYWHERE):
+        growth = ""  # "at all frequencies" says so already
+    told = [" ".join([place, *levels]), growth, *dependences(measurement, conditions, part, rows)]
     condition = ", ".join(levels) or _conditions(measurement)
     return Where(plane, condition, low, high, size, ", ".join(word for word in told if word))
 
@@ -313,7 +329,9 @@ def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
 
 def _conditions(measurement: Measurement) -> str:
     sweeps = len(sweeps_of(measurement))
-    return "single sweep" if sweeps == 1 else f"{sweeps} sweeps"
+    if sweeps == 1:
+        return "single sweep"
+    return f"{sweeps} sweeps"
 
 
 def _simplest_plane(frame: Frame) -> str:

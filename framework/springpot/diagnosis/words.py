@@ -5,7 +5,9 @@ from __future__ import annotations
 
 def times(ratio: float) -> str:
     """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
-    return f"{ratio:.0f} x" if ratio >= 99.5 else f"{ratio:.2g} x"
+    if ratio >= 99.5:
+        return f"{ratio:.0f} x"
+    return f"{ratio:.2g} x"
 
 
 def percent(fraction: float) -> str:
@@ -16,4 +18,6 @@ def percent(fraction: float) -> str:
 def plain(value: float, digits: int = 3) -> str:
     """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
     text = f"{value:.{digits}g}"
-    return f"{float(text):.0f}" if "e+" in text and value < 1e6 else text
+    if "e+" in text and value < 1e6:
+        return f"{float(text):.0f}"
+    return text
