@@ -16,12 +16,13 @@ from springpot.identification import require_conditions
 from springpot.measurement import Measurement
 from springpot.rheology import Model
 
-from .battery import Battery, Finding, battery, judged, overtones
+from .battery import Battery, Finding, battery
 from .candidates import printed
 from .display import html_of_comparison
 from .floor import fitted_to_floor
 from .material import MaterialFloor, error_of, material_floor
 from .noise import thinned
+from .overtones import judged, overtones
 from .policy import RANKING, VERDICT
 from .progress import Progress, silent
 from .refit import Refit, refit

@@ -9,12 +9,13 @@ import numpy as np
 from springpot.measurement import PRESSURE_UNITS, Measurement
 from springpot.rheology import INERTANCE, Effect
 
-from .battery import Finding, judged, overtones
+from .battery import Finding
 from .evidence import Evidence
 from .leftover import discrepancy, log_shift_of, validation
 from .levels import notes_on_levels
 from .marginal import harmonic_evidence, likeliest_unknown
 from .outliers import Outlier
+from .overtones import judged, overtones
 from .policy import EVIDENCE, SCATTER, VERDICT
 from .result import Candidate, Value, Verdict
 from .scatter import _scatter
