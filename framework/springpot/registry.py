@@ -74,7 +74,9 @@ class Registry:
     def _owner(self, point: EntryPoint) -> Owner:
         """The plugin of an entry point; two distributions may well choose the same name for it."""
         distribution = _distribution(point)
-        name = point.name if point.name not in self._owners else f"{point.name} ({distribution})"
+        name = point.name
+        if name in self._owners:
+            name = f"{name} ({distribution})"
         return self._owners.setdefault(name, Owner(name, distribution))
 
     @contextmanager
@@ -85,12 +87,17 @@ class Registry:
             raise
         except BaseException as error:
             # Not only exceptions: a plugin may call sys.exit, and faults of extensions in Rust derive from the base.
-            known = isinstance(error, SpringpotError)
-            self._fault(owner, str(error) if known else f"{type(error).__name__}: {error}")
+            reason = f"{type(error).__name__}: {error}"
+            if isinstance(error, SpringpotError):
+                reason = str(error)
+            self._fault(owner, reason)
 
     def _fault(self, owner: Owner, reason: str) -> None:
+        # One line of it: a plugin's message may be of any length, and every list of faults shows it.
         line = " ".join(reason.split())
-        self.faults.append(Fault(owner.plugin, owner.distribution, line if len(line) <= 300 else f"{line[:297]}..."))
+        if len(line) > 300:
+            line = f"{line[:297]}..."
+        self.faults.append(Fault(owner.plugin, owner.distribution, line))
 
     def _report_slips(self) -> None:
         known = [name for name in dir(hooks) if name.startswith(PREFIX)]
@@ -138,8 +145,7 @@ class Registry:
         if found is None and word == "optimiser":
             found = self._member(name)
         if found is None:
-            near = get_close_matches(name, self.shelves[word].known(), n=3, cutoff=0.5)
-            hint = f"did you mean {', '.join(near)}?" if near else f"see 'springpot list {word.replace(' ', '')}s'"
+            hint = _proposal(name, self.shelves[word].known(), f"{word.replace(' ', '')}s")
             raise ModelError(f"unknown {word} '{name}': {hint}")
         return found
 
@@ -157,8 +163,7 @@ class Registry:
             members: Mapping[str, type[Optimiser]] = family.members()
             if name in members:
                 return members[name]
-            near = get_close_matches(name, members, n=3, cutoff=0.5)
-            hint = f"did you mean {', '.join(near)}?" if near else f"see 'springpot list optimisers {family.name}'"
+            hint = _proposal(name, members, f"optimisers {family.name}")
             raise ModelError(f"unknown optimiser '{name}': {hint}")
         return None
 
@@ -168,15 +173,20 @@ class Registry:
 
     def model(self, name: str) -> Model:
         """The model without effects called `name`, a member of a family included."""
-        shelf = self.shelves["model"]
-        found = shelf.find(name)
-        if found is None:
-            members = (item.member(name) for item in self.items("model") if isinstance(item, Family))
-            found = next((member for member in members if member is not None), None) or self.find("model", name)
-        if isinstance(found, Family):
-            raise ModelError(f"model '{name}' needs a number for N, such as {found.name[:-1]}3")
-        model: Model = found
+        registered = self.shelves["model"].find(name)
+        # A name of its own goes before that of a member of a family.
+        if registered is None:
+            registered = self._family_member(name) or self.find("model", name)
+        if isinstance(registered, Family):
+            raise ModelError(f"model '{name}' needs a number for N, such as {registered.name[:-1]}3")
+        model: Model = registered
         return model
+
+    def _family_member(self, name: str) -> Model | None:
+        for item in self.items("model"):
+            if isinstance(item, Family) and (member := item.member(name)) is not None:
+                return member
+        return None
 
     def effect(self, name: str) -> Effect:
         """The effect called `name`; ``NAME:COLUMN`` is the one for the levels of that column."""
@@ -189,8 +199,18 @@ class Registry:
         return effect.of_column(column.strip())
 
 
+def _proposal(name: str, known: Iterable[str], listed: str) -> str:
+    """The nearest known names, or else the command that lists them all."""
+    near = get_close_matches(name, known, n=3, cutoff=0.5)
+    if near:
+        return f"did you mean {', '.join(near)}?"
+    return f"see 'springpot list {listed}'"
+
+
 def _distribution(point: EntryPoint) -> str:
-    return point.dist.name if point.dist else "an unknown distribution"
+    if point.dist is None:
+        return "an unknown distribution"
+    return point.dist.name
 
 
 def _order(point: EntryPoint) -> tuple[bool, str]:
@@ -205,7 +225,9 @@ def _slip(attribute: str, value: object, known: list[str]) -> str:
         # The prefix that all hooks share would make anything look near.
         words = [name.removeprefix(PREFIX) for name in known]
         near = get_close_matches(attribute.removeprefix(PREFIX), words, n=1)
-        hint = f"did you mean {PREFIX}{near[0]}?" if near else f"known are {', '.join(known)}"
+        hint = f"known are {', '.join(known)}"
+        if near:
+            hint = f"did you mean {PREFIX}{near[0]}?"
         return f"there is no hook {attribute}: {hint}"
     if attribute in known and callable(value) and not marked and not hasattr(value, f"{PREFIX}spec"):
         return f"{attribute} is not marked with @hookimpl and does nothing"
@@ -213,6 +235,7 @@ def _slip(attribute: str, value: object, known: list[str]) -> str:
 
 
 def _sequence(offered: object, kind: Kind[Any]) -> Iterable[object]:
+    # These can be iterated over too, but what comes out is letters or names, and each would be a fault of its own.
     if isinstance(offered, str | bytes | Mapping) or not isinstance(offered, Iterable):
         raise PluginError(f"{kind.hook} must return a list of {kind.word}s, not {offered!r:.80}")
     return offered
@@ -220,7 +243,9 @@ def _sequence(offered: object, kind: Kind[Any]) -> Iterable[object]:
 
 def _accepted(item: Any, kind: Kind[T]) -> T:
     if not kind.accepts(item):
-        hint = " (offer the class itself, with minimise written)" if kind.word == "optimiser" else ""
+        hint = ""
+        if kind.word == "optimiser":
+            hint = " (offer the class itself, with minimise written)"
         raise PluginError(f"{kind.hook} offers {item!r:.80}, which is no {kind.word}{hint}")
     accepted: T = item
     return accepted
@@ -229,10 +254,10 @@ def _accepted(item: Any, kind: Kind[T]) -> T:
 @cache
 def plugins() -> Registry:
     """The plugins installed here, loaded once."""
-    found = Registry(entry_points(group=hooks.GROUP))
+    registry = Registry(entry_points(group=hooks.GROUP))
     # Models below this room name effects too: they are given the way to look them up, as they cannot import it.
-    use_finder(found.effect)
-    return found
+    use_finder(registry.effect)
+    return registry
 
 
 def parse_model(expression: str) -> Model:
@@ -246,15 +271,15 @@ def parse_model(expression: str) -> Model:
     parts = [part.strip() for part in expression.split("+")]
     if not all(parts):
         raise ModelError(f"'{expression}' has an empty part: write MODEL + EFFECT + EFFECT")
-    found = plugins()
+    registry = plugins()
     try:
-        model = found.model(parts[0])
+        model = registry.model(parts[0])
     except ModelError:
-        if parts[0] not in {effect.name for effect in found.items("effect")}:
+        if parts[0] not in {effect.name for effect in registry.items("effect")}:
             raise
         raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
     for name in parts[1:]:
-        model = model.taking(found.effect(name))
+        model = model.taking(registry.effect(name))
     return model
 
 
@@ -269,15 +294,15 @@ def parse_timed(expression: str) -> Model | Timed:
     # Effects of tests in time stand among others in any order: they are taken out, and added last.
     first, *names = [part.strip() for part in expression.split("+")]
     shelf = plugins().shelves["time effect"]
-    mine = [name for name in names if name and shelf.find(name) is not None]
-    ordinary = [name for name in names if name not in mine]
+    in_time = [name for name in names if name and shelf.find(name) is not None]
+    ordinary = [name for name in names if name not in in_time]
     try:
         model: Model | Timed = parse_model(" + ".join([first, *ordinary]))
     except ModelError:
         if shelf.find(first) is not None:
             raise ModelError(f"'{first}' is an effect: write MODEL + {first}") from None
         raise
-    for name in mine:
+    for name in in_time:
         model = grown(model, plugins().find("time effect", name))
     return model
 
@@ -304,8 +329,11 @@ def effect_in_time(name: str) -> Effect | TimeEffect:
     ModelError
         If there is none.
     """
-    found: TimeEffect | None = plugins().shelves["time effect"].find(name)
-    return plugins().effect(name) if found is None else found
+    in_time: TimeEffect | None = plugins().shelves["time effect"].find(name)
+    # The other kind comes last, as it raises where there is none.
+    if in_time is None:
+        return plugins().effect(name)
+    return in_time
 
 
 def library_in_time() -> list[Effect | TimeEffect]:
@@ -321,8 +349,8 @@ def open_measurement(spec: str | Path) -> Measurement:
     DataError
         If there is no such thing, it cannot be read, or no row has the conditions.
     """
-    found = plugins()
-    return opening.open_measurement(spec, found.items("data set"), found.items("reader"))
+    registry = plugins()
+    return opening.open_measurement(spec, registry.items("data set"), registry.items("reader"))
 
 
 def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import TypeAlias
 
@@ -103,8 +104,12 @@ class Study:
 
     def with_options(self, budget: int | None = None, repeats: int | None = None) -> Study:
         """The study with another budget or number of repetitions."""
-        study = self if budget is None else replace(self, budget=budget)
-        return study if repeats is None else replace(study, repetitions=repeats)
+        study = self
+        if budget is not None:
+            study = replace(study, budget=budget)
+        if repeats is not None:
+            study = replace(study, repetitions=repeats)
+        return study
 
     def plan(self) -> Plan:
         """Look everything up.
@@ -120,20 +125,27 @@ class Study:
         entrants = tuple(_entrant(given) for given in self.optimisers)
         _unique("optimiser", [entrant.label for entrant in entrants], self.name)
         _unique("optimiser with options", [f"{e.optimiser.name} {e.options}" for e in entrants], self.name)
-        objectives = [_objective(given) for given in self.objectives]
-        wanted = self.target if self.stop_at_target else None
-        cases = tuple(
-            _case(source, model, objective, wanted)
-            for source in sources
-            for model in dict.fromkeys(self._models_of(source))
-            for objective in objectives
-        )
+        cases = self._cases(sources)
         plan = Plan(
             self.name, cases, entrants, (), self.repetitions, self.budget, self.seed, self.target, self.accuracy,
             self.stop_at_target, self.deadline, self.memory,
         )  # fmt: skip
-        pairs = [(c, e) for c in range(len(cases)) for e in range(len(entrants))]
+        pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
+
+    def _cases(self, sources: tuple[Source, ...]) -> tuple[Case, ...]:
+        objectives = [_objective(given) for given in self.objectives]
+        # The optimum is looked for only where trials end by it: many descents are made for that.
+        wanted = None
+        if self.stop_at_target:
+            wanted = self.target
+        cases = []
+        for source in sources:
+            # Two expressions may name the same model, such as its name and its alias.
+            models = dict.fromkeys(self._models_of(source))
+            for model, objective in product(models, objectives):
+                cases.append(_case(source, model, objective, wanted))
+        return tuple(cases)
 
     def _require_known(self, names: list[str]) -> None:
         if not isinstance(self.models, Mapping):
@@ -145,10 +157,17 @@ class Study:
                 )
 
     def _models_of(self, source: Source) -> list[str]:
-        given = self.models.get(source.name, (OWN,)) if isinstance(self.models, Mapping) else self.models
+        given = self.models
+        if isinstance(given, Mapping):
+            given = given.get(source.name, (OWN,))
         if OWN in given and not source.model:
             raise StudyError(f"study {self.name}: {source.name} has no model of its own: name the models to fit")
-        return [parse_model(source.model if model == OWN else model).name for model in given]
+        names = []
+        for expression in given:
+            if expression == OWN:
+                expression = source.model
+            names.append(parse_model(expression).name)
+        return names
 
     def main(self, arguments: Sequence[str] | None = None) -> None:
         """Run the study as a script: the same as ``springpot run`` with the script's path."""
@@ -162,10 +181,14 @@ def _source(given: AnyData) -> Source:
         return Source(given.name, given, digest_of_data(given), "measured", "", {}, None)
     if isinstance(given, DataSet):
         return _source_of(given.name, given.open(), given)
-    found = plugins()
-    measurement = open_measurement(given, found.items("data set"), found.items("reader"))
-    registered = found.shelves["data set"].find(given.partition("@")[0])
-    return _source_of(given if registered else measurement.name, measurement, registered)
+    registry = plugins()
+    measurement = open_measurement(given, registry.items("data set"), registry.items("reader"))
+    registered = registry.shelves["data set"].find(given.partition("@")[0])
+    name = measurement.name
+    if registered:
+        # As the study writes it: its mapping of models names the data in the same words.
+        name = given
+    return _source_of(name, measurement, registered)
 
 
 def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Source:
@@ -176,19 +199,26 @@ def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Sou
 
 
 def _objective(given: str | Objective) -> Objective:
-    objective: Objective = plugins().find("objective", given) if isinstance(given, str) else given
+    if not isinstance(given, str):
+        return given
+    objective: Objective = plugins().find("objective", given)
     return objective
 
 
 def _entrant(given: Labelled) -> Entrant:
-    label, optimiser = given if isinstance(given, tuple) else (None, given)
+    if isinstance(given, tuple):
+        label, optimiser = given
+    else:
+        label, optimiser = "", given
     if isinstance(optimiser, str):
         optimiser = plugins().find("optimiser", optimiser)
-    made = optimiser() if isinstance(optimiser, type) else optimiser
-    if not isinstance(made, Optimiser):
-        raise StudyError(f"{made!r:.60} is no optimiser: give a name, a class or an instance")
-    options_of(made)
-    return Entrant(label or _label(made), made)
+    if isinstance(optimiser, type):
+        optimiser = optimiser()
+    if not isinstance(optimiser, Optimiser):
+        raise StudyError(f"{optimiser!r:.60} is no optimiser: give a name, a class or an instance")
+    # Options that cannot be written down are refused here, before anything runs.
+    options_of(optimiser)
+    return Entrant(label or _label(optimiser), optimiser)
 
 
 def _label(optimiser: Optimiser) -> str:
@@ -197,7 +227,9 @@ def _label(optimiser: Optimiser) -> str:
         return optimiser.name
     shown = options_of(optimiser)
     changed = [f"{f.name}={shown[f.name]}" for f in fields(optimiser) if getattr(optimiser, f.name) != f.default]
-    return f"{optimiser.name}({', '.join(changed)})" if changed else optimiser.name
+    if not changed:
+        return optimiser.name
+    return f"{optimiser.name}({', '.join(changed)})"
 
 
 def _unique(word: str, names: list[str], study: str) -> None:
@@ -215,7 +247,9 @@ def _case(source: Source, expression: str, objective: Objective, target: float |
         stiffness = model.stiffness(model.vector(dict(source.truth)), source.measurement.points)
         residual = objective.residual(stiffness, source.measurement, problem.weights)
         known = float(np.sum(residual * residual))
-    optimum = None if target is None else _optimum(problem, reference, known, target)
+    optimum = None
+    if target is not None:
+        optimum = _optimum(problem, reference, known, target)
     return Case(source, model.name, objective, reference, known, optimum)
 
 
@@ -240,19 +274,25 @@ def _optimum(problem: Problem, reference: float, known: float | None, target: fl
     It is where the native solver, which knows no box, finds nothing better outside, or where several descents
     within the box end at the same value.
     """
-    found = fit(problem.model, problem.measurement, problem.objective)
+    unbounded = fit(problem.model, problem.measurement, problem.objective)
+    least = np.inf
     with np.errstate(all="ignore"):
-        x = np.clip(problem.space.from_theta(found.theta), problem.lower, problem.upper)
-        inside = float(problem.evaluate(x)) if np.all(np.isfinite(x)) else np.inf
-    least = inside if known is None else min(inside, known)
+        x = np.clip(problem.space.from_theta(unbounded.theta), problem.lower, problem.upper)
+        if np.all(np.isfinite(x)):
+            least = float(problem.evaluate(x))
+    if known is not None:
+        least = min(least, known)
     # What rounding and the ends of the box cost must not matter beside the target.
-    slack = 0.01 * target * (reference - found.cost)
-    if least - found.cost <= slack:
+    slack = 0.01 * target * (reference - unbounded.cost)
+    if least - unbounded.cost <= slack:
         return least
     minima = minima_in_box(problem)
     least = float(minima[0])
+    # Descents that agree on what is above the truth have all missed the optimum.
     missed = known is not None and known < least - slack
-    return least if minima[AGREEING - 1] - least <= slack and not missed else None
+    if missed or not minima[AGREEING - 1] - least <= slack:
+        return None
+    return least
 
 
 def truth_fits(source: Source, model: str, names: tuple[str, ...]) -> bool:

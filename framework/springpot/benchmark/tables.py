@@ -48,10 +48,13 @@ def number(value: float) -> str:
     if isnan(value):
         return "–"
     if isinf(value):
-        return "∞" if value > 0 else "-∞"
+        return "-∞" if value < 0 else "∞"
     if value and not 1e-3 <= abs(value) < 1e6:
         return f"{value:.3e}"
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+    # From here on four digits would be a power of ten, which is harder to compare down a column.
+    if abs(value) >= 1e4:
+        return f"{value:.0f}"
+    return f"{value:.4g}"
 
 
 def text(entry: Entry) -> str:
@@ -60,7 +63,9 @@ def text(entry: Entry) -> str:
         return "–"
     if isinstance(entry, Interval):
         return f"{number(entry.value)} [{number(entry.low)}, {number(entry.high)}]"
-    return entry if isinstance(entry, str) else number(entry)
+    if isinstance(entry, str):
+        return entry
+    return number(entry)
 
 
 def to_markdown(table: Table) -> str:
@@ -69,12 +74,20 @@ def to_markdown(table: Table) -> str:
     lines.append(_pipes(table.columns))
     lines.append(_pipes(["---:" if numeric else "---" for numeric in _numeric(table)]))
     lines += [_pipes([text(entry) for entry in row]) for row in table.rows]
-    return "\n".join([*lines, *(["", table.note] if table.note else [])]) + "\n"
+    if table.note:
+        lines += ["", table.note]
+    return "\n".join(lines) + "\n"
 
 
 def _pipes(cells: Sequence[str]) -> str:
-    escaped = (cell.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;") for cell in cells)
-    return "| " + " | ".join(" ".join(cell.split()) for cell in escaped) + " |"
+    return "| " + " | ".join(_markdown_cell(cell) for cell in cells) + " |"
+
+
+def _markdown_cell(cell: str) -> str:
+    # The backslash goes first: the one that hides a bar must not be hidden itself.
+    escaped = cell.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
+    # A line break would end the row.
+    return " ".join(escaped.split())
 
 
 def to_csv(table: Table) -> str:
@@ -82,24 +95,35 @@ def to_csv(table: Table) -> str:
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     wide = [any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))]
-    heads = [(c, f"{c} low", f"{c} high") if w else (c,) for c, w in zip(table.columns, wide, strict=True)]
-    writer.writerow([guarded(name) for group in heads for name in group])
+    heads: list[str] = []
+    for column, is_wide in zip(table.columns, wide, strict=True):
+        heads.append(column)
+        if is_wide:
+            heads += [f"{column} low", f"{column} high"]
+    writer.writerow([guarded(name) for name in heads])
     for row in table.rows:
-        writer.writerow([f for entry, w in zip(row, wide, strict=True) for f in _fields(entry, w)])
+        values: list[str] = []
+        for entry, is_wide in zip(row, wide, strict=True):
+            values += _fields(entry, is_wide)
+        writer.writerow(values)
     return stream.getvalue()
 
 
 def _fields(entry: Entry, wide: bool) -> tuple[str, ...]:
     if isinstance(entry, Interval):
         return tuple(_field(value) for value in (entry.value, entry.low, entry.high))
-    return (_field(entry), "", "") if wide else (_field(entry),)
+    if wide:
+        return (_field(entry), "", "")
+    return (_field(entry),)
 
 
 def _field(entry: str | float | None) -> str:
     if entry is None:
         return ""
     # NumPy's floats are floats that name their type when asked for all their digits.
-    return repr(float(entry)) if isinstance(entry, float) else guarded(str(entry))
+    if isinstance(entry, float):
+        return repr(float(entry))
+    return guarded(str(entry))
 
 
 _LATEX = {
@@ -111,7 +135,8 @@ _LATEX = {
 
 def to_latex(table: Table) -> str:
     """The table for a paper, with booktabs."""
-    layout = "".join("r" if numeric else "l" for numeric in _numeric(table))
+    sides = {True: "r", False: "l"}
+    layout = "".join(sides[numeric] for numeric in _numeric(table))
     lines = [
         f"% {table.title}",
         rf"\begin{{tabular}}{{{layout}}}",
@@ -129,9 +154,15 @@ def escaped_latex(words: str) -> str:
 
 
 def _ampersands(cells: Sequence[str]) -> str:
-    escaped = [escaped_latex(cell) for cell in cells]
+    return " & ".join(_latex_cell(cell) for cell in cells) + r" \\"
+
+
+def _latex_cell(cell: str) -> str:
+    escaped = escaped_latex(cell)
     # A row that begins with a bracket would be read as the optional argument of the line break before it.
-    return " & ".join("{" + cell + "}" if cell.startswith("[") else cell for cell in escaped) + r" \\"
+    if escaped.startswith("["):
+        return "{" + escaped + "}"
+    return escaped
 
 
 _STYLE = (

@@ -59,12 +59,16 @@ class SearchSpace:
         return np.array([min(p.upper, HUGE) for p in self.parameters])
 
     def _split(self) -> int:
-        return len(self.model.search.parameters) if self.model.search else 0
+        if self.model.search is None:
+            return 0
+        return len(self.model.search.parameters)
 
     def repaired(self, x: Real) -> Real:
         """`x` with the thermodynamic order kinf > k0 restored (section 4 of the paper)."""
         form = self.model.search
-        return x if form is None else form.repaired(x)
+        if form is None:
+            return x
+        return form.repaired(x)
 
     def theta(self, x: Real) -> Real:
         """Element parameters (..., p) of search points (..., d)."""
@@ -72,6 +76,7 @@ class SearchSpace:
         x = self.repaired(x)
         if form is None:
             return x
+        # Without effects nothing is to be joined: this runs at every evaluation.
         if q == x.shape[-1]:
             return form.to_elements(x)
         return np.concatenate([form.to_elements(x[..., :q]), x[..., q:]], axis=-1)
@@ -122,10 +127,13 @@ def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | N
         If the data lack a column that the model needs.
     """
     require_conditions(model, measurement)
-    scale = rounded_up(float(np.max(measurement.magnitude))) if stiffness_scale is None else stiffness_scale
-    amplitude = measurement.conditions.get("amplitude")
-    reach = 1.0 if amplitude is None else float(np.max(amplitude))
-    return box_of(model, scale, max(1.0, 1.0 / float(measurement.omega.min())), reach)
+    if stiffness_scale is None:
+        stiffness_scale = rounded_up(float(np.max(measurement.magnitude)))
+    amplitude, reach = measurement.conditions.get("amplitude"), 1.0
+    if amplitude is not None:
+        reach = float(np.max(amplitude))
+    longest = max(1.0, 1.0 / float(measurement.omega.min()))
+    return box_of(model, stiffness_scale, longest, reach)
 
 
 def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace:
@@ -138,22 +146,35 @@ def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace
     scale, time, reach : float
         Largest stiffness, longest time in s, and largest amplitude.
     """
-    form = model.search
-    names = model.parameters if form is None else form.parameters + model.parameters[len(form.parameters) :]
-    expected = np.array([_expected(parameter, scale, time, reach) for parameter in names])
+    form, searched = model.search, model.parameters
+    if form is not None:
+        searched = form.parameters + model.parameters[len(form.parameters) :]
+    expected = np.array([_expected(parameter, scale, time, reach) for parameter in searched])
     # Only stiffnesses get twice their size: the paper's own example lies at the end of its box.
-    room = np.array([2.0 if parameter.unit.stiffness else 1.0 for parameter in names])
-    upper = np.minimum(room * expected, [parameter.upper for parameter in names])
-    lower = np.array([-u if p.lower < 0 else max(p.lower, TINY * u) for p, u in zip(names, upper, strict=True)])
-    return SearchSpace(model, names, lower, upper, expected)
+    room = np.where([parameter.unit.stiffness != 0 for parameter in searched], 2.0, 1.0)
+    upper = np.minimum(room * expected, [parameter.upper for parameter in searched])
+    lower = np.array([_lower_end(p, end) for p, end in zip(searched, upper, strict=True)])
+    return SearchSpace(model, searched, lower, upper, expected)
+
+
+def _lower_end(parameter: Parameter, upper: float) -> float:
+    # What may have either sign is sought as far on either side.
+    if parameter.lower < 0:
+        return -upper
+    return max(parameter.lower, TINY * upper)
 
 
 def _expected(parameter: Parameter, scale: float, time: float, reach: float) -> float:
     unit = parameter.unit
-    power = 0.5 if isinstance(unit.time, str) else unit.time
+    # An order, such as alpha, has a size of its own: all of what it may be.
+    if parameter.scale == "linear" and parameter.upper < np.inf:
+        return parameter.upper
+    # The power of time is an order that is yet to be found: the middle of what it may be.
+    power = 0.5
+    if not isinstance(unit.time, str):
+        power = unit.time
     size = scale**unit.stiffness * time**power * reach**unit.amplitude
-    bounded = parameter.scale == "linear" and parameter.upper < np.inf
-    return parameter.upper if bounded else float(size * parameter.typical)
+    return float(size * parameter.typical)
 
 
 def rounded_up(value: float) -> float:

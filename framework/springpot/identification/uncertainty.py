@@ -74,12 +74,22 @@ class Uncertainty:
         """Standard deviation of a weighted residual."""
         if self.absolute:
             return 1.0
-        return float(np.sqrt(self.fit.cost / self.fit.dof)) if self.fit.dof > 0 else float("inf")
+        # As many parameters as numbers: whatever the scatter is, the fit goes through all of it.
+        if self.fit.dof <= 0:
+            return float("inf")
+        return float(np.sqrt(self.fit.cost / self.fit.dof))
+
+    @property
+    def _freedom(self) -> float:
+        """Degrees of freedom of the scale: without end where it is known beforehand."""
+        if self.absolute:
+            return float("inf")
+        return self.fit.dof
 
     @property
     def quantile(self) -> float:
         """Standard deviations to the end of an interval."""
-        return student(self.level, float("inf") if self.absolute else self.fit.dof)
+        return student(self.level, self._freedom)
 
     @cached_property
     def at_bound(self) -> NDArray[np.int64]:
@@ -87,6 +97,7 @@ class Uncertainty:
         low, high = (bound[0] for bound in self.fit.task.coordinates.bounds())
         log, u = self.fit.task.coordinates.log, self.fit.u
         linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+        # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
         traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= 1e-6 * np.linalg.norm(self._data_size)
         below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
@@ -96,13 +107,17 @@ class Uncertainty:
     @cached_property
     def _data_size(self) -> Real:
         task = self.fit.task
-        return np.abs(task.weights if task.logarithmic else task.weights * np.abs(task.stiffness))
+        # Of a logarithm the weight alone is relative; of K itself it is one over its size.
+        if task.logarithmic:
+            return np.abs(task.weights)
+        return np.abs(task.weights * np.abs(task.stiffness))
 
     @cached_property
     def covariance(self) -> Real:
         """Covariance (p, p) in search coordinates; infinite variance where the data say nothing, 0 at a bound."""
         free = np.flatnonzero(self.at_bound == 0)
         inner = self.fit.jacobian_u[:, free]
+        # Columns of one size: what is determined must not depend on the units of the parameters.
         size = np.linalg.norm(inner, axis=0)
         size[size == 0] = 1.0
         _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
@@ -149,19 +164,24 @@ class Uncertainty:
         fit, (lower, upper) = self.fit, _bounds(self.fit)
         slope = _linear_slope(fit, i)
         others = fit.jacobian_u[:, self.at_bound == 0]
+        # What the others can make up for tells nothing of this one.
         if others.size:
             slope = slope - others @ np.linalg.lstsq(others, slope, rcond=RANK)[0]
         size = float(np.linalg.norm(slope))
         # From a bound there is one way only: the whole tail lies on that side.
-        side = student(2.0 * self.level - 1.0, float("inf") if self.absolute else fit.dof)
-        reach = side * self.scale / size if size > 0 else float("inf")
+        side = student(2.0 * self.level - 1.0, self._freedom)
+        reach = float("inf")
+        if size > 0:
+            reach = side * self.scale / size
         value = float(fit.theta[i])
         if self.at_bound[i] < 0:
             return float(lower[i]), min(value + reach, float(upper[i]))
         if np.isinf(upper[i]):
             # Compliances add where a stiffness has grown without limit, so its inverse has the finite interval.
             inverse = 1.0 / value + reach / value**2
-            return max(1.0 / inverse, float(lower[i])) if np.isfinite(inverse) else float(lower[i]), float("inf")
+            if not np.isfinite(inverse):
+                return float(lower[i]), float("inf")
+            return max(1.0 / inverse, float(lower[i])), float("inf")
         return max(value - reach, float(lower[i])), float(upper[i])
 
 
@@ -186,6 +206,7 @@ def uses_sd(fit: Fit) -> bool:
 def spread_of(turn: Real, covariance: Real) -> Real:
     """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite where undetermined."""
     lost = np.isinf(np.diag(covariance))
+    # Zero times infinity is no number: what is lost is taken out here and put back below.
     known = np.where(lost[:, None] | lost[None, :], 0.0, covariance)
     spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
     touched = np.any((np.abs(turn) > 1e-9) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
@@ -247,9 +268,7 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     """
     known = Uncertainty.of(fit, level)
     i = fit.model.names.index(parameter)
-    allowed = fit.cost + known.quantile**2 * (1.0 if known.absolute else fit.cost / max(fit.dof, 1))
-    if fit.dof <= 0 and not known.absolute:
-        allowed = float("inf")
+    allowed = _allowed_cost(known)
     path = _Path.of(fit, i)
     step = _first_step(known, i, path.coordinates)
     low, high = (path.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
@@ -260,6 +279,17 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     if high is not None:
         upper = min(high, upper)
     return lower, upper
+
+
+def _allowed_cost(known: Uncertainty) -> float:
+    """The objective at the ends of a profile's interval."""
+    fit = known.fit
+    if known.absolute:
+        return fit.cost + known.quantile**2
+    # Nothing is left over from which the scatter could be known: no rise is too much for it.
+    if fit.dof <= 0:
+        return float("inf")
+    return fit.cost + known.quantile**2 * (fit.cost / fit.dof)
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
@@ -281,15 +311,21 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
     """
     i = fit.model.names.index(parameter)
     path = _Path.of(fit, i)
-    held = np.asarray(values, dtype=float) / float(path.coordinates.size[0, i])
-    return path.costs(np.log(held) if path.coordinates.log[i] else held)
+    places = np.asarray(values, dtype=float) / float(path.coordinates.size[0, i])
+    if path.coordinates.log[i]:
+        places = np.log(places)
+    return path.costs(places)
 
 
 def _first_step(known: Uncertainty, i: int, plain: Coordinates) -> float:
     """Standard deviation of parameter i in plain coordinates, or a small step where there is none."""
     sd = float(spread_of(_printed_slopes(known.fit)[i : i + 1], known.covariance)[0])
-    sd /= 1.0 if plain.log[i] else float(plain.size[0, i])
-    return sd if np.isfinite(sd) and sd > 0 else 1e-3
+    if not plain.log[i]:
+        sd /= float(plain.size[0, i])
+    # Any step will do where the Jacobian knows none: the search along the profile doubles it.
+    if not np.isfinite(sd) or sd <= 0:
+        return 1e-3
+    return sd
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,9 +351,11 @@ class _Path:
 
     def crossing(self, sign: float, sd: float, allowed: float) -> float | None:
         """Value of the parameter where its profile reaches `allowed` on one side; None if it never does."""
-        bounds = self.coordinates.bounds()
+        limit, upper = self.coordinates.bounds()
+        if sign > 0:
+            limit = upper
         start = float(self.u[self.i])
-        room = abs(float(bounds[0 if sign < 0 else 1][0, self.i]) - start)
+        room = abs(float(limit[0, self.i]) - start)
         # Doubled from half a deviation on: an interval may be far longer than the Jacobian says.
         inner, steps = 0.0, sd * 2.0 ** np.arange(-1.0, 12.0)
         if np.isfinite(room):
@@ -326,21 +364,26 @@ class _Path:
             over = np.flatnonzero(self.costs(start + sign * steps) > allowed)
             if not len(over):
                 return None
-            k = int(over[0])
-            outer, inner = float(steps[k]), float(steps[k - 1]) if k else inner
+            first = int(over[0])
+            outer = float(steps[first])
+            if first:
+                inner = float(steps[first - 1])
             if outer - inner <= 1e-4 * outer:
                 break
             steps = np.linspace(inner, outer, 10)[1:]
         end, size = start + sign * outer, float(self.coordinates.size[0, self.i])
-        return size * (float(np.exp(end)) if self.coordinates.log[self.i] else end)
+        if self.coordinates.log[self.i]:
+            end = float(np.exp(end))
+        return size * end
 
-    def costs(self, held: Real) -> Real:
-        """Best objective with the parameter held at each of `held`."""
-        lower, upper = (np.repeat(bound, len(held), axis=0) for bound in self.coordinates.bounds())
-        lower[:, self.i] = upper[:, self.i] = held
-        u = np.tile(self.u, (len(held), 1))
-        u[:, self.i] = held
-        owner: Rows = np.zeros(len(held), dtype=np.intp)
+    def costs(self, places: Real) -> Real:
+        """Best objective with the parameter held at each of `places`."""
+        lower, upper = (np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds())
+        # Bounds that meet hold a parameter in place without a solver of its own.
+        lower[:, self.i] = upper[:, self.i] = places
+        u = np.tile(self.u, (len(places), 1))
+        u[:, self.i] = places
+        owner: Rows = np.zeros(len(places), dtype=np.intp)
         solve = levenberg_marquardt
         return solve(self.task.evaluator(owner), u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost
 
@@ -365,12 +408,13 @@ def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = 
         Their parameters. Quantiles of a column are an interval (B. Efron, 1979, doi:10.1214/aos/1176344552).
     """
     points = len(fit.measurement)
+    # In blocks, as all simulated data at once may be more than memory holds.
     block = max(1, NUMBERS // (2 * points))
-    found = []
+    refitted = []
     for first in range(0, n, block):
         errors = _errors(fit, min(block, n - first), rng, parametric)
-        found.append(_refitted(fit, errors))
-    return np.concatenate(found)
+        refitted.append(_refitted(fit, errors))
+    return np.concatenate(refitted)
 
 
 def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:
@@ -379,6 +423,7 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
     if parametric:
         drawn = rng.standard_normal((n, 2 * count)) * size
     else:
+        # The fit has taken its share of the scatter: residuals are smaller than the errors they come from.
         grown = np.sqrt(2 * count / max(fit.dof, 1))
         drawn = rng.choice(fit.residual * grown, size=(n, 2 * count))
     errors: Complex = drawn[:, :count] + 1j * drawn[:, count:]
@@ -389,7 +434,9 @@ def _refitted(fit: Fit, errors: Complex) -> Real:
     weights = fit.task.weights[0]
     shift = errors.real / weights.real + 1j * (errors.imag / weights.imag)
     base = fit.model.stiffness(fit.theta, fit.measurement.points)
-    data = base * np.exp(shift) if fit.objective.logarithmic else base + shift
+    data = base + shift
+    if fit.objective.logarithmic:
+        data = base * np.exp(shift)
     seeds = np.broadcast_to(fit.theta, (len(data), 1, len(fit.theta)))
     points = fit.measurement.points
     return fit_batch(

@@ -38,8 +38,19 @@ TORQUE_UNITS = {
     "lbf in": 0.1129848290276167,
 }
 ANGLE_UNITS = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295}
-STIFFNESS_UNITS = {f"{f}/{d}": n / m for f, n in FORCE_UNITS.items() for d, m in LENGTH_UNITS.items()}
-TORSION_UNITS = {f"{t}/{a}": n / r for t, n in TORQUE_UNITS.items() for a, r in ANGLE_UNITS.items()}
+
+
+def _quotients(over: dict[str, float], under: dict[str, float]) -> dict[str, float]:
+    """Each unit of one table over each of another, with its factor to SI."""
+    factors = {}
+    for upper, factor in over.items():
+        for lower, divisor in under.items():
+            factors[f"{upper}/{lower}"] = factor / divisor
+    return factors
+
+
+STIFFNESS_UNITS = _quotients(FORCE_UNITS, LENGTH_UNITS)
+TORSION_UNITS = _quotients(TORQUE_UNITS, ANGLE_UNITS)
 PRESSURE_UNITS = {
     "Pa": 1.0,
     "hPa": 1e2,
@@ -126,8 +137,12 @@ def normal_unit(text: str) -> str:
 
 def _part(text: str) -> str:
     """One side of a fraction; the one of 1/s stays."""
-    bare = text[1:-1].strip() if text[:1] + text[-1:] == "()" else text
-    return bare if bare in ("", "1") else normal_unit(bare)
+    if text[:1] + text[-1:] == "()":
+        text = text[1:-1].strip()
+    # By itself nothing, or a 1, is the unit of a share: over or under a stroke it is not.
+    if text in ("", "1"):
+        return text
+    return normal_unit(text)
 
 
 def known_unit(text: str, table: dict[str, float], what: str) -> str:
@@ -146,8 +161,13 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     if len(folded) == 1 and (folded[0][0] == unit[0] or unit[0] not in "mM"):
         return folded[0]
     near = folded or get_close_matches(unit, table, n=2, cutoff=0.5)
-    hint = f"did you mean {' or '.join(f'[{n}]' for n in near)}? " if near else ""
-    shown = ", ".join(list(table)[:_SHOWN]) + (", ..." if len(table) > _SHOWN else "")
+    hint = ""
+    if near:
+        proposals = " or ".join(f"[{known}]" for known in near)
+        hint = f"did you mean {proposals}? "
+    shown = ", ".join(list(table)[:_SHOWN])
+    if len(table) > _SHOWN:
+        shown += ", ..."
     raise DataError(f"unknown unit [{text}] for {what}: {hint}known are {shown}")
 
 
@@ -205,27 +225,37 @@ class Units:
     @property
     def storage(self) -> str:
         """What the part in phase is called: ``G'`` where the file says so, else storage modulus or stiffness."""
-        return f"{self.letter}'" if self.letter else f"storage {self._noun}"
+        if self.letter:
+            return f"{self.letter}'"
+        return f"storage {self._noun}"
 
     @property
     def loss(self) -> str:
         """What the part out of phase is called."""
-        return f"{self.letter}''" if self.letter else f"loss {self._noun}"
+        if self.letter:
+            return f"{self.letter}''"
+        return f"loss {self._noun}"
 
     @property
     def magnitude(self) -> str:
         """What the whole is called: ``|G*|``, ``|E*|`` or, for a stiffness, ``|K|``."""
-        if self.letter in ("", "K"):
-            return "|G*|" if self.is_modulus else "|K|"
-        return f"|{self.letter}*|"
+        if self.letter not in ("", "K"):
+            return f"|{self.letter}*|"
+        if self.is_modulus:
+            return "|G*|"
+        return "|K|"
 
     @property
     def _noun(self) -> str:
-        return "modulus" if self.is_modulus else "stiffness"
+        if self.is_modulus:
+            return "modulus"
+        return "stiffness"
 
     def on_clock(self, hertz: T) -> T:
         """Frequencies in Hz, in the unit in which they are told."""
-        return hertz * FREQUENCY_UNITS["Hz"] if self.clock == "rad/s" else hertz
+        if self.clock == "rad/s":
+            return hertz * FREQUENCY_UNITS["Hz"]
+        return hertz
 
     def at(self, hertz: float, digits: int = 3) -> str:
         """A frequency in Hz as it is told: ``10 Hz`` or ``62.8 rad/s``."""
@@ -251,8 +281,10 @@ class Units:
         if dimension.label:
             return 1.0, dimension.label
         # Units that mechanics has a name for go first: kg rather than kN s^2/m.
-        special = self._mechanical(dimension)
-        return special if special else (1.0, self._plain(dimension))
+        mechanical = self._mechanical(dimension)
+        if mechanical:
+            return mechanical
+        return 1.0, self._plain(dimension)
 
     def _mechanical(self, dimension: Dimension) -> tuple[float, str] | None:
         powers = (dimension.stiffness, dimension.time, dimension.amplitude)
@@ -261,38 +293,63 @@ class Units:
         if powers == (1, 2, 0):
             if self.is_modulus:
                 return stiff, "kg/m"
-            return stiff, "kg m^2/rad^2" if self.stiffness in TORSION_UNITS else "kg"
+            # What turns has a moment of inertia, no mass.
+            if self.stiffness in TORSION_UNITS:
+                return stiff, "kg m^2/rad^2"
+            return stiff, "kg"
+        # Stiffness times amplitude is a force, modulus times strain a stress.
         if powers == (1, 0, 1) and not self.is_modulus and self.amplitude in LENGTH_UNITS:
             return stiff * LENGTH_UNITS[self.amplitude], "N"
         if powers == (1, 0, 1) and self.is_modulus and self.amplitude in STRAIN_UNITS:
             return STRAIN_UNITS[self.amplitude], self.stiffness
         if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
             reach = AMPLITUDE_UNITS[self.amplitude]
-            return 1.0 / (stiff * reach * reach), "m^3/W" if self.is_modulus else "1/W"
+            per_watt = 1.0 / (stiff * reach * reach)
+            if self.is_modulus:
+                return per_watt, "m^3/W"
+            return per_watt, "1/W"
         return None
 
     def _plain(self, dimension: Dimension) -> str:
-        stiff = _with_time(self.stiffness, dimension.time) if dimension.stiffness == 1 else ""
-        if dimension.stiffness == -1:
-            stiff = f"1/({self.stiffness})" if "/" in self.stiffness else f"1/{self.stiffness}"
-        if not dimension.stiffness and dimension.time:
+        stiff = length = ""
+        if dimension.stiffness == 1:
+            stiff = _with_time(self.stiffness, dimension.time)
+        elif dimension.stiffness == -1:
+            stiff = _inverse(self.stiffness)
+        elif not dimension.stiffness and dimension.time:
             stiff = {1: "s", -1: "rad/s", 2: "s^2"}.get(dimension.time, f"s^{dimension.time}")  # type: ignore[call-overload]
-        length = _power(self.amplitude, dimension.amplitude) if self.amplitude != "-" else ""
+        # A strain has no unit to be raised to a power.
+        if self.amplitude != "-":
+            length = _power(self.amplitude, dimension.amplitude)
         return " ".join(part for part in (stiff, length) if part) or "-"
+
+
+def _inverse(unit: str) -> str:
+    # Without brackets 1/kN/m could be read as a length per force or as its inverse.
+    if "/" in unit:
+        return f"1/({unit})"
+    return f"1/{unit}"
 
 
 def _power(unit: str, power: int) -> str:
     if power == 0:
         return ""
-    return unit if power == 1 else f"{unit}^{power}"
+    if power == 1:
+        return unit
+    return f"{unit}^{power}"
 
 
 def _with_time(unit: str, time: float | str) -> str:
     """``kN/m`` with ``alpha`` gives ``kN s^alpha/m``, as the paper prints it."""
     if time == 0:
         return unit
-    name = time.rpartition(".")[2] if isinstance(time, str) else time
-    seconds = "s" if name == 1 else f"s^{name}"
+    power = time
+    if isinstance(power, str):
+        # The paper prints the order alone, without the part that it belongs to.
+        power = power.rpartition(".")[2]
+    seconds = "s"
+    if power != 1:
+        seconds = f"s^{power}"
     over, slash, under = unit.partition("/")
     return f"{over} {seconds}{slash}{under}"
 
@@ -301,4 +358,6 @@ def temperature_in_celsius(value: T, unit: str) -> T:
     """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits."""
     if unit == "K":
         return value - 273.15
-    return (value - 32.0) * TEMPERATURE_UNITS["degF"] if unit == "degF" else value
+    if unit == "degF":
+        return (value - 32.0) * TEMPERATURE_UNITS["degF"]
+    return value

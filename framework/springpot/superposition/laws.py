@@ -101,10 +101,13 @@ class LawFit:
         parameters = {
             p.name: {"value": v, "low": low, "high": high, "unit": p.unit.label or "-"} for p, v, low, high in rows
         }
+        factor = "a"
+        if self.law.vertical:
+            factor = "b"
         return {
             "law": self.law.name,
             "equation": self.law.equation,
-            "of": "b" if self.law.vertical else "a",
+            "of": factor,
             "parameters": parameters,
             "departure": self.departure,
             "chance": self.chance,
@@ -128,14 +131,18 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: 
     """
     if factors.column != "temperature":
         return []
-    found = []
+    # The factor of the reference is one by definition: a law that goes through it has shown nothing.
+    judging = determined & (np.arange(len(factors)) != factors.reference)
+    fits = []
     for law in LAWS:
-        reach = factors.reach_b if law.vertical else factors.reach_a
-        used = np.flatnonzero(determined & (reach < HARDLY) & (np.arange(len(factors)) != factors.reference))
+        reach = factors.reach_a
+        if law.vertical:
+            reach = factors.reach_b
+        used = np.flatnonzero(judging & (reach < HARDLY))
         if len(used) >= len(law.element.parameters) and (with_vertical or not law.vertical):
-            found.append(_fitted(law, factors, used))
+            fits.append(_fitted(law, factors, used))
     # WLF and VFT are one curve: which of them comes first is not left to rounding.
-    return sorted(found, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
+    return sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +176,10 @@ class _Task:
     def log_factor(self, theta: Real) -> Real:
         """What the law gives at all levels."""
         value = self.law.element.respond(theta, self.at).value.real
-        return np.log(np.maximum(value, 1e-300)) if self.law.vertical else value
+        # Laws of horizontal factors give ln a themselves.
+        if not self.law.vertical:
+            return value
+        return np.log(np.maximum(value, 1e-300))
 
     def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
         """Best parameters, chi-square and slopes, the law being off by `own` at each level by itself."""
@@ -190,39 +200,59 @@ class _Task:
         """
         low, high = EXACT, float(np.ptp(self.target)) + EXACT
         for _ in range(BISECTIONS):
+            # By its logarithm, as the size of the error is not known to a power of ten.
             middle = float(np.sqrt(low * high))
-            low, high = (middle, high) if self.solve([start], middle)[1] > spare else (low, middle)
+            square = self.solve([start], middle)[1]
+            if square > spare:
+                low = middle
+            else:
+                high = middle
         return high
 
 
 def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
-    kelvin, offset = factors.levels + KELVIN, len(factors) if law.vertical else 0
+    kelvin = factors.levels + KELVIN
     reference = float(kelvin[factors.reference])
+    offset, target = 0, factors.log_a[used]
+    if law.vertical:
+        # In the covariance the vertical factors follow on all horizontal ones.
+        offset, target = len(factors), factors.log_b[used]
     covariance = factors.covariance[np.ix_(used + offset, used + offset)] + EXACT**2 * np.eye(len(used))
-    target = (factors.log_b if law.vertical else factors.log_a)[used]
     at = Points(np.zeros(len(factors)), temperature=kelvin, reference_temperature=reference)
     task = _Task(law, at, used, target, covariance, *_box(law, kelvin, reference))
     theta, square, slopes = task.solve(_starts(task.low, task.high))
     evidence = square + len(theta) * float(np.log(max(len(used), 2)))
     spare = len(used) - len(theta)
-    chance = float(chi2_sf(square, spare)) if spare > 0 else float("nan")
-    verdict: Verdict = "holds"
-    if spare == 0:  # as many levels as parameters: any law goes through them
-        verdict = "cannot-tell"
-    elif chance < ALARM:
-        verdict = "departs"
+    verdict, chance = _verdict(square, spare)
+    misfit = 1.0
     if verdict == "departs":
         theta, _, slopes = task.solve([theta], task.own_error(theta, spare))
-    # A misfit that is too small to be told still widens the intervals.
-    misfit = square / spare if verdict == "holds" else 1.0
+    elif verdict == "holds":
+        # A misfit that is too small to be told still widens the intervals.
+        misfit = square / spare
     spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes)) * max(1.0, misfit))
-    reach = student(LEVEL, spare if misfit > 1.0 or verdict == "departs" else inf) * spread
+    # Where the scatter is known from the factors alone, it has no degrees of freedom to be short of.
+    freedom = inf
+    if misfit > 1.0 or verdict == "departs":
+        freedom = spare
+    reach = student(LEVEL, freedom) * spread
     bounds = (np.maximum(theta - reach, task.low), np.minimum(theta + reach, task.high))
     given = task.log_factor(theta)
     away = given[used] - target
     worst = float(factors.levels[used[int(np.argmax(np.abs(away) / np.sqrt(np.diag(covariance))))]])
     off = float(np.sqrt(np.mean(away**2)))
     return LawFit(law, theta, *bounds, given, off, chance, evidence, verdict, worst)
+
+
+def _verdict(square: float, spare: int) -> tuple[Verdict, float]:
+    """What a chi-square with `spare` degrees of freedom says of a law, and the chance of it."""
+    # As many levels as parameters: any law goes through them.
+    if spare == 0:
+        return "cannot-tell", float("nan")
+    chance = float(chi2_sf(square, spare))
+    if chance < ALARM:
+        return "departs", chance
+    return "holds", chance
 
 
 def _box(law: Law, kelvin: Real, reference: float) -> tuple[Real, Real]:
