@@ -51,57 +51,95 @@ def diagnosis_text(
     verbose : bool
         Everything that was found, not only what leads.
     """
-    held = _held(diagnosis, measurement)
     notes = diagnosis.notes
     most, places = NOTES, PLACES
     if verbose:
         most, places = len(notes), len(diagnosis.where)
+    # Of an adequate model the effects that are ruled out are the answer; beside a missing effect they are detail.
     absent = ""
     if verbose or diagnosis.verdict == "adequate":
         absent = _absent(diagnosis)
     fitted, refers = _fitted(diagnosis), ""
     if fitted and measurement is not None:
         refers = reference_note(measurement, [diagnosis.model.network])
+    # The temperature that constants refer to is told once: beside the fitted parameters, or else below the ranking.
+    to_refer_to = measurement
+    if refers:
+        to_refer_to = None
+    held = _held_values(diagnosis, measurement)
     parts = [
         f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{held}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis, places),
         "\n".join(filter(None, (fitted, refers))),
-        ranking_text(diagnosis, None if refers else measurement, width, verbose),
+        ranking_text(diagnosis, to_refer_to, width, verbose),
         absent,
         _next(diagnosis),
         "\n".join(f"note: {note}" for note in notes[:most]),
         _more(diagnosis, verbose, len(notes) - most),
     ]
-    # A table has its own widths; what is told in sentences is broken at words.
-    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+    return _paragraphs(parts, width)
 
 
-def _held(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
+def _paragraphs(parts: list[str], width: int) -> str:
+    """The parts that say anything, an empty line between them."""
+    paragraphs = []
+    for part in filter(None, parts):
+        # A table has its own widths; what is told in sentences is broken at words.
+        if _is_table(part):
+            paragraphs.append(part)
+        else:
+            paragraphs.append(wrapped(part, width))
+    return "\n\n".join(paragraphs)
+
+
+def _held_values(diagnosis: Diagnosis, measurement: Measurement | None) -> str:
     """What a user held, which no test of the model could move."""
-    told, units = [], Units() if measurement is None else measurement.units
+    units = Units()
+    if measurement is not None:
+        units = measurement.units
+    # Held parameters are none of the model's own any more: their units are those of the model with all set free.
     known = {parameter.name: parameter for parameter in diagnosis.model.released().parameters}
+    assignments = []
     for name, value in diagnosis.model.held.items():
         factor, unit = units.of(known[name].unit)
-        told.append(f"{name} = {factor * value:g}" if unit == "-" else f"{name} = {factor * value:g} {unit}")
-    return f" (with {', '.join(told)} held)" if told else ""
+        text = f"{name} = {factor * value:g}"
+        if unit != "-":
+            text += f" {unit}"
+        assignments.append(text)
+    if not assignments:
+        return ""
+    return f" (with {', '.join(assignments)} held)"
 
 
 def _fitted(diagnosis: Diagnosis) -> str:
     """The model's parameters as fitted, without what is missing."""
     if not diagnosis.parameters:
         return ""
-    return f"fitted: {'; '.join(f'{name} {value_text(value)}' for name, value in diagnosis.parameters.items())}"
+    values = [f"{name} {value_text(value)}" for name, value in diagnosis.parameters.items()]
+    return f"fitted: {'; '.join(values)}"
 
 
 def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
     """What -v would tell beside this."""
     if verbose:
         return ""
-    absent = len(absent_effects(diagnosis)) if diagnosis.verdict != "adequate" else 0
+    absent = 0
+    # Of an adequate model they have been told already.
+    if diagnosis.verdict != "adequate":
+        absent = len(absent_effects(diagnosis))
     kinds = ((len(diagnosis.where) - PLACES, "place"), (absent, "absent effect"), (notes, "note"))
-    left = [f"{count} {word}{'s' if count > 1 else ''}" for count, word in kinds if count > 0]
-    return f"-v tells {', '.join(left)} more" if left else ""
+    left = [_several(count, word) for count, word in kinds if count > 0]
+    if not left:
+        return ""
+    return f"-v tells {', '.join(left)} more"
+
+
+def _several(count: int, word: str) -> str:
+    """``1 note``, ``2 notes``."""
+    if count > 1:
+        return f"{count} {word}s"
+    return f"{count} {word}"
 
 
 def _is_table(part: str) -> bool:
@@ -125,12 +163,18 @@ def floors(error: Error) -> str:
 
 def times(value: float, error: Error) -> str:
     """An error in units of the noise floor."""
-    return f"{times_floor(value, error.noise_floor)} x floor" if error.noise_floor > 0 else "no noise floor"
+    # Exact data have no noise to measure by.
+    if not error.noise_floor > 0:
+        return "no noise floor"
+    return f"{times_floor(value, error.noise_floor)} x floor"
 
 
 def times_floor(value: float, floor: float) -> str:
     """Two digits of the ratio to the floor, without a power of ten."""
-    return plain(value / floor, 2) if value / floor >= 99.5 else number(value / floor, 2)
+    ratio = value / floor
+    if ratio >= 99.5:
+        return plain(ratio, 2)
+    return number(ratio, 2)
 
 
 def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str = "x") -> str:
@@ -143,9 +187,12 @@ def beside_floor(value: float | None, floor: float, digits: int = 3, sign: str =
 
 def where_text(diagnosis: Diagnosis, most: int = 100) -> str:
     """Where the model fails, a line each."""
-    if not diagnosis.where:
-        return "" if diagnosis.verdict == "adequate" else f"where it fails: {nowhere(diagnosis)}"
-    return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])])
+    if diagnosis.where:
+        return "\n".join(["where it fails:", *(f"  {place.says}" for place in diagnosis.where[:most])])
+    # That an adequate model fails nowhere its verdict has said.
+    if diagnosis.verdict == "adequate":
+        return ""
+    return f"where it fails: {nowhere(diagnosis)}"
 
 
 def nowhere(diagnosis: Diagnosis) -> str:
@@ -169,7 +216,10 @@ def ranking_text(
     diagnosis: Diagnosis, measurement: Measurement | None = None, width: int = USUAL, verbose: bool = False
 ) -> str:
     """The leading effects as a table, what their constants refer to, and the sentence of physics of each."""
-    rows = list(diagnosis.candidates) if verbose else worth_showing(diagnosis)
+    rows = worth_showing(diagnosis)
+    if verbose:
+        rows = list(diagnosis.candidates)
+    # Where nothing is missing, a ranking of what is missing would be read as if something were.
     if not rows or diagnosis.verdict == "adequate":
         return ""
     table = _ranking(rows, diagnosis.error.noise_floor)
@@ -178,7 +228,9 @@ def ranking_text(
         if table.width > width:  # JSON and -v have the intervals
             table = _ranking(rows, diagnosis.error.noise_floor, brief=True).without(SPARE, width)
     physics = wrapped("\n".join(f"  {row.effect}: {row.says}" for row in rows[:3]), width)
-    note = "" if measurement is None else wrapped(effects_note(measurement, (row.effect for row in rows)), width)
+    note = ""
+    if measurement is not None:
+        note = wrapped(effects_note(measurement, (row.effect for row in rows)), width)
     return "\n\n".join(part for part in (table.plain(), note, physics) if part)
 
 
@@ -222,8 +274,13 @@ def probability(value: float) -> str:
 def value_text(value: Value, brief: bool = False) -> str:
     """``0.42 [0.40, 0.44] kg``, or `brief` without the interval; what the data leave open is called so."""
     size, interval = shown(Measured(value.value, value.low, value.high, value.unit))
-    told = size if brief and not interval.startswith(OPEN) else f"{size} {interval}".removeprefix("- ").strip()
-    return told if value.unit == "-" or told.startswith(OPEN) else f"{told} {value.unit}"
+    text = f"{size} {interval}".removeprefix("- ").strip()
+    # A value that the data leave open is none, however narrow the window: there the interval is all there is to tell.
+    if brief and not interval.startswith(OPEN):
+        text = size
+    if value.unit == "-" or text.startswith(OPEN):
+        return text
+    return f"{text} {value.unit}"
 
 
 def absent_effects(diagnosis: Diagnosis) -> list[Candidate]:
@@ -236,8 +293,9 @@ def _absent(diagnosis: Diagnosis) -> str:
     if not absent:
         return ""
     named = ", ".join(f"{row.effect} ({percent(row.bound, 2)})" for row in absent[:SEEN_AT])
-    more = f" and {len(absent) - SEEN_AT} more" if len(absent) > SEEN_AT else ""
-    return f"absent, or it would have been seen from this size on: {named}{more}"
+    if len(absent) > SEEN_AT:
+        named += f" and {len(absent) - SEEN_AT} more"
+    return f"absent, or it would have been seen from this size on: {named}"
 
 
 def _next(diagnosis: Diagnosis) -> str:
@@ -254,18 +312,22 @@ def ladder_text(ladder: Ladder, width: int = USUAL, verbose: bool = False) -> st
         table = _steps(ladder, brief=True).without(("material floor", "predicted"), width)
     first, last = ladder.steps[0], ladder.steps[-1]
     line = f"error {percent(first.relative_rms)} -> {percent(last.relative_rms)}"
-    words = "" if len(ladder.steps) > 1 else ", nothing accepted"
+    if len(ladder.steps) == 1:
+        line += ", nothing accepted"
+    remarks: list[str] = []
+    for step in ladder.steps:
+        remarks += filter(None, (changes_text(step), doubt_text(step)))
     judged = replace(ladder.diagnosis, parameters={})  # they stand above, in a table
     parts = [
-        f"{first.model.name} of {ladder.data}: {line}{words}, {times(last.relative_rms, ladder.diagnosis.error)}",
+        f"{first.model.name} of {ladder.data}: {line}, {times(last.relative_rms, ladder.diagnosis.error)}",
         table.plain(),
         floor_moved(ladder),
         parameters_text(last),
         reference_note(_data(last), [last.model.network]),
-        "\n".join(filter(None, (words(step) for step in ladder.steps for words in (changes_text, doubt_text)))),
+        "\n".join(remarks),
         f"at the last step: {diagnosis_text(judged, _data(last), width, verbose)}",
     ]
-    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+    return _paragraphs(parts, width)
 
 
 def _steps(ladder: Ladder, brief: bool = False) -> Table:
@@ -273,7 +335,9 @@ def _steps(ladder: Ladder, brief: bool = False) -> Table:
     headers = ("step", "model", "predicted", "error", "x floor", "noise floor", "material floor")
     rows = []
     for i, step in enumerate(ladder.steps):
-        name = accepted_name(step) if brief and step.accepted else step.model.name
+        name = step.model.name
+        if brief and step.accepted:
+            name = accepted_name(step)
         floor = step.noise_floor
         row = (
             str(i),
@@ -290,12 +354,15 @@ def _steps(ladder: Ladder, brief: bool = False) -> Table:
 
 def over_floor(error: float, floor: float, digits: int) -> str:
     """An error in noise floors; a dash where exact data have none."""
-    return number(error / floor, digits) if floor > 0 else "-"
+    if not floor > 0:
+        return "-"
+    return number(error / floor, digits)
 
 
 def floor_moved(ladder: Ladder) -> str:
     """Why the noise floor is not the same at each step, where it is not."""
     floors = [step.noise_floor for step in ladder.steps]
+    # A floor that repeats or the user told does not depend on the model.
     if max(floors) <= MOVED * min(floors) or ladder.diagnosis.error.noise_source != "estimated":
         return ""
     return (
@@ -321,15 +388,22 @@ def changes_text(step: Step) -> str:
     """What accepting an effect did to the parameters there before."""
     if not step.accepted or not step.changed:
         return ""
-    told = moves_text(step)
-    by_number = any(1.0 / FAR <= ratio <= FAR for ratio in step.changed.values())
-    return f"{accepted_name(step)} changed {told}" if by_number else f"with {accepted_name(step)} {told}"
+    moves = moves_text(step)
+    # "changed k by 3 %", but "with + inertia c fell to nothing": the words that follow decide how it begins.
+    if any(_in_numbers(ratio) for ratio in step.changed.values()):
+        return f"{accepted_name(step)} changed {moves}"
+    return f"with {accepted_name(step)} {moves}"
+
+
+def _in_numbers(ratio: float) -> bool:
+    """Whether a parameter moved so little that a number tells it."""
+    return 1.0 / FAR <= ratio <= FAR
 
 
 def moves_text(step: Step) -> str:
     """How far each old parameter moved: first by how much, then those that moved beyond what numbers tell."""
-    near = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if 1.0 / FAR <= ratio <= FAR]
-    far = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if not 1.0 / FAR <= ratio <= FAR]
+    near = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if _in_numbers(ratio)]
+    far = [f"{name} {change(ratio)}" for name, ratio in step.changed.items() if not _in_numbers(ratio)]
     return "; ".join(", ".join(words) for words in (near, far) if words)
 
 
@@ -337,18 +411,26 @@ def change(ratio: float) -> str:
     """How much a parameter moved: in per cent, as a factor where that reads better, in words beyond a thousand."""
     if ratio < 0.0:
         return "changed sign"
+    if ratio < NOTHING:
+        return "fell to nothing"
     if ratio < 1.0 / FAR:
-        return "fell to nothing" if ratio < NOTHING else f"fell more than {FAR:.0f}-fold"
+        return f"fell more than {FAR:.0f}-fold"
+    if ratio > 1.0 / NOTHING:
+        return "rose beyond all bounds"
     if ratio > FAR:
-        return "rose beyond all bounds" if ratio > 1.0 / NOTHING else f"rose more than {FAR:.0f}-fold"
-    if 0.5 < ratio < 2.0:
-        return f"by {'+' if ratio > 1.0 else '-'}{percent(abs(ratio - 1.0), 2)}"
-    return f"by a factor of {number(ratio, 3)}"
+        return f"rose more than {FAR:.0f}-fold"
+    # Beyond half and double per cent mislead: -90 % is a tenth, +90 % is not ten times.
+    if not 0.5 < ratio < 2.0:
+        return f"by a factor of {number(ratio, 3)}"
+    if ratio > 1.0:
+        return f"by +{percent(ratio - 1.0, 2)}"
+    return f"by -{percent(1.0 - ratio, 2)}"
 
 
 def doubt_text(step: Step) -> str:
     """What an accepted effect may be as well."""
     rivals = [name for name in step.alike if name != step.accepted]
+    # Its shape imitates any narrow feature of a sweep, of whatever cause.
     if any(effect.narrow and effect.name == step.accepted for effect in step.model.effects):
         rivals.append("another narrow feature")
     if not rivals:
@@ -359,7 +441,9 @@ def doubt_text(step: Step) -> str:
 def accepted_name(step: Step) -> str:
     """``+ inertia``, or ``- inertia`` where it was dropped again."""
     name = step.accepted or ""
-    return f"- {name[1:]}" if name.startswith("-") else f"+ {name}"
+    if name.startswith("-"):
+        return f"- {name[1:]}"
+    return f"+ {name}"
 
 
 def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
@@ -378,24 +462,29 @@ def comparison_text(comparison: Comparison, width: int = USUAL) -> str:
         Table(headers, rows, frozenset(headers[1:])).without(("chi2/dof", "parameters", "delta BIC"), width).plain(),
     ]
     for judged in comparison.judgements:
-        lines = [f"{judged.model.name} {_state(judged)}: {judged.says}", *_found(judged.findings)]
+        lines = [f"{judged.model.name} {_state(judged)}: {judged.says}", *_significant(judged.findings)]
         parts.append("\n".join(lines))
-    parts.append("\n".join(_found(comparison.harmonics)))
+    parts.append("\n".join(_significant(comparison.harmonics)))
     parts.append("\n".join(f"note: {note}" for note in comparison.notes))
-    return "\n\n".join(part if _is_table(part) else wrapped(part, width) for part in parts if part)
+    return _paragraphs(parts, width)
 
 
 def _state(judged: Judgement) -> str:
     """In a word whether a model stands its tests."""
     if judged.fails:
         return "fails"
-    return "is open" if judged.unclear else "holds"
+    if judged.unclear:
+        return "is open"
+    return "holds"
 
 
-def _found(findings: tuple[Finding, ...]) -> list[str]:
-    return [f"  {one.says} ({chance(one.p_value)})" for one in findings if one.found]
+def _significant(findings: tuple[Finding, ...]) -> list[str]:
+    """A line for each test that found something."""
+    return [f"  {finding.says} ({chance(finding.p_value)})" for finding in findings if finding.found]
 
 
 def chance(value: float) -> str:
     """``p = 0.004``, with no number smaller than anyone can mean."""
-    return "p < 1e-6" if value < 1e-6 else f"p = {number(value, 2)}"
+    if value < 1e-6:
+        return "p < 1e-6"
+    return f"p = {number(value, 2)}"

@@ -66,15 +66,16 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
     width : int
         Columns of the window.
     """
-    points = sum(test.points for test in found.tests)
-    count = f"{len(found.tests)} tests, " if len(found.tests) > 1 else ""
+    count = f"{sum(test.points for test in found.tests)} points"
+    if len(found.tests) > 1:
+        count = f"{len(found.tests)} tests, {count}"
     names = " + ".join(test.name for test in found.tests)
     values = {name: _measured(entry) for name, entry in found.parameters.items()}
     spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
     lines = [f"search      {found.optimiser}: {found.ended}, {spent}"]
     lines += [f"note        {note}" for note in found.notes]
     parts = [
-        wrapped(f"{found.model.name} fitted to {names} ({count}{points} points)", width),
+        wrapped(f"{found.model.name} fitted to {names} ({count})", width),
         indented(drawing_of(material_of(found.model))),
         parameters_text("parameter", values),
         _tests(found, width),
@@ -85,19 +86,15 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
 
 def compared_in_time_text(found: TimeComparison) -> str:
     """Models against tests in time, best first, and those that these tests cannot judge."""
-    several = len(found.best.tests) > 1
-    headers = ("model", "error", *(f"x floor of {t.name}" if several else "x floor" for t in found.best.tests))
-    headers = (*headers, "delta BIC", "parameters")
-    rows = [
-        [
-            fit.model.name,
-            percent(fit.relative_rms),
-            *(number(test.ratio, 2) for test in fit.tests),
-            number(delta, 3),
-            str(len(fit.theta)),
-        ]
-        for fit, delta in zip(found.fits, found.delta_bic, strict=True)
-    ]
+    over_floors = ["x floor"]
+    # The name of a single test stands in the first line.
+    if len(found.best.tests) > 1:
+        over_floors = [f"x floor of {test.name}" for test in found.best.tests]
+    headers = ("model", "error", *over_floors, "delta BIC", "parameters")
+    rows = []
+    for fit, delta in zip(found.fits, found.delta_bic, strict=True):
+        ratios = [number(test.ratio, 2) for test in fit.tests]
+        rows.append([fit.model.name, percent(fit.relative_rms), *ratios, number(delta, 3), str(len(fit.theta))])
     names = " + ".join(test.name for test in found.best.tests)
     parts = [f"{names}: {found.best.model.name} is best", Table(headers, rows, frozenset(headers[1:])).plain()]
     if found.left_out:
@@ -118,12 +115,11 @@ def climbed_in_time_text(found: TimeLadder, width: int = 120) -> str:
         parameters_text("parameter", {name: _measured(entry) for name, entry in last.parameters.items()}),
         wrapped(found.diagnosis.says, width),
     ]
-    doubts = [
-        f"+ {step.accepted} may as well be {' or '.join(step.alike)}: these tests cannot tell them apart"
-        for step in found.steps
-        if step.alike
-    ]
-    return "\n\n".join([*parts, *doubts])
+    for step in found.steps:
+        if step.alike:
+            rivals = " or ".join(step.alike)
+            parts.append(f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart")
+    return "\n\n".join(parts)
 
 
 def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
@@ -136,14 +132,18 @@ def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
     ranked = ""
     if rows:
         ranked = Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
-    parts = [
+    sentences = [
         f"{found.base.model.name}: {found.verdict}\n{found.says}",
         "\n".join(f"where: {place.says}" for place in found.where),
-        ranked,
-        *(f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing),
-        *(f"these tests cannot tell apart: {', '.join(names)}" for names in found.classes),
     ]
-    return "\n\n".join(part if "\n---" in part else wrapped(part, width) for part in parts if part)
+    physics = [f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing]
+    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in found.classes]
+    # The table has its own widths; what is told in sentences is broken at words.
+    parts = [wrapped(part, width) for part in sentences if part]
+    if ranked:
+        parts.append(ranked)
+    parts += [wrapped(part, width) for part in physics]
+    return "\n\n".join(parts)
 
 
 def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
@@ -171,20 +171,26 @@ def _tests(found: TimeIdentification, width: int) -> str:
     if len(found.tests) == 1:
         table = table.lacking("alone")
     table = table.without(("alone", "points"), width)
-    spare = table.width - width
-    if spare > 0:
-        most = max(len(row[0]) for row in table.rows) - spare
-        table = Table(table.headers, [[cut(row[0], max(most, NAME)), *row[1:]] for row in table.rows], table.right)
-    alone = "alone: x floor where the test has parameters of its own" if "alone" in table.headers else ""
-    return "\n".join(filter(None, (table.plain(), alone)))
+    excess = table.width - width
+    if excess > 0:
+        most = max(max(len(row[0]) for row in table.rows) - excess, NAME)
+        table = Table(table.headers, [[cut(row[0], most), *row[1:]] for row in table.rows], table.right)
+    text = table.plain()
+    # Only then has a narrow window not dropped the column.
+    if "alone" in table.headers:
+        text += "\nalone: x floor where the test has parameters of its own"
+    return text
 
 
 def parameters_text(heading: str, parameters: dict[str, Value], open_ones: Collection[str] = ()) -> str:
     """A table of values with their intervals; one that the data leave open is called so."""
     rows = []
     for name, value in parameters.items():
-        told = ("-", OPEN) if name in open_ones else shown(value)
-        rows.append([name, *told, value.unit])
+        size, interval = shown(value)
+        # Out of all proportion to the data, it leaves no trace of its size in them.
+        if name in open_ones:
+            size, interval = "-", OPEN
+        rows.append([name, size, interval, value.unit])
     return Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()
 
 
@@ -205,10 +211,10 @@ def _lines(found: Identification, verbose: bool) -> list[str]:
     size = found.measurement.units.magnitude
     lines = [f"error       {percent(found.relative_rms)} of {size} (relative rms){beside_floors(found)}"]
     if found.standing is not None:
-        lines.append(
-            f"verdict     {'good enough' if found.standing.good_enough else 'not good enough'}: {_reason(found)}"
-        )
+        verdict = "good enough" if found.standing.good_enough else "not good enough"
+        lines.append(f"verdict     {verdict}: {_reason(found)}")
     spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
+    # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
     if verbose or found.optimiser != "native" or found.status != "converged":
         lines.append(f"objective   {found.fit.objective.name}, {number(found.fit.cost)}")
         lines.append(f"optimiser   {found.optimiser}, {found.status}, {spent}")
@@ -240,14 +246,14 @@ def beside_floors(found: Identification) -> str:
 
 def unused(found: Identification) -> list[str]:
     """Conditions that vary in the data and that the model does not know."""
-    told = []
+    notes = []
     for name in ("temperature", "amplitude"):
         if name not in found.measurement.conditions or name in found.model.needs:
             continue
         levels = int(found.measurement.levels(name).max()) + 1
         if levels > 1:
-            told.append(f"{name} was not used: the data have {levels} levels of it, the model has no effect of it")
-    return told
+            notes.append(f"{name} was not used: the data have {levels} levels of it, the model has no effect of it")
+    return notes
 
 
 def many_text(found: Sequence[Identification]) -> str:
@@ -264,13 +270,21 @@ def many_csv(found: Sequence[Identification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
     names, stream = _columns(found), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
-    headers = [f"{name}{end} [{found[0].parameters[name].unit}]" for name in names for end in ("", "_low", "_high")]
+    headers = []
+    for name in names:
+        unit = found[0].parameters[name].unit
+        headers += [f"{name} [{unit}]", f"{name}_low [{unit}]", f"{name}_high [{unit}]"]
     write(["data", "model", "relative_rms [-]", "noise_floor [-]", "good_enough", *headers])
     for fit in found:
-        values = [fit.parameters[name] for name in names if name in fit.parameters]
-        cells = [repr(end) for value in values for end in (value.value, value.low, value.high)]
-        floor = "" if fit.standing is None else repr(fit.standing.noise_floor)
-        good = "" if fit.standing is None else str(fit.standing.good_enough).lower()
+        cells = []
+        for name in names:
+            if name in fit.parameters:
+                value = fit.parameters[name]
+                # `repr` keeps every digit: another program reads them.
+                cells += [repr(value.value), repr(value.low), repr(value.high)]
+        floor, good = "", ""
+        if fit.standing is not None:
+            floor, good = repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
         write([fit.measurement.name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
     return stream.getvalue()
 
@@ -280,18 +294,24 @@ def _columns(found: Sequence[Identification]) -> list[str]:
 
 
 def _header(fit: Identification, name: str) -> str:
-    unit = fit.parameters[name].unit if name in fit.parameters else "-"
-    return name if unit == "-" else f"{name} [{unit}]"
+    if name not in fit.parameters or fit.parameters[name].unit == "-":
+        return name
+    return f"{name} [{fit.parameters[name].unit}]"
 
 
 def _cell(fit: Identification, name: str) -> str:
     value = fit.parameters.get(name)
     if value is None:
         return "-"
-    return "open" if shown(value)[1].startswith(OPEN) else shown(value)[0]
+    size, interval = shown(value)
+    # The sentence of an open value is too long for a cell.
+    if interval.startswith(OPEN):
+        return "open"
+    return size
 
 
 def _verdict(fit: Identification) -> tuple[str, str]:
     if fit.standing is None:
         return "-", "-"
-    return percent(fit.standing.noise_floor, 2), "yes" if fit.standing.good_enough else "no"
+    verdict = "yes" if fit.standing.good_enough else "no"
+    return percent(fit.standing.noise_floor, 2), verdict

@@ -47,8 +47,12 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
     others = [part for part in result["parts"] if part["name"] not in together]
     given = "given" if result["standard_deviations"] else "not given"
     # One sweep is told by its columns already.
-    sweeps_shown = sweeps_text(sweeps, result["parts"], units, width) if len(sweeps) > 1 else ""
-    others_shown = parts_text(others, width) if others else ""
+    sweeps_shown = ""
+    if len(sweeps) > 1:
+        sweeps_shown = sweeps_text(sweeps, result["parts"], units, width)
+    others_shown = ""
+    if others:
+        others_shown = parts_text(others, width)
     parts = [
         f"{result['data']}: {_counted(points, 'point')}, {_counted(len(sweeps), 'sweep')}",
         _columns(result, units),
@@ -63,27 +67,42 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
 
 
 def _counted(count: int, word: str) -> str:
-    return f"{count} {word}{'' if count == 1 else 's'}"
+    if count == 1:
+        return f"1 {word}"
+    return f"{count} {word}s"
 
 
 def _few(words: Sequence[str], width: int) -> str:
     """As many words as fit a line, and how many there are."""
+    # The label itself and the count stand in the same line.
     room = width - LABEL
     line = ", ".join(words)
-    return line if len(line) <= room else f"{line[:room].rpartition(', ')[0] or line[:room]}, ... ({len(words)})"
+    if len(line) <= room:
+        return line
+    whole_words = line[:room].rpartition(", ")[0]
+    return f"{whole_words or line[:room]}, ... ({len(words)})"
 
 
 def _noted(key: str, value: str) -> str:
     """What the file or its reader says; the word behind ``note`` is for programs."""
-    return f"note: {value}" if key.startswith("note ") else f"{key}: {value}"
+    return f"{_shown_key(key)}: {value}"
+
+
+def _shown_key(key: str) -> str:
+    if key.startswith("note "):
+        return "note"
+    return key
 
 
 def _columns(result: dict[str, Any], units: Units) -> str:
     clock = "angular frequency" if units.clock == "rad/s" else "frequency"
-    told = {clock: _clocked(result["frequency"], units), units.storage: result["storage"], units.loss: result["loss"]}
-    rows = [
-        [name, number(r["from"]), number(r["to"]), r["unit"]] for name, r in {**told, **result["conditions"]}.items()
-    ]
+    ranges = {
+        clock: _clocked(result["frequency"], units),
+        units.storage: result["storage"],
+        units.loss: result["loss"],
+        **result["conditions"],
+    }
+    rows = [[name, number(each["from"]), number(each["to"]), each["unit"]] for name, each in ranges.items()]
     return Table(("column", "from", "to", "unit"), rows, frozenset({"from", "to"})).plain()
 
 
@@ -101,40 +120,53 @@ def sweeps_text(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]
     labels = [name for name in first if name not in PLAIN and all(name in sweep for sweep in sweeps)]
     keys = [*labels, *(key for key in KNOWN if first.get(key) is not None)]
     amplitude = (first["amplitude"] or {}).get("unit")
-    named = {"temperature": "degC", "frequency": units.clock, "amplitude": amplitude}
-    heads = [f"{key} [{named[key]}]" if key in named else key for key in keys]
+    unit_of = {"temperature": "degC", "frequency": units.clock, "amplitude": amplitude}
+    heads = []
+    for key in keys:
+        heads.append(f"{key} [{unit_of[key]}]" if key in unit_of else key)
     numbers = {part["name"]: f"#{part['number']}" for part in parts}
     rows = []
     for sweep in sweeps[:LONG]:
-        told = {**sweep, "frequency": _clocked(sweep["frequency"], units)}
-        rows.append([numbers.get(sweep.get("step"), ""), *(_cell(told[key]) for key in keys)])
+        entries = {**sweep, "frequency": _clocked(sweep["frequency"], units)}
+        rows.append([numbers.get(sweep.get("step"), ""), *(_cell(entries[key]) for key in keys)])
     table = Table(["part", *heads], rows, frozenset(heads) - {*labels, "step"})
     if not numbers:
         table = table.lacking("part")
     text = table.without([head for head in heads if head.startswith("amplitude")], width).plain()
     more = len(sweeps) - LONG
-    return f"{text}\n... and {more} more; --json has all" if more > 0 else text
+    if more > 0:
+        text += f"\n... and {more} more; --json has all"
+    return text
 
 
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
+        # A range whose ends are printed alike is one number.
         return " to ".join(dict.fromkeys([number(value["from"], 3), number(value["to"], 3)]))
-    return cut(value, LABEL) if isinstance(value, str) else f"{value:.4g}"
+    if isinstance(value, str):
+        return cut(value, LABEL)
+    return f"{value:.4g}"
 
 
 def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
     """Parts that are not among the data, each with its reason."""
     rows = []
     for part in parts:
-        reason = "" if part["usable"] else part["says"]
+        reason = ""
+        if not part["usable"]:
+            reason = part["says"]
         rows.append([f"#{part['number']}", cut(part["name"], LABEL), str(part["points"]), reason])
     table = Table(("part", "name", "rows", "cannot be opened"), rows, frozenset({"rows"}))
     if table.width <= width:
         return table.plain()
-    lines = [f"{number} {name}, {count} rows{reason and ': '}{reason}" for number, name, count, reason in rows]
-    return "\n".join(
-        ["parts that cannot be opened or were left out:", *(wrapped(f"  {one}", width) for one in lines)]
-    )
+    # Reasons are sentences, too long for a column of a narrow window.
+    lines = ["parts that cannot be opened or were left out:"]
+    for label, name, count, reason in rows:
+        line = f"  {label} {name}, {count} rows"
+        if reason:
+            line += f": {reason}"
+        lines.append(wrapped(line, width))
+    return "\n".join(lines)
 
 
 def next_step(result: dict[str, Any], spec: str) -> str:
@@ -142,8 +174,10 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     together = result["provenance"].get("note together", "")
     if "choose one by '" in together:
         chosen = together.partition("choose one by '")[2].partition("'")[0]
-        further = chosen.replace("@", ",", 1) if "@" in spec else chosen
-        return f"next: springpot inspect {quote(spec + further)}"
+        # Only the first condition of a selection begins with @; a further one follows a comma.
+        if "@" in spec:
+            chosen = chosen.replace("@", ",", 1)
+        return f"next: springpot inspect {quote(spec + chosen)}"
     temperatures = {round(sweep["temperature"]) for sweep in result["sweeps"] if sweep.get("temperature") is not None}
     swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
     if len(temperatures) > 1 and swept:
@@ -169,11 +203,14 @@ def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, w
 def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
     clock, answer, noise, largest = (result[key] for key in ("time", "response", "noise", "largest"))
     imposed, answered = test.words
-    risen = "" if test.kind == HISTORY else f", reached in {number(test.rise)} s"
+    size = _sized(largest["value"], largest["unit"])
+    # A record of any shape has no step, and so no rise.
+    if test.kind != HISTORY:
+        size += f", reached in {number(test.rise)} s"
     rows = [
         ("test", f"{result['name']}: {result['kind']}, {result['points']} points"),
         ("time", f"{number(clock['from'])} to {number(clock['to'])} s"),
-        ("imposed", f"{imposed}, up to {_sized(largest['value'], largest['unit'])}{risen}"),
+        ("imposed", f"{imposed}, up to {size}"),
         ("answer", f"{answered}, {number(answer['from'])} to {_sized(answer['to'], answer['unit'])}"),
         ("noise", f"{percent(noise['relative'], 2)} and {_sized(noise['absolute'], answer['unit'], 2)}"),
     ]
@@ -182,9 +219,11 @@ def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
         rows.append(("temperature", f"{low:.4g} to {high:.4g} degC, followed by shifts"))
     elif result["temperature"] is not None:
         rows.append(("temperature", f"{result['temperature']:.4g} degC"))
-    rows += [("note" if key.startswith("note ") else key, value) for key, value in result["provenance"].items()]
+    rows += [(_shown_key(key), value) for key, value in result["provenance"].items()]
     return "\n".join(wrapped(f"{key:<11} {value}", width, " " * 12) for key, value in rows)
 
 
 def _sized(value: float, unit: str, digits: int = 4) -> str:
-    return number(value, digits) if unit == "-" else f"{number(value, digits)} {unit}"
+    if unit == "-":
+        return number(value, digits)
+    return f"{number(value, digits)} {unit}"

@@ -58,14 +58,18 @@ def mastercurve_text(found: MasterCurve, width: int = 120) -> str:
 
 def _factor(found: MasterCurve, letter: str) -> str:
     """``a_T``, as the field writes it; ``a`` along other columns."""
-    return f"{letter}_T" if found.factors.column == "temperature" else letter
+    if found.factors.column == "temperature":
+        return f"{letter}_T"
+    return letter
 
 
 def _other_errors(found: MasterCurve) -> str:
-    beside = (
-        f"; each level by itself {percent(found.simplicity.alone)}" if np.isfinite(found.simplicity.alone) else ""
-    )
-    return f"; a shift alone {percent(found.error_without_vertical)}{beside}" if found.vertical else beside
+    text = ""
+    if found.vertical:
+        text = f"; a shift alone {percent(found.error_without_vertical)}"
+    if np.isfinite(found.simplicity.alone):
+        text += f"; each level by itself {percent(found.simplicity.alone)}"
+    return text
 
 
 def _levels(found: MasterCurve) -> Table:
@@ -89,7 +93,9 @@ def _levels(found: MasterCurve) -> Table:
 
 
 def _in_unit(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
+    if not unit:
+        return ""
+    return f" [{unit}]"
 
 
 def _laws(found: MasterCurve) -> Table:
@@ -102,16 +108,10 @@ def _laws(found: MasterCurve) -> Table:
             middle, between = with_interval(float(value), float(low), float(high))
             words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
         most = level_text(found.factors.column, law.worst)
+        # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
-        told = [
-            law.law.name,
-            _factor(found, "b" if law.law.vertical else "a"),
-            ", ".join(words),
-            off,
-            most,
-            number(law.chance, 2),
-        ]
-        rows.append([*told, law.verdict])
+        factor = _factor(found, "b" if law.law.vertical else "a")
+        rows.append([law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict])
     return Table(headers, rows, frozenset({"off by", "chance"}))
 
 
@@ -128,10 +128,12 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
     with blank(9.6, 7.6) as figure:
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
         _draw_curve(halves[0], found)
-        places = halves[1].subplots(1, 3 if found.vertical else 2)
-        _draw_factors(places[0], found, vertical=False)
         if found.vertical:
+            places = halves[1].subplots(1, 3)
             _draw_factors(places[1], found, vertical=True)
+        else:
+            places = halves[1].subplots(1, 2)
+        _draw_factors(places[0], found, vertical=False)
         _draw_errors(places[-1], found)
         return finished(figure, path)
 
@@ -187,10 +189,13 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     low = np.array([getattr(level, f"{name}_low") for level in levels])
     high = np.array([getattr(level, f"{name}_high") for level in levels])
     known = found.determined
-    for k, law in enumerate([law for law in found.laws if law.law.vertical == vertical and law.law.name != "VFT"]):
-        fine = np.linspace(x.min(), x.max(), SMOOTH)
-        label = "WLF = VFT" if law.law.name == "WLF" else law.law.name
-        axes.plot(fine, np.exp(_along(law, fine, found)), "-", color=COLOURS[k], linewidth=1.2, label=label, zorder=2)
+    # WLF and VFT are one curve in other parameters: drawn once.
+    labels = {"WLF": "WLF = VFT"}
+    laws = [law for law in found.laws if law.law.vertical == vertical and law.law.name != "VFT"]
+    fine = np.linspace(x.min(), x.max(), SMOOTH)
+    for law, colour in zip(laws, COLOURS, strict=False):
+        label = labels.get(law.law.name, law.law.name)
+        axes.plot(fine, np.exp(_along(law, fine, found)), "-", color=colour, linewidth=1.2, label=label, zorder=2)
     bars = np.maximum(np.array([value - low, high - value]), 0.0)
     axes.errorbar(
         x[known], value[known], bars[:, known], fmt="o", color=INK, markersize=4.0, linewidth=1.0, capsize=2.0
@@ -200,7 +205,8 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     if value[known].max() > DECADE * value[known].min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
-    axes.set_title("factors b of stiffness" if vertical else "factors a of frequency")
+    title = "factors b of stiffness" if vertical else "factors a of frequency"
+    axes.set_title(title)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")
 
@@ -210,7 +216,10 @@ def _along(law: LawFit, celsius: Real, found: MasterCurve) -> Real:
     reference = found.reference + KELVIN
     at = Points(np.zeros(len(celsius)), temperature=celsius + KELVIN, reference_temperature=reference)
     value = law.law.element.respond(law.values, at).value.real
-    return np.asarray(np.log(value) if law.law.vertical else value, dtype=np.float64)
+    # A law of a shift gives ln a itself, one of a stiffness b.
+    if law.law.vertical:
+        value = np.log(value)
+    return np.asarray(value, dtype=np.float64)
 
 
 def _draw_errors(axes: Axes, found: MasterCurve) -> None:

@@ -114,7 +114,9 @@ def _head(findings: Findings) -> Iterator[Html]:
 
 
 def _count(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"
+    if number == 1:
+        return f"1 {word}"
+    return f"{number} {word}s"
 
 
 def _choices(findings: Findings) -> Iterator[Html]:
@@ -123,11 +125,14 @@ def _choices(findings: Findings) -> Iterator[Html]:
     by_problem: dict[int, list[Choice]] = {}
     for choice in findings.choices:
         by_problem.setdefault(choice.race.problem.id, []).append(choice)
-    rows = [_all_problems(findings)] if findings.rankings else []
+    rows = []
+    # One problem alone ranks nobody over all.
+    if findings.rankings:
+        rows.append(_all_problems(findings))
     graded = _graded(findings)
-    for found in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
-        problem = found[0].race.problem
-        rows.append((problem.model, _data(findings, problem), *(_chosen(choice, graded) for choice in found)))
+    for choices in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
+        problem = choices[0].race.problem
+        rows.append((problem.model, _data(findings, problem), *(_chosen(choice, graded) for choice in choices)))
     yield tag("h2", "Which optimiser should I use?")
     yield tag(
         "p",
@@ -142,8 +147,10 @@ def _choices(findings: Findings) -> Iterator[Html]:
 
 def _data(findings: Findings, problem: ProblemRow) -> str:
     """The data set, with the objective where there are several."""
-    several = len({race.problem.objective for race in findings.races}) > 1
-    return f"{problem.dataset}, {problem.objective}" if several else problem.dataset
+    objectives = {race.problem.objective for race in findings.races}
+    if len(objectives) > 1:
+        return f"{problem.dataset}, {problem.objective}"
+    return problem.dataset
 
 
 def _graded(findings: Findings) -> set[str]:
@@ -155,59 +162,70 @@ def _all_problems(findings: Findings) -> tuple[str, ...]:
     graded = _graded(findings)
     cells = []
     for pool in pools(findings):
-        certainty = _as_good(pool.alike) if pool.ranking.decided else TOO_FEW
+        certainty = _certainty(pool.alike, pool.ranking.decided)
         cells.append(_cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded))
     return ("all", f"all {len(findings.races)} problems", *cells)
-
-
-TOO_FEW = "too few trials to tell"
 
 
 def _chosen(choice: Choice, graded: set[str]) -> Html:
     if choice.label is None:
         return tag("div", "none: all failed")
-    share = _reached(choice.success, choice.running_time) if choice.success.value else f"missed: {_excess(choice)}"
-    certainty = _as_good(choice.alike) if choice.decided else TOO_FEW
-    return _cell(choice.label, share, certainty, graded)
-
-
-def _excess(choice: Choice) -> str:
-    return f"excess {number(choice.excess, 2)}"
+    # Where no trial reached the target there is no share to tell: how near the best came is.
+    share = f"missed: excess {number(choice.excess, 2)}"
+    if choice.success.value:
+        share = _reached(choice.success, choice.running_time)
+    return _cell(choice.label, share, _certainty(choice.alike, choice.decided), graded)
 
 
 def _reached(success: Interval | None, running_time: float) -> str:
-    cost = f" in {number(running_time, 3)}" if np.isfinite(running_time) else ""
-    return f"{share_text(success)}{cost}"
+    share = share_text(success)
+    # Endless where no trial reached the target.
+    if np.isfinite(running_time):
+        share += f" in {number(running_time, 3)}"
+    return share
 
 
-def _as_good(alike: Sequence[str]) -> str:
+def _certainty(alike: Sequence[str], decided: bool) -> str:
+    """Who is as good as the first, where there are trials enough to tell."""
+    if not decided:
+        return "too few trials to tell"
     if not alike:
         return "alone"
-    more = f" +\u00a0{len(alike) - NAMED}" if len(alike) > NAMED else ""
-    return f"as good: {', '.join(alike[:NAMED])}{more}"
+    names = ", ".join(alike[:NAMED])
+    if len(alike) > NAMED:
+        names += f" +\u00a0{len(alike) - NAMED}"
+    return f"as good: {names}"
 
 
 def _cell(label: str, share: str, certainty: str, graded: set[str]) -> Html:
-    mark = " ∇" if label in graded else ""
-    return tag(
-        "div", tag("b", label + mark), tag("span", share, class_="share"), tag("span", certainty, class_="quiet")
-    )
+    if label in graded:
+        label += " ∇"
+    return tag("div", tag("b", label), tag("span", share, class_="share"), tag("span", certainty, class_="quiet"))
 
 
 def _rankings(findings: Findings) -> Iterator[Html]:
-    found = [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
-    if not found:
+    rankings = _over_all(findings)
+    if not rankings:
         return
     yield tag("h2", "Who ranks where, and how sure is it?")
-    p = found[-1].p_all
-    if not np.isnan(p):
-        line = f"Friedman's test that all are alike at {found[-1].budget} evaluations: p = {number(p, 2)}."
+    largest = rankings[-1]
+    if not np.isnan(largest.p_all):
+        line = f"Friedman's test that all are alike at {largest.budget} evaluations: p = {number(largest.p_all, 2)}."
         yield tag("p", line, class_="quiet")
-    yield pair([diagram(ranking) for ranking in reversed(found)])
-    others = [r for r in findings.rankings if r.scope != OVER_ALL and r.budget == findings.scale.budget]
-    if others:
-        shown = (joined([tag("h3", r.scope), diagram(r)]) for r in others)
-        yield tag("details", tag("summary", "By model and by data set"), pair([tag("div", part) for part in shown]))
+    # What the whole budget says comes first.
+    yield pair([diagram(ranking) for ranking in reversed(rankings)])
+    diagrams = []
+    for ranking in findings.rankings:
+        # One budget is enough to look at; the table of ranks has all.
+        if ranking.scope != OVER_ALL and ranking.budget == findings.scale.budget:
+            diagrams.append(tag("div", joined([tag("h3", ranking.scope), diagram(ranking)])))
+    if diagrams:
+        yield tag("details", tag("summary", "By model and by data set"), pair(diagrams))
+
+
+def _over_all(findings: Findings) -> list[Ranking]:
+    """The rankings over all problems, by ascending budget."""
+    return [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
 
 
 def _profiles(findings: Findings, pens: Pens) -> Iterator[Html]:
@@ -237,10 +255,10 @@ def _progress(findings: Findings, pens: Pens) -> Iterator[Html]:
 
 
 def _pairs(findings: Findings) -> Iterator[Html]:
-    found = [ranking for ranking in findings.rankings if ranking.scope == OVER_ALL]
-    if not found:
+    rankings = _over_all(findings)
+    if not rankings:
         return
-    ranking = found[-1]
+    ranking = rankings[-1]
     order = [int(i) for i in np.argsort(ranking.means, kind="stable")]
     head = tag("tr", tag("th", ""), *(tag("th", ranking.labels[j]) for j in order))
     rows = [tag("tr", tag("th", ranking.labels[i]), *(_heat(ranking, i, j) for j in order)) for i in order]
@@ -260,10 +278,12 @@ def _heat(ranking: Ranking, i: int, j: int) -> Html:
         return tag("td", "")
     chance = float(ranking.chances[i, j])
     strength = abs(chance - 0.5) * 1.1
+    # Blue and vermilion, which the colour-blind tell apart (doi:10.1038/nmeth.1618).
     colour = "0,114,178" if chance > 0.5 else "213,94,0"
-    style = f"background:rgba({colour},{strength:.2f})"
-    told = {"class_": "sure"} if ranking.p[i, j] <= LEVEL else {}
-    return tag("td", f"{100 * chance:.0f}", style=style, **told)
+    attributes = {"style": f"background:rgba({colour},{strength:.2f})"}
+    if ranking.p[i, j] <= LEVEL:
+        attributes["class_"] = "sure"
+    return tag("td", f"{100 * chance:.0f}", **attributes)
 
 
 def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
@@ -310,7 +330,10 @@ def _failures(findings: Findings) -> Iterator[Html]:
 
 def _tables(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "All numbers")
-    names = ("summary", "failures", *(("profiles", "ranks") if findings.races else ()))
+    names = ["summary", "failures"]
+    # Without a race, of two optimisers at least, nobody is compared with anybody.
+    if findings.races:
+        names += ["profiles", "ranks"]
     for name in names:
         made = (PLAIN | COMPARING)[name](findings)
         if made.rows:
@@ -318,9 +341,10 @@ def _tables(findings: Findings) -> Iterator[Html]:
 
 
 def _whole(made: Table) -> Html:
-    numeric = [
-        column for i, column in enumerate(made.columns) if not any(isinstance(row[i], str) for row in made.rows)
-    ]
+    numeric = []
+    for i, column in enumerate(made.columns):
+        if not any(isinstance(row[i], str) for row in made.rows):
+            numeric.append(column)
     rows = ([text(entry) for entry in row] for row in made.rows)
     return tag("div", table(made.columns, rows, numeric), class_="scroll")
 

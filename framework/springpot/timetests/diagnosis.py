@@ -25,7 +25,7 @@ from .quick import QuickPart, UnfollowedError
 from .result import TimeIdentification
 from .scatter import Scatter
 from .score import AnyEffect, Promise, Scan
-from .where import places, worst_first
+from .where import Place, places, worst_first
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -118,30 +118,48 @@ def diagnose(
     >>> diagnose(test, model, springpot.plugins().items("time effect")).best.effect
     'force-drift'
     """
-    given = [tests] if isinstance(tests, TimeTest) or not isinstance(tests, Sequence) else list(tests)
-    model = parse_timed(model) if isinstance(model, str) else model
+    given = _listed(tests)
+    if isinstance(model, str):
+        model = parse_timed(model)
     library = library_in_time() if effects is None else list(effects)
-    found = _judged(given, model, library, base, None)
-    noise = _noise_beside(parts_of_specimen(given), found)
-    return found if noise is None else _judged(given, model, library, None, noise)
+    diagnosis = _judged(given, model, library, base, None)
+    noise = _noise_beside(parts_of_specimen(given), diagnosis)
+    if noise is None:
+        return diagnosis
+    # `base` was fitted with the weights of the first noise: it is fitted anew with those of the second.
+    return _judged(given, model, library, None, noise)
 
 
-def _noise_beside(parts: Sequence[Part], found: TimeDiagnosis) -> list[Real | None] | None:
+def _listed(tests: Sequence[Test] | Test) -> list[Test]:
+    if isinstance(tests, TimeTest) or not isinstance(tests, Sequence):
+        return [tests]
+    return list(tests)
+
+
+def _noise_beside(parts: Sequence[Part], first: TimeDiagnosis) -> list[Real | None] | None:
     """The noise of each test as the best model shows it, where the signal told another; None where it did not.
 
     Corners that friction, stops or a release make in a signal look like noise that grows with it.
     """
-    fit = found.best_fit
-    noise: list[Real | None] = []
-    for part in parts:
-        if not isinstance(part, InTimePart) or part.sd.max() < UNEVEN * part.sd.min():
-            noise.append(None)
-            continue
-        misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
-        better = noise_of(part.test, misfit).sd
-        share = better / part.sd
-        noise.append(better if share.max() > UNEVEN * share.min() else None)
-    return noise if any(each is not None for each in noise) else None
+    noise = [_better_noise(part, first.best_fit) for part in parts]
+    if all(each is None for each in noise):
+        return None
+    return noise
+
+
+def _better_noise(part: Part, fit: TimeIdentification) -> Real | None:
+    """The noise of one test as a fit shows it; None where what the signal told will do."""
+    if not isinstance(part, InTimePart):
+        return None
+    # Only the shape of the noise weighs samples against one another: its size is read from what is left anyway.
+    if part.sd.max() < UNEVEN * part.sd.min():
+        return None
+    misfit = part.residual(fit.model, fit.theta, fit.reference).value * part.sd
+    better = noise_of(part.test, misfit).sd
+    share = better / part.sd
+    if share.max() > UNEVEN * share.min():
+        return better
+    return None
 
 
 def _judged(
@@ -152,16 +170,24 @@ def _judged(
     known: Sequence[Real | None] | None,
 ) -> TimeDiagnosis:
     """The diagnosis with a certain noise."""
-    base = identify(given, model, noise=known) if base is None else base
+    if base is None:
+        base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
-    quick = [part if isinstance(part, SweepPart) else QuickPart.of(part) for part in parts]
+    quick: list[QuickPart | SweepPart] = []
+    for part in parts:
+        # At frequencies the exact answer is a formula already.
+        if isinstance(part, SweepPart):
+            quick.append(part)
+        else:
+            quick.append(QuickPart.of(part))
     before = Left.by(base.model, base.theta, base.reference, parts)
     promises = Scan(base, quick).promises(effects)
     leading = _leading(promises, before)
     if is_material(material_of(base.model)):
         tried = _of_material(given, parts, base, leading, known)
     else:
-        tried = _exactly(given, parts, base, _nearly(base, quick, leading, before), before, known)
+        nearly = _nearly(base, quick, leading, before)
+        tried = _exactly(given, parts, base, nearly, before, known)
     tried = [_no_worse(each, before) for each in tried]
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
@@ -182,12 +208,14 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
     unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
     count = np.log(independent(before.residuals, before.scatters))
 
-    def hope(found: list[Promise]) -> float:
-        return float(found[0].drop / unit - len(found[0].values) * count)
+    def hope(of_effect: list[Promise]) -> float:
+        return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
 
     ranked = sorted(promises.values(), key=hope, reverse=True)
-    worth = [found for found in ranked[:LEADING] if found[0].drop / unit > HOPE]
-    return worth if len(worth) >= FEWEST else ranked[:FEWEST]
+    worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
+    if len(worth) < FEWEST:
+        return ranked[:FEWEST]
+    return worth
 
 
 def _of_material(
@@ -216,7 +244,7 @@ def _nearly(
 ) -> list[Tried]:
     """The leading effects fitted by fixed exponentials; those that swing by the exact response, if they lead."""
     tried = []
-    best = max((found[0].drop for found in leading), default=0.0)
+    best = max((promises[0].drop for promises in leading), default=0.0)
     for promises in leading:
         effect = promises[0].effect
         model = grown(base.model, effect)
@@ -229,6 +257,7 @@ def _nearly(
             u, _ = search.near(quick, starts)
             left = Left.by(model, search.theta(u), base.reference, quick)
         except UnfollowedError:
+            # The exact response takes long: it is spent only where more than noise is left to explain.
             if promises[0].drop < COSTLY * best or not before.misfit:
                 continue
             parts = [part.exact if isinstance(part, QuickPart) else part for part in quick]
@@ -253,7 +282,8 @@ def _exactly(
     known: Sequence[Real | None] | None,
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
-    noise = _noise(before, min((each.left for each in nearly), key=_plain_bic, default=before))
+    least = min((each.left for each in nearly), key=_plain_bic, default=before)
+    noise = _noise(before, least)
     rated = sorted(nearly, key=lambda each: -_delta(before, each, noise, base))
     if not rated:
         return []
@@ -306,8 +336,12 @@ def _power(left: Left) -> float:
 
 def _noise(before: Left, best: Left) -> list[Scatter]:
     """The noise of each test: read where the least else is left."""
-    pairs = zip(before.residuals, best.residuals, before.scatters, best.scatters, strict=True)
-    return [s if np.sum(z**2) <= np.sum(y**2) else r for y, z, r, s in pairs]
+    noise = list(before.scatters)
+    for i, (old, new) in enumerate(zip(before.residuals, best.residuals, strict=True)):
+        # The best of all tests together may be worse for one of them.
+        if np.sum(new**2) <= np.sum(old**2):
+            noise[i] = best.scatters[i]
+    return noise
 
 
 def _answer(
@@ -318,29 +352,54 @@ def _answer(
     noise: Sequence[Scatter],
     promises: dict[str, list[Promise]],
 ) -> TimeDiagnosis:
-    found = bool(tried) and tried[0].delta > PLAINLY
-    rest = tried[0].left.misfit if found else before.misfit
-    alike = _class(tried, promises, noise) if found else []
-    verdict = "effect-missing" if found and not rest else "unexplained" if rest else "adequate"
-    if verdict == "adequate" and tried and tried[0].delta > HINT:
-        verdict = "inconclusive"
-    alone = len(alike) == 1 and verdict == "effect-missing"
-    candidates = tuple(
-        _candidate(each, chance, alike, noise, "missing" if alone and each is tried[0] else _open(each, alike))
-        for each, chance in zip(tried, _chances(tried), strict=True)
-    )
+    verdict = _verdict(before, tried)
+    alike: list[str] = []
+    if _is_plain(tried):
+        alike = _class(tried, promises, noise)
+    candidates = []
+    for each, chance in zip(tried, _chances(tried), strict=True):
+        of_it = _open(each, alike)
+        # One of several that cannot be told apart is not known to be the missing one.
+        if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
+            of_it = "missing"
+        candidates.append(_candidate(each, chance, alike, noise, of_it))
     error = TimeError.of(parts, before, noise)
-    located = [
-        place
-        for part, value, scatter in zip(parts, before.residuals, noise, strict=True)
-        if isinstance(part, InTimePart)
-        for place in places(part.test, value / scatter.size)
-    ]
-    where = worst_first(located) if verdict != "adequate" else ()
-    fits = [each.fit for each in tried if each.fit is not None and each.effect.name in alike[:1]]
-    return TimeDiagnosis(
-        base, verdict, candidates, where, error, _classes(promises, tried, alike), fits[0] if fits else base
-    )
+    where: tuple[Place, ...] = ()
+    # What noise leaves of an adequate model stands out somewhere too.
+    if verdict != "adequate":
+        where = _where(parts, before, noise)
+    best_fit = base
+    for each in tried:
+        if each.fit is not None and each.effect.name in alike[:1]:
+            best_fit = each.fit
+            break
+    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit)
+
+
+def _is_plain(tried: Sequence[Tried]) -> bool:
+    """Whether the evidence for the best effect is beyond doubt."""
+    return bool(tried) and tried[0].delta > PLAINLY
+
+
+def _verdict(before: Left, tried: Sequence[Tried]) -> str:
+    """What the tests say of the model, `tried` best first."""
+    if _is_plain(tried):
+        # An effect that helps and leaves more than noise is not all that is missing.
+        return "unexplained" if tried[0].left.misfit else "effect-missing"
+    if before.misfit:
+        return "unexplained"
+    if tried and tried[0].delta > HINT:
+        return "inconclusive"
+    return "adequate"
+
+
+def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tuple[Place, ...]:
+    """Where the model fails in all tests in time, the worst first."""
+    located: list[Place] = []
+    for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
+        if isinstance(part, InTimePart):
+            located += places(part.test, residual / scatter.size)
+    return worst_first(located)
 
 
 def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
@@ -360,22 +419,26 @@ def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
     """Effects that add the same to a record as one does."""
     own = promises[name][0].direction
-    found = []
+    twins = []
     for other, others in promises.items():
         if other != name and abs(float(own @ others[0].direction)) > TWINS:
-            found.append(other)
-    return found
+            twins.append(other)
+    return twins
 
 
 def _classes(
     promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Effects that are one to these tests: the class of the best, and the twins of the others that were fitted."""
-    classes = [tuple(alike)] if len(alike) > 1 else []
+    classes = []
+    if len(alike) > 1:
+        classes.append(tuple(alike))
     taken = set(alike)
     for each in tried:
         name = each.effect.name
-        twins = [] if name in taken else [other for other in _twins(name, promises) if other not in taken]
+        if name in taken:
+            continue
+        twins = [other for other in _twins(name, promises) if other not in taken]
         if twins:
             classes.append((name, *twins))
             taken |= {name, *twins}
@@ -397,16 +460,24 @@ def _open(each: Tried, alike: Sequence[str]) -> str:
     One that helps, and less than a rival, may be there beside the rival, or only resemble it: that is told when the
     rival has been accepted.
     """
-    return "cannot-tell" if each.effect.name in alike or each.delta > HINT else "absent"
+    if each.effect.name in alike or each.delta > HINT:
+        return "cannot-tell"
+    return "absent"
 
 
 def _candidate(
     each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], verdict: str
 ) -> TimeCandidate:
     name = each.effect.name
-    known = {} if each.fit is None else each.fit.parameters
-    parameters = {own: entry for own, entry in known.items() if own.rpartition(".")[0].split("#")[0] == name}
-    others = tuple(other for other in alike if other != name) if name in alike else ()
+    parameters = {}
+    if each.fit is not None:
+        # A parameter is called effect.own, and effect#2.own where the model has the effect already.
+        for own, value in each.fit.parameters.items():
+            if own.rpartition(".")[0].split("#")[0] == name:
+                parameters[own] = value
+    others: tuple[str, ...] = ()
+    if name in alike:
+        others = tuple(other for other in alike if other != name)
     return TimeCandidate(
         name, others, chance, each.delta, each.left.over(noise), parameters, verdict, each.effect.summary, each.effect
     )

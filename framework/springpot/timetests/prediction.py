@@ -91,6 +91,7 @@ class Known:
                 found.seen,
             )
         coordinates, data = found.fit.task.coordinates, found.measurement
+        # An endless variance times a slope of zero would be no number.
         covariance = np.nan_to_num(found.uncertainty.covariance, nan=0.0, posinf=ENDLESS)
         turn = coordinates.slopes(found.theta, coordinates.size[0])
         return cls(
@@ -141,8 +142,9 @@ class Known:
         """
         if (frequency is None) == (omega is None):
             raise DataError("give frequency [Hz] or omega [rad/s]")
-        rate = omega if frequency is None else 2.0 * np.pi * np.asarray(frequency, dtype=float)
-        omega = np.atleast_1d(np.asarray(rate, dtype=float))
+        if frequency is not None:
+            omega = 2.0 * np.pi * np.asarray(frequency, dtype=float)
+        omega = np.atleast_1d(np.asarray(omega, dtype=float))
         if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
             raise DataError("frequencies are a list of numbers, finite and above zero")
         given = {"temperature": temperature, "amplitude": amplitude}
@@ -150,8 +152,9 @@ class Known:
             if given.get(name) is None:
                 raise DataError(f"{self.model.name} needs {name}: give it")
         conditions = {name: np.full(len(omega), value) for name, value in given.items() if value is not None}
-        warm = conditions.get("temperature")
-        kelvin = None if warm is None else warm + KELVIN
+        kelvin = None
+        if temperature is not None:
+            kelvin = conditions["temperature"] + KELVIN
         points = Points(np.log(omega), conditions.get("amplitude"), kelvin, self.reference)
         value, slopes = self.model.stiffness(self.theta, points), self.model.jacobian(self.theta, points)
         quantile = student(level, self.dof)
@@ -163,6 +166,7 @@ class Known:
 def _reach(slopes: Real, covariance: Real) -> Real:
     """Standard deviation (m,) of something whose derivatives by the parameters are `slopes` (m, p)."""
     variance: Real = np.einsum("mi,ij,mj->m", slopes, covariance, slopes)
+    # Rounding takes a variance of nothing below zero.
     return np.sqrt(np.maximum(variance, 0.0))
 
 
@@ -221,9 +225,12 @@ class TestPrediction:
         """``holds``, ``fails``, ``vague`` where the fit hardly says anything of this test, or ``not-judged``."""
         if not self.judged:
             return "not-judged"
+        # First: an error beyond even a wide expectation is a failure, not a vague prediction.
         if self.error > HOLDS * self.expected:
             return "fails"
-        return "vague" if self.expected > VAGUE else "holds"
+        if self.expected > VAGUE:
+            return "vague"
+        return "holds"
 
     @property
     def holds(self) -> bool:
@@ -248,8 +255,8 @@ class TestPrediction:
             return f"the prediction of {self.test} holds: {size}{beyond}"
         way = "too much" if self.bias > 0 else "too little"
         worst = int(np.argmax(np.abs(self.value - self.measured)))
-        place = f"{self.at[worst]:.3g} {'Hz' if self.kind == 'sweep' else 's'}"
-        mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {place}"
+        unit = "Hz" if self.kind == "sweep" else "s"
+        mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {self.at[worst]:.3g} {unit}"
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -257,6 +264,14 @@ class TestPrediction:
         clock = "frequency" if self.kind == "sweep" else "time"
         columns = (self.at, self.value, self.low, self.high, self.measured)
         names = (clock, "value", "low", "high", "measured")
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        points = [dict(zip(names, row, strict=True)) for row in rows]
+        # JSON has no nan: what was not judged, or not seen, is null.
+        error = expected = bias = error_inside = None
+        if self.judged:
+            error, expected, bias = self.error, self.expected, self.bias
+        if self.inside > 0.0:
+            error_inside = self.error_inside
         return {
             "schema": SCHEMA,
             "model": self.model,
@@ -265,16 +280,13 @@ class TestPrediction:
             "unit": self.unit,
             "verdict": self.verdict,
             "holds": self.holds,
-            "error": self.error if self.judged else None,
-            "expected_error": self.expected if self.judged else None,
-            "bias": self.bias if self.judged else None,
+            "error": error,
+            "expected_error": expected,
+            "bias": bias,
             "inside": self.inside,
-            "error_inside": self.error_inside if self.inside > 0.0 else None,
+            "error_inside": error_inside,
             "says": self.says,
-            "points": [
-                dict(zip(names, row, strict=True))
-                for row in zip(*(column.tolist() for column in columns), strict=True)
-            ],
+            "points": points,
         }
 
 
@@ -316,28 +328,37 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     elif "temperature" in known.model.needs and test.temperature is None:
         raise DataError(f"{test.name}: {known.model.name} needs its temperature: add '?temperature=25[degC]'")
     theta, covariance = _in_units_of(known, test.units)
-    compared = _in_time(test, known, theta) if isinstance(test, TimeTest) else _at_frequencies(test, known, theta)
-    by_theta, missed = compared.by_theta, compared.value - compared.measured
-    reach = _reach(by_theta, covariance)
+    if isinstance(test, TimeTest):
+        compared = _in_time(test, known, theta)
+        kind, unit, judged = test.kind, test.response_unit, test.measured
+    else:
+        compared = _at_frequencies(test, known, theta)
+        kind, unit, judged = "sweep", test.units.stiffness, True
+    share = (compared.value - compared.measured) / compared.size
+    reach = _reach(compared.by_theta, covariance)
     wide = student(0.95, known.dof) * reach
     known_error = np.hypot(reach, compared.noise) / compared.size
     inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
+    error_inside = float("nan")
+    if inside.any():
+        error_inside = _rms(share[inside])
     return TestPrediction(
         known.model.name,
         test.name,
-        test.kind if isinstance(test, TimeTest) else "sweep",
+        kind,
         compared.at,
         compared.value,
         compared.value - wide,
         compared.value + wide,
         compared.measured,
-        _rms(missed / compared.size),
+        _rms(share),
         float(np.hypot(_rms(known_error), known.misfit)),
-        float(np.mean(missed / compared.size * np.sign(compared.measured))),
+        # "Too much" is larger in size, whatever the sign of the response.
+        float(np.mean(share * np.sign(compared.measured))),
         float(np.mean(inside)),
-        _rms((missed / compared.size)[inside]) if inside.any() else float("nan"),
-        test.response_unit if isinstance(test, TimeTest) else test.units.stiffness,
-        not isinstance(test, TimeTest) or test.measured,
+        error_inside,
+        unit,
+        judged,
     )
 
 
@@ -400,19 +421,21 @@ class _Compared(NamedTuple):
 
 
 def _in_time(test: TimeTest, known: Known, theta: Real) -> _Compared:
-    found = predicted(known.model, theta, test, known.reference)
+    answer = predicted(known.model, theta, test, known.reference)
     # At the very instant of a step the answer may be endless, and no instrument reads it.
     seen = ~np.isin(test.time, test.loading.jumps[0])
-    measured = test.response[seen] if test.measured else found.value[seen]
-    noise = noise_of(test).sd[seen] if test.measured else np.zeros(len(measured))
-    since = np.maximum(test.time[seen] - test.start, 1e-300)
-    rate = (
-        1.0 / since
-        if test.kind in ("relaxation", "creep")
-        else np.full(len(since), float(np.sqrt(np.prod(test.seen))))
-    )
-    size = np.full(len(since), _rms(measured))
-    return _Compared(test.time[seen], rate, found.value[seen], found.by_theta[seen], measured, noise, size)
+    time, value = test.time[seen], answer.value[seen]
+    # A test that was not measured is its own prediction: nothing is missed, and nothing judged.
+    measured, noise = value, np.zeros(len(value))
+    if test.measured:
+        measured, noise = test.response[seen], noise_of(test).sd[seen]
+    # After a step each instant tells of its own rate; where the load keeps moving, all samples tell of all rates.
+    if test.kind in ("relaxation", "creep"):
+        rate = 1.0 / np.maximum(time - test.start, 1e-300)
+    else:
+        rate = np.full(len(time), float(np.sqrt(np.prod(test.seen))))
+    size = np.full(len(time), _rms(measured))
+    return _Compared(time, rate, value, answer.by_theta[seen], measured, noise, size)
 
 
 def _at_frequencies(test: Measurement, known: Known, theta: Real) -> _Compared:

@@ -52,17 +52,25 @@ def excluded_rows(state: State) -> list[str]:
             ranges[-1] = ranges[-1][0], row + 1
         else:
             ranges.append((row + 1, row + 1))
-    return [f"row={low}" if low == high else f"row={low}..{high}" for low, high in reversed(ranges)]
+    choices = []
+    for low, high in reversed(ranges):
+        choices.append(f"row={low}" if low == high else f"row={low}..{high}")
+    return choices
 
 
-def _said(state: State) -> list[str]:
+def _rows_to_exclude(state: State) -> list[str]:
+    """What command and script are to leave out; nothing where the file that they read lacks these rows already."""
     rows = excluded_rows(state)
-    return rows if len(rows) <= MOST_RANGES else []
+    if len(rows) > MOST_RANGES:
+        return []
+    return rows
 
 
-def _without(state: State) -> str:
-    rows = _said(state)
-    return f", exclude={rows!r}" if rows else ""
+def _exclude_argument(state: State) -> str:
+    rows = _rows_to_exclude(state)
+    if not rows:
+        return ""
+    return f", exclude={rows!r}"
 
 
 def command(state: State, source: str) -> str:
@@ -73,25 +81,32 @@ def command(state: State, source: str) -> str:
     >>> command(State("0" * 64, "maxwell", ("inertia",)), "my damper.csv")
     "springpot discover 'my damper.csv' --model maxwell --accept inertia --seed 0"
     """
-    words = ["springpot", "discover" if state.accepted else "diagnose", source]
-    words += ["--model", state.model] if state.model else []
-    words += [word for name in state.accepted for word in ("--accept", name)]
-    words += [word for rows in _said(state) for word in ("--exclude", rows)]
+    # `diagnose` accepts nothing: it tells what is missing from the model as it is.
+    verb = "discover" if state.accepted else "diagnose"
+    words = ["springpot", verb, source]
+    if state.model:
+        words += ["--model", state.model]
+    for name in state.accepted:
+        words += ["--accept", name]
+    for rows in _rows_to_exclude(state):
+        words += ["--exclude", rows]
     return shlex.join([*words, "--seed", str(state.seed)])
 
 
 def script(state: State, source: str) -> str:
     """A Python program that gives the same numbers: it reads `source` from the folder in which it is run."""
+    # Names come from outside: a line break in one would end the comment and begin a statement.
     title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
-    model = repr(state.model) if state.model else "None"
+    on_command_line = " ".join(plain(command(state, source)).split())
+    model, exclude = repr(state.model or None), _exclude_argument(state)
     return f"""# {title}
-# On the command line: {" ".join(plain(command(state, source)).split())}
+# On the command line: {on_command_line}
 import springpot
 
 data = springpot.read({source!r})
 
 # Each accepted effect is one rung: the model is fitted, and what is missing from it is sought anew.
-ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed}{_without(state)})
+ladder = springpot.discover(data, {model}, accept={list(state.accepted)!r}, seed={state.seed}{exclude})
 
 for step in ladder.steps:
     print(f"{{step.model}}: error {{step.relative_rms:.6%}}, noise floor {{step.noise_floor:.6%}}")
@@ -113,10 +128,13 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     base, unit = case.search.base, measurement.units.stiffness
     fits = [("model", base.model, base.theta)]
     fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]
-    names = ["data", *(name for name, _, _ in fits)]
-    along = [] if scene.axis.column == "frequency" else [scene.axis.label]
+    # Frequency has columns of its own already.
+    along = []
+    if scene.axis.column != "frequency":
+        along = [scene.axis.label]
     header = ["kind", "sweep", *along, "frequency [Hz]", "omega [rad/s]"]
-    header += [f"{name} {part} [{unit}]" for name in names for part in ("storage", "loss")]
+    for name in ("data", *(name for name, _, _ in fits)):
+        header += [f"{name} storage [{unit}]", f"{name} loss [{unit}]"]
     table: list[Sequence[Any]] = [header]
     numbers = np.zeros(len(measurement), dtype=int)
     for number, sweep in enumerate(scene.sweeps):
@@ -155,8 +173,13 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
         header, columns = [*header, "temperature [degC]"], [*columns, points.temperature - 273.15]
     if points.amplitude is not None:
         header, columns = [*header, f"amplitude [{moved}]"], [*columns, points.amplitude]
-    rows = [[*(float(f"{value:.6g}") for value in row), "", ""] for row in zip(*columns, strict=True)]
-    return f"# {' '.join(proposed.says.split())}\n" + _csv([[*header, f"storage [{unit}]", f"loss [{unit}]"], *rows])
+    table: list[list[Any]] = [[*header, f"storage [{unit}]", f"loss [{unit}]"]]
+    for row in zip(*columns, strict=True):
+        settings = [float(f"{value:.6g}") for value in row]
+        table.append([*settings, "", ""])
+    # The proposal is to stay one line of comment, whatever it says.
+    reason = " ".join(proposed.says.split())
+    return f"# {reason}\n" + _csv(table)
 
 
 def _frequencies(omega: float) -> list[float]:
@@ -164,11 +187,16 @@ def _frequencies(omega: float) -> list[float]:
 
 
 def _flat(values: Sequence[complex]) -> list[float]:
-    return [part for value in values for part in (float(value.real), float(value.imag))]
+    parts = []
+    for value in values:
+        parts += [float(value.real), float(value.imag)]
+    return parts
 
 
 def _csv(rows: Sequence[Sequence[Any]]) -> str:
     stream = io.StringIO()
-    cells = [[guarded(cell) if isinstance(cell, str) else cell for cell in row] for row in rows]
-    csv.writer(stream, lineterminator="\n").writerows(cells)
+    writer = csv.writer(stream, lineterminator="\n")
+    for row in rows:
+        # Text comes from files and plugins, and a table program would run what looks like a formula.
+        writer.writerow([guarded(cell) if isinstance(cell, str) else cell for cell in row])
     return stream.getvalue()
