@@ -77,7 +77,9 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
     near = get_close_matches(text, known, n=3, cutoff=0.5)
-    hint = f"did you mean {', '.join(near)}?" if near else "see 'springpot list datasets'"
+    hint = "see 'springpot list datasets'"
+    if near:
+        hint = f"did you mean {', '.join(near)}?"
     raise DataError(f"'{short(text)}' is neither a file nor a registered data set: {hint}")
 
 
@@ -89,6 +91,7 @@ def _files_like(text: str) -> list[str]:
     except (OSError, ValueError):
         # A folder that cannot be listed, or text that is no path: then there is nothing to propose.
         return []
+    # The very name with another ending is surer than one that only looks like it.
     same = sorted(name for name in names if Path(name).stem == path.name and not name.startswith("."))
     near = get_close_matches(path.name, names, n=2, cutoff=0.8)
     return [str(path.parent / name) for name in (same or near)[:2]]
@@ -113,8 +116,9 @@ def read_head(path: Path) -> bytes:
                 stream.seek(0)
                 head = (_below_remarks(stream) + stream.read(HEAD))[:HEAD]
     except FileNotFoundError:
-        beside = _files_like(str(path))
-        hint = f": did you mean {' or '.join(beside)}?" if beside else ""
+        beside, hint = _files_like(str(path)), ""
+        if beside:
+            hint = f": did you mean {' or '.join(beside)}?"
         raise DataError(f"{short(str(path))}: there is no such file{hint}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -146,8 +150,10 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
     best, sure = surest(known, read_head(path))
     if best is None or not sure > 0:
         names = ", ".join(reader.name for reader in known) or "none"
-        markup = read_head(path).lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<")
-        hint = "HTML or XML, save it as .xlsx or CSV" if markup else "it takes columns with names above numbers"
+        hint = "it takes columns with names above numbers"
+        # Some programs save a page of HTML under the name of a spreadsheet.
+        if read_head(path).lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
+            hint = "HTML or XML, save it as .xlsx or CSV"
         raise DataError(f"{path}: no reader recognises this file: {hint} (readers: {names})")
     return best
 
@@ -155,10 +161,14 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
 def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
-        found = guarded(reader, path, lambda: reader.read(path, choice))
+        measurement = guarded(reader, path, lambda: reader.read(path, choice))
         # A number in the file's name is only offered: what the file itself says comes first.
-        offer = {} if "temperature" in found.conditions else temperature_offer(path)
-        return replace(found, provenance={**found.provenance, **offer}) if offer else found
+        if "temperature" in measurement.conditions:
+            return measurement
+        offer = temperature_offer(path)
+        if not offer:
+            return measurement
+        return replace(measurement, provenance={**measurement.provenance, **offer})
 
     return within_budget(path, read)
 
@@ -172,8 +182,11 @@ def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
         If the file cannot be read.
     """
     text = str(spec)
+    # A file may have an @ in its name: the whole text goes first.
     for name in (text, text.rpartition("@")[0]):
-        path = file_and_choice(name)[0] if name else ""
+        if not name:
+            continue
+        path = file_and_choice(name)[0]
         if is_file(path):
             return _parts(Path(path), list(readers))
     return ()
@@ -185,7 +198,9 @@ def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
 
 def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
     list_parts = reader.parts
-    return () if list_parts is None else tuple(guarded(reader, path, lambda: list_parts(path)))
+    if list_parts is None:
+        return ()
+    return tuple(guarded(reader, path, lambda: list_parts(path)))
 
 
 def signals_to_measurement(

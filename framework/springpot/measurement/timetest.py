@@ -240,16 +240,20 @@ class TimeTest:
                 f"{name}: {clock.size} times, {moved.size} displacements and {pulled.size} forces: "
                 "each sample has one of all"
             )
+        # A stress over per cents would be no modulus.
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
-        chosen = controlled(moved, pulled) if control is None else control
-        imposed, response = (pulled, moved) if chosen == "force" else (moved, pulled)
-        _require_numbers(clock, imposed, name, chosen)
+        if control is None:
+            control = controlled(moved, pulled)
+        imposed, response = moved, pulled
+        if control == "force":
+            imposed, response = pulled, moved
+        _require_numbers(clock, imposed, name, control)
         return cls(
             clock,
             response,
             from_rest(clock, imposed, rise),
-            chosen,
+            control,
             displacement_unit,
             force_unit,
             name=name,
@@ -299,23 +303,29 @@ class TimeTest:
     @property
     def answered(self) -> str:
         """Which of displacement and force is the response."""
-        return "force" if self.control == "displacement" else "displacement"
+        return {"displacement": "force", "force": "displacement"}[self.control]
 
     @property
     def words(self) -> tuple[str, str]:
         """What was imposed and what answered, in words: strain and stress, or displacement and force."""
-        field = {"displacement": "strain", "force": "stress"} if self.units.is_modulus else {}
-        return field.get(self.control, self.control), field.get(self.answered, self.answered)
+        if not self.units.is_modulus:
+            return self.control, self.answered
+        of_material = {"displacement": "strain", "force": "stress"}
+        return of_material[self.control], of_material[self.answered]
 
     @property
     def response_unit(self) -> str:
         """Its unit."""
-        return self.force_unit if self.control == "displacement" else self.displacement_unit
+        if self.control == "displacement":
+            return self.force_unit
+        return self.displacement_unit
 
     @property
     def loading_unit(self) -> str:
         """Unit of what was imposed."""
-        return self.displacement_unit if self.control == "displacement" else self.force_unit
+        if self.control == "displacement":
+            return self.displacement_unit
+        return self.force_unit
 
     @cached_property
     def units(self) -> Units:
@@ -325,7 +335,9 @@ class TimeTest:
     @property
     def kelvin(self) -> float | None:
         """The temperature in kelvin."""
-        return None if self.temperature is None else self.temperature + 273.15
+        if self.temperature is None:
+            return None
+        return self.temperature + 273.15
 
     @cached_property
     def duration(self) -> float:
@@ -337,8 +349,10 @@ class TimeTest:
         """One over the longest and over the shortest time since the load moved, in rad/s."""
         clock = self.time - self.start
         shortest = float(np.min(clock[clock > 0.0], initial=self.duration))
+        # Any other history never comes to rest: the fastest that it shows is what its samples resolve.
         if self.kind not in ("relaxation", "creep"):
             return 1.0 / self.duration, 1.0 / float(np.median(np.diff(self.time)))
+        # While the step still rises, its answer is that of the ramp.
         return 1.0 / self.duration, 1.0 / max(shortest, self.rise, 1e-300)
 
     @cached_property
@@ -360,10 +374,10 @@ class TimeTest:
         value, clock = self.loading.value, self.loading.time
         largest = np.abs(value).max()
         after = value[clock > self.start + self.rise]
-        held = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
+        steady = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
         released = len(after) > 0 and abs(after[-1]) < STEADY * largest
-        if held and not released and self.rise <= SHORT * self.duration:
-            return "relaxation" if self.control == "displacement" else "creep"
+        if steady and not released and self.rise <= SHORT * self.duration:
+            return {"displacement": "relaxation", "force": "creep"}[self.control]
         if is_released(value, largest):
             return "recovery"
         line = (clock - self.start) / max(clock[-1] - self.start, 1e-300) * value[-1]
@@ -396,8 +410,9 @@ class TimeTest:
         # A force is stiffness times displacement: its factor is that of both.
         stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
         longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
-        moved, pulled = (longer, stiffer * longer)
-        by_load, by_response = (moved, pulled) if self.control == "displacement" else (pulled, moved)
+        by_load, by_response = longer, stiffer * longer
+        if self.control == "force":
+            by_load, by_response = by_response, by_load
         force, displacement = _split(units.stiffness)
         return replace(
             self,
@@ -436,10 +451,11 @@ def _split(unit: str) -> tuple[str, str]:
 
 
 def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
-    for said, values in (("time", clock), (what, imposed)):
+    for column, values in (("time", clock), (what, imposed)):
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
-            raise DataError(f"{name}: the {said} of sample {bad[0] + 1} is no number: leave that sample out")
+            raise DataError(f"{name}: the {column} of sample {bad[0] + 1} is no number: leave that sample out")
+    # A jump is two samples at one time: only a step back is a fault here.
     back = np.flatnonzero(np.diff(clock) < 0.0)
     if len(back):
         raise DataError(

@@ -60,12 +60,13 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
         Put before each element's names, with a dot.
     """
     if isinstance(node, Renamed):
-        return sketch(node.node, f"{prefix}.{node.prefix}" if prefix else node.prefix)
+        return sketch(node.node, _prefixed(prefix, node.prefix))
     if isinstance(node, Mapped):
         return sketch(node.node, prefix)
+    # It has as many parameters as lines: the parts that they stand for are drawn instead.
     if isinstance(node, Continuum):
-        own = (Leaf("spring", "K_e"), Leaf("dashpot", "c"), Leaf("spectrum", "H(r)"))
-        return Stack(tuple(Leaf(part.kind, f"{prefix}.{part.label}" if prefix else part.label) for part in own))
+        own = {"spring": "K_e", "dashpot": "c", "spectrum": "H(r)"}
+        return Stack(tuple(Leaf(kind, _prefixed(prefix, label)) for kind, label in own.items()))
     if isinstance(node, Parallel):
         return Stack(tuple(sketch(child, prefix) for child in node.children))
     if isinstance(node, Series):
@@ -80,14 +81,20 @@ def sketch(node: Node, prefix: str = "") -> Sketch:
     return _leaf(node, prefix)
 
 
+def _prefixed(prefix: str, name: str) -> str:
+    if not prefix:
+        return name
+    return f"{prefix}.{name}"
+
+
 def _leaf(node: Node, prefix: str) -> Leaf:
     while isinstance(node, Renamed):
-        prefix = f"{prefix}.{node.prefix}" if prefix else node.prefix
+        prefix = _prefixed(prefix, node.prefix)
         node = node.node
     label = ", ".join(parameter.name for parameter in node.parameters)
-    label = f"{prefix}.{label}" if prefix else label
+    # An element of a plugin need not name its kind: its class does.
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", "-", type(node).__name__).lower()
-    return Leaf(getattr(node, "kind", words), label)
+    return Leaf(getattr(node, "kind", words), _prefixed(prefix, label))
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,9 @@ class _Block:
         return _Block((blank,) * above + self.lines + (blank,) * below, self.wire + above)
 
     def widened(self, width: int) -> _Block:
-        lines = (_centred(line, width, "─" if i == self.wire else " ") for i, line in enumerate(self.lines))
+        lines = [_centred(line, width, " ") for line in self.lines]
+        # The wire goes on to both ends, where the branches are joined.
+        lines[self.wire] = _centred(self.lines[self.wire], width, "─")
         return _Block(tuple(lines), self.wire)
 
 
@@ -127,19 +136,24 @@ def _stacked(blocks: Sequence[_Block]) -> _Block:
     middle = (wires[0] + wires[-1]) // 2
     left = _rail(len(lines), wires, middle, "┌├└", "┤┼")
     right = _rail(len(lines), wires, middle, "┐┤┘", "├┼")
-    ends = ("─" if i == middle else " " for i in range(len(lines)))
+    ends = [" "] * len(lines)
+    ends[middle] = "─"
     drawn = (end + a + line + b + end for end, a, line, b in zip(ends, left, lines, right, strict=True))
     return _Block(tuple(drawn), middle)
 
 
 def _rail(height: int, wires: list[int], middle: int, turns: str, exits: str) -> list[str]:
     """The upright wire that joins the branches at lines `wires` and leaves at line `middle`."""
-    rail = ["│" if wires[0] <= i <= wires[-1] else " " for i in range(height)]
+    rail = [" "] * height
+    for i in range(wires[0], wires[-1] + 1):
+        rail[i] = "│"
     for i in wires:
         rail[i] = turns[1]
     rail[wires[-1]] = turns[2]
     rail[wires[0]] = turns[0]  # last, as a single wire is both ends
-    rail[middle] = exits[1] if middle in wires else exits[0]
+    rail[middle] = exits[0]
+    if middle in wires:
+        rail[middle] = exits[1]
     return rail
 
 
@@ -185,4 +199,7 @@ def draw(node: Node) -> str:
 
 def drawing_of(model: NamedNetwork) -> str:
     """The text picture of a model: its own, or one drawn from its network."""
-    return model.drawing if model.drawing and not model.effects else draw(model.network)
+    # Its own shows the bare material: with an effect it would be another network.
+    if model.drawing and not model.effects:
+        return model.drawing
+    return draw(model.network)

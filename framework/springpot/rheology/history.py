@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -131,8 +132,7 @@ class InTime:
             If something in the model has no clock of the material: see `on_its_clock`.
         """
         with self._blaming():
-            passive = self.on_its_clock()
-            respond = passive.respond if control == "displacement" else passive.respond_force
+            respond = _answer(self.on_its_clock(), control)
             columns = [respond(t + 1j * STEP * move, imposed, slopes=False).value.imag / STEP for move in moves.T]
         return np.column_stack(columns)
 
@@ -140,7 +140,9 @@ class InTime:
         """Derivative (n,) of `relaxation` or `creep` by the time t > 0."""
         with self._blaming():
             passive = self.on_its_clock()
-            return passive.relaxation_rate(t) if control == "displacement" else passive.creep_rate(t)
+            if control == "displacement":
+                return passive.relaxation_rate(t)
+            return passive.creep_rate(t)
 
     @property
     def linear(self) -> bool:
@@ -161,21 +163,27 @@ class InTime:
         return passive
 
     def _blaming(self) -> AbstractContextManager[None]:
-        at = None if isinstance(self.temperature, np.ndarray) else self.temperature
-        return blaming(self.model, self.theta, conditions_at(at, self.reference_temperature))
+        temperature = self.temperature
+        # A history has no one temperature to look at: that of reference stands for it.
+        if isinstance(temperature, np.ndarray):
+            temperature = None
+        return blaming(self.model, self.theta, conditions_at(temperature, self.reference_temperature))
 
     def _linear(self, what: str) -> Passive:
         _, beside, signals = sorted_out(self.model)
         for effect, _, _ in [*beside, *signals]:
-            kind = "is not linear" if beside else "belongs to the signals"
+            kind = "belongs to the signals"
+            if beside:
+                kind = "is not linear"
             raise ModelError(f"{what} has no meaning with '{effect.name}', which {kind}: ask for respond")
         if isinstance(self.temperature, np.ndarray):
             raise ModelError(f"{what} is for one temperature: ask for respond with a history of temperatures")
         return self._passive(self.model.network)
 
     def _passive(self, network: Node, temperature: float | None = None) -> Passive:
-        at = temperature if isinstance(self.temperature, np.ndarray) else self.temperature
-        return Passive(network, self.theta, conditions_at(at, self.reference_temperature), self.tolerance)
+        if not isinstance(self.temperature, np.ndarray):
+            temperature = self.temperature
+        return Passive(network, self.theta, conditions_at(temperature, self.reference_temperature), self.tolerance)
 
     def _materials(self, inside: list[Placed], t: Real, x: Real) -> Traced:
         network, own = network_of(self.model, inside)
@@ -184,17 +192,18 @@ class InTime:
         return self._reduced(inside, t, x)
 
     def _placed(self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement") -> Traced:
-        mine = replace(passive, theta=self.theta[own])
-        found = mine.respond(t, x) if control == "displacement" else mine.respond_force(t, x)
-        by_theta = np.zeros((len(t), len(self.theta)), dtype=found.by_theta.dtype)
-        by_theta[:, own] = found.by_theta
-        return Traced(found.value, by_theta)
+        traced = _answer(replace(passive, theta=self.theta[own]), control)(t, x)
+        by_theta = np.zeros((len(t), len(self.theta)), dtype=traced.by_theta.dtype)
+        by_theta[:, own] = traced.by_theta
+        return Traced(traced.value, by_theta)
 
     def _reduced(self, inside: list[Placed], t: Real, x: Real, control: str = "displacement") -> Traced:
         """What the temperature moves, in reduced time (seconds over a_T), and what stands beside it, in seconds."""
         shifts = [place for place, each in enumerate(inside) if each.effect.composition.kind is Shift]
         # What joined before the last shift goes by the clock of the material, what joined later by that of the test.
-        last = shifts[-1] + 1 if shifts else 0
+        last = 0
+        if shifts:
+            last = shifts[-1] + 1
         for effect, _, _ in inside:
             if "temperature" in effect.needs and effect.composition.kind is not Shift:
                 raise ModelError(f"a history of temperatures is not followed by '{effect.name}': only shifts are")
@@ -217,14 +226,20 @@ class InTime:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
                 # A complex step: exact to rounding, as nothing is subtracted.
                 turned = _reduced_time(t, log_shift + 1j * STEP * slope)
-                mine = replace(passive, theta=self.theta[own])
-                answer = mine.respond if control == "displacement" else mine.respond_force
+                answer = _answer(replace(passive, theta=self.theta[own]), control)
                 moved = answer(turned, x, slopes=False)
                 found.by_theta[:, i] = moved.value.imag / STEP
         for effect, _, places in inside[last:]:
             outer = self._placed(self._passive(effect.element, self.reference_temperature), places, t, x)
             found = Traced(found.value + outer.value, found.by_theta + outer.by_theta)
         return found
+
+
+def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
+    """What answers when the displacement, or the force, is imposed."""
+    if control == "displacement":
+        return passive.respond
+    return passive.respond_force
 
 
 def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:
@@ -276,6 +291,7 @@ def _reduced_time(t: Real, log_shift: Any) -> Any:
 
 
 def _after_step(t: Real) -> Real:
+    # One time alone is as good as a list of one.
     t = np.atleast_1d(np.asarray(t, dtype=float))
     if t.ndim != 1 or not np.all(np.isfinite(t)):
         raise ModelError("times are a list of numbers in seconds")

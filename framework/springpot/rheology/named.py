@@ -74,7 +74,10 @@ class NamedNetwork(HasParameters):
             if not resized and effect.layer > Layer.SPECIMEN:
                 network, resized = _loaded(network, factor, mass), True
             network = effect.composition(network, effect.element.with_prefix(prefix))
-        return network if resized else _loaded(network, factor, mass)
+        # Without a rig the whole network is the specimen.
+        if not resized:
+            network = _loaded(network, factor, mass)
+        return network
 
     def named_effects(self) -> list[tuple[Effect, str]]:
         """The effects, each with the prefix of its parameters' names; a second one of its kind has `#2`."""
@@ -82,8 +85,10 @@ class NamedNetwork(HasParameters):
         named = []
         for effect in self.effects:
             seen[effect.name] += 1
-            count = seen[effect.name]
-            named.append((effect, effect.name if count == 1 else f"{effect.name}#{count}"))
+            prefix, count = effect.name, seen[effect.name]
+            if count > 1:
+                prefix = f"{prefix}#{count}"
+            named.append((effect, prefix))
         return named
 
     @cached_property
@@ -131,7 +136,7 @@ class NamedNetwork(HasParameters):
         >>> model.names, model.held
         (('k', 'c'), {'alpha': 0.5})
         """
-        bounds = {} if bounds is None else bounds
+        bounds = bounds or {}
         if not (values or bounds):
             return self
         for name in (*values, *bounds):
@@ -143,10 +148,15 @@ class NamedNetwork(HasParameters):
             raise ModelError(f"{self.name}: all parameters are held, nothing is left to be fitted")
         effects = []
         for effect, prefix in self.named_effects():
-            mine = _own(values, prefix), _own(bounds, prefix)
-            if isinstance(effect.element, Levels) and any(mine):
-                raise ModelError(f"{effect.name} has a factor for each level of the data: none of them can be held")
-            effects.append(replace(effect, element=hold(effect.element, *mine)) if any(mine) else effect)
+            own_values, own_bounds = _own(values, prefix), _own(bounds, prefix)
+            if own_values or own_bounds:
+                # Its parameters are those of whatever levels the data have.
+                if isinstance(effect.element, Levels):
+                    raise ModelError(
+                        f"{effect.name} has a factor for each level of the data: none of them can be held"
+                    )
+                effect = replace(effect, element=hold(effect.element, own_values, own_bounds))
+            effects.append(effect)
         # The published search form knows no model of which a parameter is missing: it is left out.
         material = hold(self.material, values, bounds)
         return replace(self, material=material, effects=tuple(effects), search=None)
@@ -154,15 +164,16 @@ class NamedNetwork(HasParameters):
     @property
     def held(self) -> dict[str, float]:
         """Parameters that are held, by name, in the unit of theta."""
-        found = held_values(self.material)
+        values = held_values(self.material)
         for effect, prefix in self.named_effects():
-            found |= {f"{prefix}.{name}": value for name, value in held_values(effect.element).items()}
-        return found
+            values |= {f"{prefix}.{name}": value for name, value in held_values(effect.element).items()}
+        return values
 
     @property
     def constrained(self) -> bool:
         """Whether a parameter is held or has narrower bounds than physics gives."""
-        return any(isinstance(node, Held) for node in (self.material, *(each.element for each in self.effects)))
+        nodes = [self.material, *(effect.element for effect in self.effects)]
+        return any(isinstance(node, Held) for node in nodes)
 
     def released(self) -> Self:
         """The same model with all its parameters free, within the bounds of physics."""
@@ -199,7 +210,9 @@ class NamedNetwork(HasParameters):
             has none or does not act in parallel.
         """
         centre, radius = self.third_harmonic_range(theta, at)
-        return None if np.any(radius) else centre
+        if np.any(radius):
+            return None
+        return centre
 
     def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
         """Where the third harmonic of the force over the first must lie, as a circle around what is predicted.
@@ -306,7 +319,9 @@ class NamedNetwork(HasParameters):
         ModelError
             If the model has no such effect.
         """
-        name = effect if isinstance(effect, str) else effect.name
+        name = effect
+        if not isinstance(effect, str):
+            name = effect.name
         # The last one, as of two relaxation modes the second was added to the first.
         for i in reversed(range(len(self.effects))):
             if self.effects[i].name == name:
@@ -321,8 +336,12 @@ def _own(given: Mapping[str, T], prefix: str) -> dict[str, T]:
 
 def _loaded(specimen: Node, factor: float, mass: float) -> Node:
     scaled = Scaled(specimen, factor)
-    return parallel(scaled, KnownMass(mass)) if mass else scaled
+    if not mass:
+        return scaled
+    return parallel(scaled, KnownMass(mass))
 
 
 def _points(at: Points | Real | float) -> Points:
-    return at if isinstance(at, Points) else Points.at(at)
+    if isinstance(at, Points):
+        return at
+    return Points.at(at)

@@ -104,13 +104,20 @@ class Baseline:
 
 def _entries(entries: dict[str, Any]) -> list[str]:
     lines = [f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(entries[key])}," for key in sorted(entries)]
-    return [*lines[:-1], lines[-1].removesuffix(",")] if lines else []
+    # JSON has no comma after the last one.
+    if lines:
+        lines[-1] = lines[-1].removesuffix(",")
+    return lines
 
 
 def _plain(value: float) -> float | int | None:
+    # JSON has no word for infinity.
     if not isfinite(value):
         return None
-    return int(value) if value == int(value) else float(f"{value:.4g}")
+    if value == int(value):
+        return int(value)
+    # Four digits, as the file is made to be read and compared line by line.
+    return float(f"{value:.4g}")
 
 
 def read_baseline(path: Path) -> Baseline:
@@ -128,21 +135,28 @@ def read_baseline(path: Path) -> Baseline:
             f"there is no baseline {path}: make it with springpot regression update STUDY.py and commit it"
         ) from None
     try:
-        found = json.loads(text)
-        if found["schema"] != SCHEMA:
+        content = json.loads(text)
+        if content["schema"] != SCHEMA:
             raise StudyError(
-                f"{path} has schema {found['schema']}, not {SCHEMA}: make it again with regression update"
+                f"{path} has schema {content['schema']}, not {SCHEMA}: make it again with regression update"
             )
-        goals = {key: Goal(**goal) for key, goal in found["problems"].items()}
-        samples = {key: _sample(cell) for key, cell in found["cells"].items()}
-        return Baseline(found["study"], found["script"], found["settings"], goals, samples)
+        goals = {key: Goal(**goal) for key, goal in content["problems"].items()}
+        samples = {key: _sample(cell) for key, cell in content["cells"].items()}
+        return Baseline(content["study"], content["script"], content["settings"], goals, samples)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise StudyError(f"{path} is no accuracy baseline ({error}): make it again with regression update") from None
 
 
 def _sample(cell: dict[str, list[float | None]]) -> Sample:
     [(measure, values)] = cell.items()
-    return Sample(measure, tuple(inf if value is None else float(value) for value in values))
+    return Sample(measure, tuple(_number(value) for value in values))
+
+
+def _number(value: float | None) -> float:
+    """What `_plain` gave, with infinity back in its place."""
+    if value is None:
+        return inf
+    return float(value)
 
 
 def baseline_of(store: Store, script: str = "") -> Baseline:
@@ -157,12 +171,17 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
             continue
         problem = cells[number].problem
         # Where the truth is known it is the measure: what the study's other optimisers find then does not matter.
-        best = bests.get(problem.id, inf) if problem.known is None else problem.known
-        target = target_value(best, problem.reference, fraction) if isfinite(best) else best
+        best = problem.known
+        if best is None:
+            best = bests.get(problem.id, inf)
+        target = best
+        if isfinite(best):
+            target = target_value(best, problem.reference, fraction)
         goal = goals.setdefault(problem_key(problem), Goal(best, problem.reference, target))
-        hits = costs(rows, goal, EVALUATIONS)
-        measure = EVALUATIONS if 2 * np.isfinite(hits).sum() >= len(hits) else ERROR
-        values = hits if measure == EVALUATIONS else costs(rows, goal, measure)
+        measure, values = EVALUATIONS, costs(rows, goal, EVALUATIONS)
+        # Where most trials miss the target its median is infinite, and no change of it could be seen.
+        if 2 * np.isfinite(values).sum() < len(values):
+            measure, values = ERROR, costs(rows, goal, ERROR)
         samples[cell_key(cells[number])] = Sample(measure, tuple(np.sort(values).tolist()))
     settings = {key: _plain(float(facts[key])) for key in ("budget", "repetitions", "seed", "target")}
     return Baseline(facts["name"], script, settings, goals, samples)
@@ -177,25 +196,29 @@ def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
         If a problem is no longer the one that the baseline is about.
     """
     cells = {cell.id: cell for cell in store.cells()}
-    found: dict[str, Sample] = {}
+    samples: dict[str, Sample] = {}
     for number, rows in store.trials():
         if number not in cells or (key := cell_key(cells[number])) not in baseline.samples:
             continue
         problem = cells[number].problem
         goal = baseline.goals[problem_key(problem)]
+        # The objective at the reference hangs on data, objective and box alike: rounding apart, it tells all three.
         if abs(problem.reference - goal.reference) > 1e-6 * abs(goal.reference):
             raise StudyError(
                 f"the data, the objective or the box of {problem_key(problem)} changed since the baseline was made: "
                 "make it again with regression update"
             )
         measure = baseline.samples[key].measure
-        found[key] = Sample(measure, tuple(np.sort(costs(rows, goal, measure)).tolist()))
-    return found
+        samples[key] = Sample(measure, tuple(np.sort(costs(rows, goal, measure)).tolist()))
+    return samples
 
 
 def costs(rows: list[TrialRow], goal: Goal, measure: str) -> Real:
     """Cost (n,) of each trial, infinite if it missed or failed."""
-    return np.array([_hit(row, goal) if measure == EVALUATIONS else _error(row, goal) for row in rows])
+    cost = _error
+    if measure == EVALUATIONS:
+        cost = _hit
+    return np.array([cost(row, goal) for row in rows])
 
 
 def _hit(row: TrialRow, goal: Goal) -> float:
@@ -205,7 +228,9 @@ def _hit(row: TrialRow, goal: Goal) -> float:
 
 
 def _error(row: TrialRow, goal: Goal) -> float:
-    return inf if row.best is None else max((row.best - goal.best) / (goal.reference - goal.best), ROUNDING)
+    if row.best is None:
+        return inf
+    return max((row.best - goal.best) / (goal.reference - goal.best), ROUNDING)
 
 
 def problem_key(problem: ProblemRow) -> str:

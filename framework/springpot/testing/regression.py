@@ -124,22 +124,28 @@ def compare(before: Baseline, store: Store, path: Path, level: float = LEVEL, fa
     after = samples_like(store, before)
     keys = sorted(after)
     pairs = [(before.samples[key].array(), after[key].array()) for key in keys]
-    found = verdicts(pairs, level, factor)
-    worse = [_sentence(key, "worse", before.samples[key], after[key], v)
-             for key, v in zip(keys, found, strict=True) if v.worse]  # fmt: skip
+    # Judged together: the level is the chance that any of them is reported, not each.
+    judged = dict(zip(keys, verdicts(pairs, level, factor), strict=True))
+    worse = [
+        _sentence(key, "worse", before.samples[key], after[key], verdict)
+        for key, verdict in judged.items()
+        if verdict.worse
+    ]
+    # What is no longer run must not pass: a fault could hide by taking its cell along.
     gone = [f"{_who(key)} is in the baseline but was not run" for key in sorted(set(before.samples) - set(after))]
-    return Gate(path, len(keys), (*worse, *gone), tuple(_notes(before, after, keys, found, store)))
+    return Gate(path, len(keys), (*worse, *gone), tuple(_notes(before, after, judged, store)))
 
 
-def _notes(
-    before: Baseline, after: dict[str, Sample], keys: list[str], found: list[Verdict], store: Store
-) -> list[str]:
-    notes = [_sentence(key, "better", before.samples[key], after[key], v)
-             for key, v in zip(keys, found, strict=True) if v.better]  # fmt: skip
-    few = sum(not v.tested for v in found)
+def _notes(before: Baseline, after: dict[str, Sample], judged: dict[str, Verdict], store: Store) -> list[str]:
+    notes = [
+        _sentence(key, "better", before.samples[key], after[key], verdict)
+        for key, verdict in judged.items()
+        if verdict.better
+    ]
+    few = sum(not verdict.tested for verdict in judged.values())
     if few:
         notes.append(
-            f"{few} of {len(keys)} comparisons have too few trials for a test to ever tell: they fail only if the "
+            f"{few} of {len(judged)} comparisons have too few trials for a test to ever tell: they fail only if the "
             "intervals are apart; raise the study's repetitions"
         )
     new = [key for key in baseline_of(store).samples if key not in before.samples]
@@ -147,17 +153,26 @@ def _notes(
 
 
 def _sentence(key: str, word: str, before: Sample, after: Sample, verdict: Verdict) -> str:
-    what = "evaluations to target" if before.measure == EVALUATIONS else "final error"
-    sure = f"p = {verdict.p:.1g}" if verdict.tested else "the intervals are apart"
-    return f"{_who(key)} got {word}: {what} {_told(before)} before, {_told(after)} after ({sure})"
+    what = "final error"
+    if before.measure == EVALUATIONS:
+        what = "evaluations to target"
+    evidence = "the intervals are apart"
+    if verdict.tested:
+        evidence = f"p = {verdict.p:.1g}"
+    return f"{_who(key)} got {word}: {what} {_in_words(before)} before, {_in_words(after)} after ({evidence})"
 
 
-def _told(sample: Sample) -> str:
+def _in_words(sample: Sample) -> str:
     """The median, and how many trials it is of; an infinite one was missed."""
-    middle = float(np.median(sample.array()))
+    median = float(np.median(sample.array()))
+    middle = f"{median:.4g}"
+    if median == inf:
+        middle = "missed"
+    trials = f"{len(sample.values)} trials"
     missed = sum(value == inf for value in sample.values)
-    lost = f", {missed} missed" if missed else ""
-    return f"{'missed' if middle == inf else f'{middle:.4g}'} (median of {len(sample.values)} trials{lost})"
+    if missed:
+        trials += f", {missed} missed"
+    return f"{middle} (median of {trials})"
 
 
 def _who(key: str) -> str:
@@ -174,7 +189,10 @@ def _script(study: Study | str | Path) -> str:
     if isinstance(study, Study) or not _is_script(study):
         return ""
     path = Path(study).resolve()
-    return path.relative_to(Path.cwd()).as_posix() if path.is_relative_to(Path.cwd()) else str(path)
+    # The baseline is committed: a path of this machine would say nothing on another.
+    if path.is_relative_to(Path.cwd()):
+        return path.relative_to(Path.cwd()).as_posix()
+    return str(path)
 
 
 @contextmanager
@@ -186,8 +204,9 @@ def _fresh(study: Study | str | Path, out: Path, workers: int | None, seed: int 
         return
     with TemporaryDirectory(prefix="springpot-") as scratch:
         if isinstance(study, Study) or seed is not None:
-            declared = study if isinstance(study, Study) else load_study(study)
-            declared = declared if seed is None else replace(declared, seed=seed)
+            declared = _declared(study)
+            if seed is not None:
+                declared = replace(declared, seed=seed)
             done = run_study(declared, engine="serial", out=Path(scratch), quiet=True, tables=False)
         else:
             done = run_study(study, workers, out=Path(scratch), quiet=True, tables=False)
@@ -197,8 +216,14 @@ def _fresh(study: Study | str | Path, out: Path, workers: int | None, seed: int 
 
 def _baseline_path(study: Study | str | Path, out: Path) -> Path:
     if isinstance(study, Study) or _is_script(study):
-        return out / (study if isinstance(study, Study) else load_study(study)).name / NAME
+        return out / _declared(study).name / NAME
     return store_path(study, out).parent / NAME
+
+
+def _declared(study: Study | str | Path) -> Study:
+    if isinstance(study, Study):
+        return study
+    return load_study(study)
 
 
 def known_scripts(out: Path = Path("results")) -> list[Path]:
@@ -209,7 +234,9 @@ def known_scripts(out: Path = Path("results")) -> list[Path]:
     StudyError
         If there is none.
     """
-    found = [Path(script) for path in sorted(out.glob(f"*/{NAME}")) if (script := read_baseline(path).script)]
-    if not found:
+    baselines = [read_baseline(path) for path in sorted(out.glob(f"*/{NAME}"))]
+    # A baseline of a store knows no script, and cannot be run again from here.
+    scripts = [Path(baseline.script) for baseline in baselines if baseline.script]
+    if not scripts:
         raise StudyError(f"there is no baseline under {out}: make one with springpot regression update STUDY.py")
-    return found
+    return scripts
