@@ -25,11 +25,12 @@ STEPS = {"gt", "g(t)"}
 def recognises(head: bytes) -> float:
     """High for a first line of keys above two columns of numbers."""
     text = head_text(head)
-    said = first_line(text)
-    if not said or said.keys() & CLOCKS:
+    keys = first_line(text)
+    if not keys or keys.keys() & CLOCKS:
         return 0.0
     widths = {len(line.split()) for line in text.split("\n")[1:40] if _is_row(line)}
-    return 0.96 if widths == {2} else 0.0
+    # A sweep of RepTate has the same first line above three columns.
+    return 0.96 * (widths == {2})
 
 
 def read(path: Path, choice: Choice) -> list[TimeTest]:
@@ -45,17 +46,20 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
             f"{path}: RepTate's columns have their meaning by the format; leave out what follows the name"
         )
     text = text_of(path)
-    said, rows = first_line(text), _rows(text, path)
+    keys, rows = first_line(text), _rows(text, path)
     t, y = rows[:, 0], rows[:, 1]
-    temperature = _number(said, "T", path) if "T" in said else None
-    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in said.items()}}
+    temperature = None
+    if "T" in keys:
+        temperature = _number(keys, "T", path)
+    origin = {"format": "RepTate", **{f"reptate.{key}": value for key, value in keys.items()}}
     given = {"temperature": temperature, "name": path.stem, "provenance": origin}
-    if "gdot" in said:
-        rate = _number(said, "gdot", path)
+    if "gdot" in keys:
+        rate = _number(keys, "gdot", path)
         ramp = Loading(np.array([0.0, t[-1]]), np.array([0.0, rate * t[-1]]))
+        # The file holds the growth of the viscosity, which times the rate is the stress.
         return [TimeTest(t, y * rate, ramp, **given)]  # type: ignore[arg-type]
-    if "stress" in said:
-        step = Loading.step(_number(said, "stress", path))
+    if "stress" in keys:
+        step = Loading.step(_number(keys, "stress", path))
         return [TimeTest(t, y, step, "force", **given)]  # type: ignore[arg-type]
     return [TimeTest.of_relaxation(t, y, "Pa", **given)]  # type: ignore[arg-type]
 
@@ -67,18 +71,18 @@ def _is_row(line: str) -> bool:
 
 def _rows(text: str, path: Path) -> Real:
     lines = [line for line in text.split("\n")[1:] if _is_row(line)]
-    found = np.array([[float(cell) for cell in line.split()[:2]] for line in lines])
-    if len(found) < 2:
+    rows = np.array([[float(cell) for cell in line.split()[:2]] for line in lines])
+    if len(rows) < 2:
         raise DataError(f"{path}: a RepTate file without two columns of numbers")
     # A step at t = 0 has no value there that a finite sum could have.
-    return found[found[:, 0] > 0.0]
+    return rows[rows[:, 0] > 0.0]
 
 
-def _number(said: dict[str, str], key: str, path: Path) -> float:
+def _number(keys: dict[str, str], key: str, path: Path) -> float:
     try:
-        return float(said[key])
+        return float(keys[key])
     except ValueError:
-        raise DataError(f"{path}: {key}={said[key]:.20} in the first line is no number") from None
+        raise DataError(f"{path}: {key}={keys[key]:.20} in the first line is no number") from None
 
 
 READER = TimeReader("time-reptate", "RepTate .gt, .shear and .creep: relaxation, startup, creep", recognises, read)

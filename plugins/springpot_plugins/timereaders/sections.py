@@ -101,31 +101,36 @@ class Section:
         DataError
             If a cell is no number, with its line.
         """
-        found = np.empty(len(self.lines))
-        began = seconds_of(_cell(self.lines[0], self.separator, place)) if self.lines else None
-        for i, line in enumerate(self.lines):
-            cell = _cell(line, self.separator, place)
+        values = np.full(len(self.lines), np.nan)
+        cells = [_cell(line, self.separator, place) for line in self.lines]
+        began = seconds_of(cells[0]) if cells else None
+        for i, cell in enumerate(cells):
+            if not cell:
+                continue
             if began is not None and (now := seconds_of(cell)) is not None:
                 # Counted from the first: seconds since a date would leave no digits for milliseconds.
-                found[i] = now - began
+                values[i] = now - began
                 continue
             try:
-                found[i] = float(cell.replace(",", ".")) if cell else np.nan
+                values[i] = float(cell.replace(",", "."))
             except ValueError:
                 where = f"line {self.numbers[i]}, column '{self.titles[place].text}'"
                 raise DataError(f"{where}: '{cell:.30}' is no number") from None
-        return found
+        return values
 
 
 def _cell(line: str, separator: str, place: int) -> str:
     cells = cells_of(line, separator)
-    return cells[place] if place < len(cells) else ""
+    if place >= len(cells):
+        # The row ends early.
+        return ""
+    return cells[place]
 
 
 def sections_of(text: str) -> list[Section]:
     """All tables of a text that name a time and something that was measured."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    found: list[Section] = []
+    sections: list[Section] = []
     above: list[str] = []
     i = 0
     while i < len(lines):
@@ -142,20 +147,20 @@ def sections_of(text: str) -> list[Section]:
         rows = [(number, line) for number, line in zip(numbers, lines[start:stop], strict=True) if line.strip()]
         titles = _with_clock(titles, cells_of(lines[start], separator))
         titles = _with_units_above(titles, [cells_of(line, separator) for line in above])
-        found.append(
+        sections.append(
             Section(_name(above), titles, [number for number, _ in rows], [line for _, line in rows], separator)
         )
         above, i = [], stop
-    return found
+    return sections
 
 
 def _with_clock(titles: tuple[Title, ...], first: Sequence[str]) -> tuple[Title, ...]:
     """The columns, where timestamps are in seconds whatever stands above them."""
-    found = list(titles)
+    timed = list(titles)
     for i, cell in enumerate(first[: len(titles)]):
-        if found[i].role == "time" and seconds_of(cell) is not None:
-            found[i] = replace(found[i], unit="s")
-    return tuple(found)
+        if timed[i].role == "time" and seconds_of(cell) is not None:
+            timed[i] = replace(timed[i], unit="s")
+    return tuple(timed)
 
 
 def _with_units_above(titles: tuple[Title, ...], above: Sequence[list[str]]) -> tuple[Title, ...]:
@@ -169,7 +174,10 @@ def _with_units_above(titles: tuple[Title, ...], above: Sequence[list[str]]) -> 
 
 def cells_of(line: str, separator: str) -> list[str]:
     """The cells of a line, without quotes and blanks around them."""
-    parts = line.split() if separator == " " else line.split(separator)
+    parts = line.split(separator)
+    if separator == " ":
+        # It stands for white space of any length.
+        parts = line.split()
     return [part.strip().strip('"').strip() for part in parts]
 
 
@@ -187,27 +195,33 @@ def title_of(text: str, unit: str = "") -> Title:
     if channel is not None:
         return Title(text, channel, _tidied(unit or written or said))
     role = found.role or ""
-    if role == "amplitude":
-        # In a table against time a strain is the displacement, by whatever name.
-        return Title(text, "displacement", _tidied(unit or said))
-    known = {"stress": "force", "torque": "force", "temperature": "temperature", "time": "time"}
-    return Title(text, "dynamic" if role in DYNAMIC else known.get(role, ""), _tidied(unit or said))
+    if role in DYNAMIC:
+        return Title(text, "dynamic", _tidied(unit or said))
+    # In a table against time a strain is the displacement, by whatever name.
+    known = {"amplitude": "displacement", "stress": "force", "torque": "force"}
+    known |= {"temperature": "temperature", "time": "time"}
+    return Title(text, known.get(role, ""), _tidied(unit or said))
 
 
 def _apart(title: str) -> tuple[str, str]:
     """Name and unit of ``relaxation [kPa]``, ``Nachgiebigkeit / 1/Pa`` or ``compliance in 1/Pa``."""
     match = _BRACKETED.match(title) or _AFTER.match(title)
-    return (match[1], match[2].strip()) if match and match[1] else (title, "")
+    if not match or not match[1]:
+        return title, ""
+    return match[1], match[2].strip()
 
 
 def _tidied(unit: str) -> str:
     """A unit in the usual spelling; nothing stays nothing, and is no pure number."""
-    return normal_unit(unit) if unit else ""
+    if not unit:
+        return ""
+    return normal_unit(unit)
 
 
 def _named(lines: Sequence[str], i: int) -> tuple[tuple[Title, ...], int, str] | None:
     """Columns, place of the first row and separator, where line i names columns of a test in time."""
     line = lines[i]
+    # No line of names is as long; a file without line ends must not be searched as one.
     if not line.strip() or len(line) > 20_000:
         return None
     for separator in SEPARATORS:
@@ -249,6 +263,11 @@ def _countable(cell: str) -> bool:
 def _name(above: Sequence[str]) -> str:
     """What the lines above a table call it: the values of ``Test:`` and its like, or a line of one cell."""
     pairs = [[cell.strip() for cell in re.split(r"[\t;,]", line) if cell.strip()] for line in above]
-    said = [cells[1] for cells in pairs if len(cells) == 2 and fold(cells[0].rstrip(":")) in _TITLES]
+    named = [cells[1] for cells in pairs if len(cells) == 2 and fold(cells[0].rstrip(":")) in _TITLES]
+    if named:
+        # The nearest two: above them stand those of the whole file.
+        return ", ".join(named[-2:]).strip("# ")
     alone = [cells[0] for cells in pairs if len(cells) == 1 and len(cells[0]) < 60 and not cells[0].startswith("[")]
-    return (", ".join(said[-2:]) or (alone[-1] if alone else "")).strip("# ")
+    if alone:
+        return alone[-1].strip("# ")
+    return ""

@@ -73,9 +73,11 @@ class Manner:
 def recognises(head: bytes) -> float:
     """High for a table that names a time and what was measured, unless it names frequencies too."""
     text = head_text(head)
-    found = sections_of(text)
-    usable = [section for section in found if _is_test(section)]
-    if not usable or any("dynamic" in section.roles for section in found) or _holds_sweep(head_grid(text)):
+    sections = sections_of(text)
+    # A sweep may list time, force and displacement of each of its points.
+    if any("dynamic" in section.roles for section in sections):
+        return 0.0
+    if not any(map(_is_test, sections)) or _holds_sweep(head_grid(text)):
         return 0.0
     return 0.9
 
@@ -102,23 +104,31 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     """
     manner, columns = _manner(choice, path)
     text = text_of(path)
-    found = [section for section in sections_of(text) if _is_test(section)]
+    sections = [section for section in sections_of(text) if _is_test(section)]
     tests = []
-    for number, section in enumerate(found, 1):
+    for number, section in enumerate(sections, 1):
         if choice.part and not _is_meant(choice.part, number, section.name):
             continue
-        name = f"{path.stem}#{number}" if len(found) > 1 else path.stem
+        name = path.stem
+        if len(sections) > 1:
+            name = f"{path.stem}#{number}"
         try:
             tests.append(_test(_told(section, columns, path), manner, name, path))
         except DataError as error:
             if _holds_sweep(grid_of(text)):
                 # A rest may be so long that the sweep below it was not seen when the file was recognised.
                 return []
-            shown = str(error)
-            raise DataError(shown if str(path) in shown else f"{path}: {shown.removeprefix(f'{name}: ')}") from None
+            raise DataError(_with_path(str(error), path, name)) from None
     if not tests:
-        raise DataError(f"{path}: there is no part '{choice.part:.40}'; it has {len(found)}")
+        raise DataError(f"{path}: there is no part '{choice.part:.40}'; it has {len(sections)}")
     return tests
+
+
+def _with_path(message: str, path: Path, name: str) -> str:
+    """A message that names the file, in place of the test's name, which is made from the file's."""
+    if str(path) in message:
+        return message
+    return f"{path}: {message.removeprefix(f'{name}: ')}"
 
 
 def _is_meant(part: str, number: int, name: str) -> bool:
@@ -136,19 +146,24 @@ def _manner(choice: Choice, path: Path) -> tuple[Manner, dict[str, str]]:
         raise DataError(f"{path}: control is displacement or force, not '{control:.20}'")
     ramp = _constant(columns, "ramp", TIME_UNITS, "0.05[s]", path)
     warm = _constant(columns, "temperature", TEMPERATURE_UNITS, "25[degC]", path)
-    seconds = 0.0 if ramp is None else ramp[0] * TIME_UNITS[ramp[1]]
-    return Manner(control, seconds, None if warm is None else temperature_in_celsius(*warm), planned), columns
+    manner = Manner(control, planned=planned)
+    if ramp is not None:
+        manner = replace(manner, ramp=ramp[0] * TIME_UNITS[ramp[1]])
+    if warm is not None:
+        manner = replace(manner, temperature=temperature_in_celsius(*warm))
+    return manner, columns
 
 
 def _constant(
     columns: dict[str, str], name: str, units: dict[str, float], example: str, path: Path
 ) -> tuple[float, str] | None:
-    if name not in columns or not _CONSTANT.match(columns[name]):
-        if name == "ramp" and name in columns:
-            raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write '{path}?ramp={example}'")
+    match = _CONSTANT.match(columns.get(name, ""))
+    if match is None and name == "ramp" and name in columns:
+        raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write '{path}?ramp={example}'")
+    if match is None:
+        # A temperature may be said of a column too: "temperature=K".
         return None
-    match = _CONSTANT.match(columns.pop(name))
-    assert match is not None
+    del columns[name]
     return float(match[1]), known_unit(normal_unit(match[2]), units, name)
 
 
@@ -167,8 +182,10 @@ def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
         made = title_of(meaning)
         if not made.role:
             raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}")
-        # Of two columns that seem to be one thing, the one that was named is meant.
-        titles = [replace(title, role="") if title.role == made.role else title for title in titles]
+        for i, title in enumerate(titles):
+            if title.role == made.role:
+                # Of two columns that seem to be one thing, the one that was named is meant.
+                titles[i] = replace(title, role="")
         titles[place] = Title(titles[place].text, made.role, made.unit or titles[place].unit)
     return replace(section, titles=tuple(titles))
 
@@ -183,15 +200,18 @@ def _place(titles: Sequence[Title], key: str) -> int | None:
 
 
 def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
-    origin = {"file": path.name, **({"part": section.name} if section.name else {})}
+    origin = {"file": path.name}
+    if section.name:
+        origin["part"] = section.name
     _require_units(section, path)
     section = _without_ties(section, origin)
     temperature: float | Real | None = manner.temperature
     if temperature is None and (place := _first(section, "temperature")) is not None:
         temperature = _temperature(section, place, origin)
-    said = {"temperature": temperature, "name": name, "provenance": origin}
+    common = {"temperature": temperature, "name": name, "provenance": origin}
     clock = _clock(section)
     pair = _pair(section)
+    # The record before a modulus that was computed from it: it has the real ramp.
     if pair is not None:
         moved, pulled = (section.titles[place] for place in pair)
         return TimeTest.of_history(
@@ -202,13 +222,14 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
             pulled.unit,
             control=manner.control,
             rise=manner.ramp,
-            **said,  # type: ignore[arg-type]
+            **common,  # type: ignore[arg-type]
         )
-    for role, make in (("relaxation", TimeTest.of_relaxation), ("compliance", TimeTest.of_compliance)):
-        if (place := _first(section, role)) is not None:
-            unit = section.titles[place].unit
-            whole = unit if role == "relaxation" else _inverse(unit, path)
-            return make(clock, section.column(place), whole, rise=manner.ramp, **said)  # type: ignore[arg-type]
+    if (place := _first(section, "relaxation")) is not None:
+        unit, values = section.titles[place].unit, section.column(place)
+        return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
+    if (place := _first(section, "compliance")) is not None:
+        unit, values = _inverse(section.titles[place].unit, path), section.column(place)
+        return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
     if manner.planned and (alone := _alone(section)) is not None:
         unit = section.titles[alone].unit
         return TimeTest.planned(clock, section.column(alone), unit, temperature=temperature, name=name)
@@ -217,8 +238,10 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
 
 def _alone(section: Section) -> int | None:
     """The column of what is imposed, where there is nothing else."""
-    found = [i for i, title in enumerate(section.titles) if title.role in ("displacement", "force")]
-    return found[0] if len(found) == 1 else None
+    imposed = [i for i, title in enumerate(section.titles) if title.role in ("displacement", "force")]
+    if len(imposed) == 1:
+        return imposed[0]
+    return None
 
 
 def _first(section: Section, role: str) -> int | None:
@@ -247,17 +270,18 @@ def _without_ties(section: Section, origin: dict[str, str]) -> Section:
 
 def _require_units(section: Section, path: Path) -> None:
     """Ask for all units that are missing at once."""
-    has_pair = _pair(section) is not None
-    noted = section.roles & {"relaxation", "compliance"}
-    wanted = {"time"} | (set() if has_pair else noted or set(EXAMPLES))
+    wanted = {"time"}
+    if _pair(section) is None:
+        # Displacement and force are of no use beside a modulus, unless their units make one.
+        wanted |= section.roles & {"relaxation", "compliance"} or set(EXAMPLES)
     bare = [title for title in section.titles if title.role in wanted and not title.unit]
     if not bare:
         return
     names = ", ".join(f"'{title.text}'" for title in bare)
-    said = ",".join(f"{title.role}={EXAMPLES[title.role]}" for title in bare)
+    spec = ",".join(f"{title.role}={EXAMPLES[title.role]}" for title in bare)
     raise DataError(
         f"{path}, column {names}: there is no unit; write {bare[0].text} [{EXAMPLES[bare[0].role]}], "
-        f"or say it by '{path}?{said}'"
+        f"or say it by '{path}?{spec}'"
     )
 
 
@@ -265,15 +289,17 @@ def _pair(section: Section) -> tuple[int, int] | None:
     """The columns of displacement and force that make a stiffness or modulus; strain and stress before others."""
     moved = [i for i, title in enumerate(section.titles) if title.role == "displacement"]
     pulled = [i for i, title in enumerate(section.titles) if title.role == "force"]
-    found = []
+    pairs = []
     for i in moved:
         for j in pulled:
             try:
                 stiffness_unit(section.titles[i].unit, section.titles[j].unit)
             except (DataError, KeyError):
                 continue
-            found.append((section.titles[i].unit not in ("-", "%"), i, j))
-    return min(found)[1:] if found else None
+            pairs.append((section.titles[i].unit not in ("-", "%"), i, j))
+    if not pairs:
+        return None
+    return min(pairs)[1:]
 
 
 def _lacking(section: Section, path: Path) -> DataError:
@@ -281,7 +307,9 @@ def _lacking(section: Section, path: Path) -> DataError:
     there = ", ".join(title.text for title in section.titles[:12])
     if section.roles >= {"displacement", "force"}:
         return DataError(f"{path}: displacement and force are in units that make no stiffness (columns: {there})")
-    lacks, has = ("displacement", "force") if "force" in section.roles else ("force", "displacement")
+    lacks, has = "force", "displacement"
+    if "force" in section.roles:
+        lacks, has = has, lacks
     return DataError(
         f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
         f"the relaxation modulus: '{path}?2=relaxation[Pa]' (columns: {there})"
@@ -296,7 +324,9 @@ def _inverse(unit: str, path: Path) -> str:
     over, slash, under = unit.partition("/")
     if not slash:
         raise DataError(f"{path}: [{unit}] is no unit of a compliance: write 1/Pa or mm/N")
-    return under if over == "1" else f"{under}/{over}"
+    if over == "1":
+        return under
+    return f"{under}/{over}"
 
 
 def _temperature(section: Section, place: int, origin: dict[str, str]) -> float | Real | None:
