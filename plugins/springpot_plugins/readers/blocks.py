@@ -87,15 +87,17 @@ class Block:
 
     def holds(self) -> str:
         """The first titles, for errors."""
-        found = [heading.title for heading in self.headings if heading.title][:6]
-        return f"found {', '.join(found) or 'no names'}; {self.lacks()}"
+        titles = [heading.title for heading in self.headings if heading.title][:6]
+        return f"found {', '.join(titles) or 'no names'}; {self.lacks()}"
 
 
 def lacking(roles: set[str]) -> str:
     """What columns of these roles need to be a dynamic test."""
     if is_dynamic({*roles, "omega"}):
         return "missing frequency [Hz] or omega [rad/s]"
-    missing = [] if roles & FREQUENCIES else ["frequency [Hz] or omega [rad/s]"]
+    missing = []
+    if not roles & FREQUENCIES:
+        missing.append("frequency [Hz] or omega [rad/s]")
     if "force_amplitude" in roles and roles & {"phase", "loss_factor"} and not roles & {*MODULI, "amplitude"}:
         return f"missing {' and '.join([*missing, SINGLE_AMPLITUDE])}"
     angles = {"phase", "loss_factor", "damping_ratio", "damping"}
@@ -103,8 +105,10 @@ def lacking(roles: set[str]) -> str:
         missing.append("storage [unit] or magnitude [unit]")
     elif not roles & MODULI:
         missing.append("storage [unit] and loss [unit]")
+    elif "loss" in roles:
+        missing.append("storage [unit]")
     else:
-        missing.append("storage [unit]" if "loss" in roles else "loss [unit], phase [deg] or loss_factor [-]")
+        missing.append("loss [unit], phase [deg] or loss_factor [-]")
     return f"missing {', and '.join(missing)}"
 
 
@@ -144,8 +148,12 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
     i, rows, tried = 0, grid.rows, 0
     while i < len(rows):
         words = not any(map(is_number, rows[i][:_WIDEST]))
-        tried += len(rows[i]) if words else 0
-        start = _first_row(rows, i) if words and tried < _PATIENCE and is_header(rows[i]) else None
+        start = None
+        if words:
+            tried += len(rows[i])
+            # Each trial looks up every cell as a name: a long text without a table must end soon.
+            if tried < _PATIENCE and is_header(rows[i]):
+                start = _first_row(rows, i)
         if start is None and stacked and _goes_on(blocks, rows, i, above):
             stop = _last_row(rows, i, rows[i])
             width = len(blocks[-1].headings)
@@ -155,7 +163,9 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
             above, i, tried = [], stop, 0
             continue
         if start is None:
-            if len(above) < (_PATIENCE if words else _KEPT):
+            # Remarks above a table are kept, numbers without names beyond some are of no further use.
+            most = _PATIENCE if words else _KEPT
+            if len(above) < most:
                 above.append([cell.strip() for cell in rows[i]])
             i += 1
             continue
@@ -185,10 +195,10 @@ def is_header(row: Sequence[str]) -> bool:
     """Whether a row names columns: at least two roles and no number."""
     if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
         return False
-    found = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
-    roles = {each.role for each in found if each.role}
+    headings = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
+    roles = {each.role for each in headings if each.role}
     # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
-    return len(roles) > 1 or len({plainly(each).role for each in found} - {None}) > 2
+    return len(roles) > 1 or len({plainly(each).role for each in headings} - {None}) > 2
 
 
 def is_data(row: Sequence[str]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -140,35 +140,44 @@ _WORST = 1000
 def channel_of(title: str) -> tuple[str | None, str | None, str]:
     """Channel, unit and bare name of a title: ``force [kN]``, ``force_kN``, ``Kraft / kN`` or ``Ch 1 Kraft``."""
     title = " ".join(title[:200].lstrip("#% ").split())
-    found = _channel(title)
-    if found[0] is None and (match := _PREFIX.match(title)):
-        found = _channel(title[match.end() :])
-    return found if found[0] is not None else _numbered(title)
+    named = _channel(title)
+    if named[0] is None and (match := _PREFIX.match(title)):
+        named = _channel(title[match.end() :])
+    if named[0] is None:
+        return _numbered(title)
+    return named
 
 
 def _numbered(title: str) -> tuple[str | None, str | None, str]:
     """The channel of a sensor that has a number; single letters with one are any sensor's."""
-    match = _BRACKETED.match(title)
-    words, unit = (match[1], match[2]) if match else (title, None)
+    words, unit = title, None
+    if match := _BRACKETED.match(title):
+        words, unit = match[1], match[2]
     if words.strip() == _WAY and normal_unit(unit or "") in LENGTH_UNITS:
         return "displacement", unit, words
     bare = _NUMBERED.sub("", words)
+    # "x1" and "F 2" may be anything: of a letter or two the number could be the whole difference.
     if (channel := _OF.get(fold(bare))) is not None and len(fold(bare)) > 2:
         return channel, unit, bare
     parts = [fold(word) for word in re.split(r"[\s_.-]+", words)]
-    said = {_OF[word] for word in parts if word in _OF and len(word) > 2}
-    if len(said) != 1 or unit is None or _NOT_MEASURED & set(parts):
+    channels = {_OF[word] for word in parts if word in _OF and len(word) > 2}
+    if len(channels) != 1 or unit is None or _NOT_MEASURED & set(parts):
         return None, None, title
-    channel = said.pop()
+    channel = channels.pop()
     # "Weg oben [mm]", "Load cell 50kN [kN]": words beside the name are a place or a type, if the unit fits.
-    return (channel, unit, words) if normal_unit(unit) in UNITS[channel] else (None, None, title)
+    if normal_unit(unit) not in UNITS[channel]:
+        return None, None, title
+    return channel, unit, words
 
 
 def _channel(title: str) -> tuple[str | None, str | None, str]:
     match = _BRACKETED.match(title)
-    bare = title if match and normal_unit(match[2]) in _ANY else re.sub(r"\s*\([^()]* .*$", "", title)
-    if (found := _OF.get(fold(bare))) is not None:
-        return found, None, bare
+    bare = title
+    if not match or normal_unit(match[2]) not in _ANY:
+        # Several words in parentheses are a remark, unless they are a unit, such as (N m).
+        bare = re.sub(r"\s*\([^()]* .*$", "", title)
+    if (channel := _OF.get(fold(bare))) is not None:
+        return channel, None, bare
     if (match := _BRACKETED.match(bare)) and match[1]:
         stem = re.sub(r"\s*\([^()]*\)$", "", match[1])
         return _OF.get(fold(match[1])) or _OF.get(fold(stem)), match[2].strip(), stem
@@ -243,19 +252,33 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
     _require_all(layout, titles)
     if not choice.columns:  # which sensor is meant was then said by the user
         notes += _sensors_left(layout, titles, below)
-    units = [str(layout[channel].unit).strip() for channel in UNITS]
-    signs = [-1.0 if unit.startswith("-") and len(unit) > 1 else 1.0 for unit in units]
-    bare = [unit.removeprefix("-") if sign < 0 else unit for unit, sign in zip(units, signs, strict=True)]
-    known = [
-        known_unit(normal_unit(unit), UNITS[channel], channel) for unit, channel in zip(bare, UNITS, strict=True)
-    ]
-    columns = [layout[channel].column for channel in UNITS]
+    columns, units, signs = [], [], []
+    for channel in UNITS:
+        sign, unit = _apart_from_sign(str(layout[channel].unit).strip())
+        columns.append(layout[channel].column)
+        units.append(known_unit(normal_unit(unit), UNITS[channel], channel))
+        signs.append(sign)
     return Places(
         (columns[0], columns[1], columns[2]),
-        (known[0], known[1], known[2]),
+        (units[0], units[1], units[2]),
         (signs[0], signs[1], signs[2]),
         tuple(notes),
     )
+
+
+def _apart_from_sign(unit: str) -> tuple[float, str]:
+    """Sign and unit of ``-kN``."""
+    # A sign alone is the unit of a strain.
+    if unit.startswith("-") and len(unit) > 1:
+        return -1.0, unit[1:]
+    return 1.0, unit
+
+
+def _unit_below(below: Sequence[str], i: int) -> str:
+    """The unit in the row of units, which may be shorter than that of the names."""
+    if i >= len(below):
+        return ""
+    return below[i].strip().strip("[]()")
 
 
 def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place]:
@@ -265,7 +288,7 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
         channel, unit, bare = channel_of(title)
         if channel is None:
             continue
-        unit = unit or (below[i].strip().strip("[]()") if i < len(below) else "") or None
+        unit = unit or _unit_below(below, i) or None
         rank = _RANK.get(fold(bare), 99)
         if unit is not None and normal_unit(unit) not in UNITS[channel]:
             rank += _WORST
@@ -280,10 +303,12 @@ def _sensors_left(layout: Mapping[str, _Place], titles: Sequence[str], below: Se
     for channel, place in layout.items():
         others = []
         for i, title in enumerate(titles):
-            found, unit, _ = channel_of(title)
-            unit = unit or (below[i].strip().strip("[]()") if i < len(below) else "")
-            if found == channel and i != place.column and normal_unit(unit) == normal_unit(place.unit or ""):
+            other, unit, _ = channel_of(title)
+            unit = unit or _unit_below(below, i)
+            # In another unit it is another quantity, such as the raw volts of the same sensor.
+            if other == channel and i != place.column and normal_unit(unit) == normal_unit(place.unit or ""):
                 others.append(f"'{title}'")
+        # Several clocks tell the same time.
         if others and channel != "time":
             notes.append(f"{channel} is '{titles[place.column]}', not {' or '.join(others[:3])}")
     return notes
@@ -327,20 +352,30 @@ def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning:
         lambda i, title: name in layout and layout[name].column == i,
         lambda i, title: channel_of(title)[0] == channel_of(name)[0] is not None,
     )
-    column = next((i for test in tests for i, title in enumerate(titles) if test(i, title)), None)
+    column = _first_passing(tests, titles)
     if column is None:
         raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
     channel, unit, _ = channel_of(meaning)
-    before = layout.get(channel) if channel is not None else None
     if channel is not None:
+        before = layout.get(channel)
         layout[channel] = _Place(column, unit or channel_of(titles[column])[1])
-    else:
-        channel = next((key for key, place in layout.items() if place.column == column), None)
-        if channel is None:
-            raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
-        before = layout[channel]
-        layout[channel] = _Place(column, meaning)
+        return _overruled(channel, before, layout[channel], titles)
+    # No channel was said, so that it is the unit of one that is known already.
+    channel = next((key for key, place in layout.items() if place.column == column), None)
+    if channel is None:
+        raise DataError(f"say what column '{name:.40}' is, such as 'FILE?{name}=force[{meaning:.20}]'")
+    before = layout[channel]
+    layout[channel] = _Place(column, meaning)
     return _overruled(channel, before, layout[channel], titles)
+
+
+def _first_passing(tests: Iterable[Callable[[int, str], bool]], titles: Sequence[str]) -> int | None:
+    """Column that passes the earliest of the tests: an exact name in any place goes before a mere likeness."""
+    for is_meant in tests:
+        for i, title in enumerate(titles):
+            if is_meant(i, title):
+                return i
+    return None
 
 
 def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequence[str]) -> list[str]:
@@ -350,10 +385,19 @@ def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequenc
     own = channel_of(titles[now.column])
     if own[0] not in (None, channel):
         return [f"'{titles[now.column]}' is {channel} as you said; its name says {own[0]}"]
-    given, unit = before.unit if before is not None else own[1], now.unit or ""
+    given, unit = own[1], now.unit or ""
+    if before is not None:
+        given = before.unit
     if given is not None and normal_unit(given) != normal_unit(unit.removeprefix("-")):
         return [f"'{titles[now.column]}' is in {unit} as you said; the file says {given}"]
     return []
+
+
+def _times(channel: Real, factor: float) -> Real:
+    if factor == 1.0:
+        # A mapped channel stays mapped, and exact values stay the same bits.
+        return channel
+    return channel * factor
 
 
 def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str) -> Signals:
@@ -368,8 +412,7 @@ def signals_from(values: Sequence[Real], places: Places, path: Path, origin: str
         if not isinstance(channel, np.memmap) and (np.abs(channel[np.isfinite(channel)]) > _LARGEST).any():
             raise DataError(f"{name} has values beyond {_LARGEST:g}; the file is broken, or the wrong channel")
     factors = (TIME_UNITS[places.units[0]] * places.signs[0], *places.signs[1:])
-    # A mapped channel stays mapped, and exact values stay the same bits, where nothing is to be done.
-    clock, moved, pulled = (c if f == 1.0 else c * f for c, f in zip(values, factors, strict=True))
+    clock, moved, pulled = map(_times, values, factors)
     facts = {"file": path.name, "format": origin}
     if places.notes:
         facts["note columns"] = "; ".join(places.notes)

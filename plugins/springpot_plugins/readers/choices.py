@@ -59,31 +59,41 @@ def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
     DataError
         If there is no such column, or what is said of it is neither a unit nor a meaning.
     """
-    found, constants = list(headings), {}
+    columns, constants = list(headings), {}
     named: set[int] = set()
     for name, meaning in choice.columns.items():
         if (name, meaning) == (STATUS, IGNORE):
             continue
+        if name == LOG:
+            columns = [_with_base(each, meaning) for each in columns]
         if name in WHOLE:
-            found = [_with_base(each, meaning) for each in found] if name == LOG else found
             continue
-        role = name if name in ROLES else role_of(name)
+        role = _role(name)
         constant = _CONSTANT.match(meaning)
+        # A column that is called by its number is one of the file's, whatever is said of it.
         if role is not None and not name.isdigit() and constant is not None:
             constants[f"{role} [{constant[2]}]"] = constant[1]
             continue
-        place = _place(found, name, role)
-        found[place] = _meant(found[place], meaning)
+        place = _place(columns, name, role)
+        columns[place] = _meant(columns[place], meaning)
         named.add(place)
-    meant = {str(found[place].role) for place in named} | {title.partition(" ")[0] for title in constants}
+    meant = {str(columns[place].role) for place in named} | {title.partition(" ")[0] for title in constants}
     # Of two columns that seem to be one thing, the one that was named is meant, and a constant goes before any.
-    spare = [place for place, each in enumerate(found) if place not in named and _same(str(each.role), meant)]
-    overruled = [note for place in sorted(named) if (note := _difference(headings[place], found[place]))]
+    spare = [place for place, each in enumerate(columns) if place not in named and _same(str(each.role), meant)]
+    differences = [_difference(headings[place], columns[place]) for place in sorted(named)]
+    overruled = [note for note in differences if note]
     overruled += [f"'{headings[place].title}' is not used as {headings[place].role}, as you said" for place in spare]
     for place in spare:
         # Without a name it is no further condition either.
-        found[place] = replace(found[place], role=None, name="")
-    return Chosen(tuple(found), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
+        columns[place] = replace(columns[place], role=None, name="")
+    return Chosen(tuple(columns), constants, choice.columns.get(STATUS) == IGNORE, tuple(overruled))
+
+
+def _role(name: str) -> str | None:
+    """The role that a user names; springpot's own words before any title that looks like one."""
+    if name in ROLES:
+        return name
+    return role_of(name)
 
 
 def _same(role: str, meant: set[str]) -> bool:
@@ -104,13 +114,17 @@ def _with_base(heading_: Heading, base: str) -> Heading:
     """A column of logarithms whose base the user says."""
     if base not in ("10", "e"):
         raise DataError(f"the base of logarithms is 10 or e, not '{base:.20}'; write 'FILE?log=10'")
-    return replace(heading_, log=base) if heading_.log == "?" else heading_
+    if heading_.log != "?":
+        # Plain numbers, or a title that says the base itself.
+        return heading_
+    return replace(heading_, log=base)
 
 
 def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
     """Where the column is that is called by number, title, name or role."""
     if name.isdigit() and len(name) < 6 and 1 <= int(name) <= len(headings):
         return int(name) - 1
+    # The exact word first: titles that differ in case alone, such as g' and G', are told apart by it.
     for test in (
         lambda h: h.title == name or h.name == name,
         lambda h: fold(h.title) == fold(name) or fold(h.name) == fold(name),
@@ -124,17 +138,20 @@ def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
 
 
 def _meant(heading_: Heading, meaning: str) -> Heading:
-    taken = logarithm(meaning)
-    base, meaning = taken if taken and taken[0] != "?" else ("", meaning)
+    base, taken = "", logarithm(meaning)
+    if taken and taken[0] != "?":
+        base, meaning = taken
     match = _MEANING.match(meaning)
-    name, unit = (match[1].strip(), match[2]) if match else (meaning, None)
-    if match is None and is_unit(meaning) and meaning not in ROLES:
+    name, unit = meaning, heading_.unit
+    if match:
+        name, unit = match[1].strip(), match[2]
+    elif is_unit(meaning) and meaning not in ROLES:
         return replace(heading_, unit=meaning, log=base or heading_.log)
-    role = name if name in ROLES else role_of(name)
+    role = _role(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
         raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
-    return Heading(heading_.title, name, role, heading_.unit if unit is None else unit, log=base or heading_.log)
+    return Heading(heading_.title, name, role, unit, log=base or heading_.log)
 
 
 def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
@@ -142,12 +159,15 @@ def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     missing = [heading for heading in headings if heading.role]
     names = ", ".join(f"'{heading.title}'" for heading in missing)
     given = ",".join(f"{heading.role}={USUAL.get(str(heading.role), 'UNIT')}" for heading in missing)
-    plural = "have" if len(missing) > 1 else "has"
-    clock = any(heading.role == "frequency" for heading in missing)
-    write = "frequency [Hz] or omega [rad/s]" if clock else f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
+    have, they_are = "has", "it is"
+    if len(missing) > 1:
+        have, they_are = "have", "they are"
+    write = f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
+    if any(heading.role == "frequency" for heading in missing):
+        # Hz and rad/s differ by 2 pi, and a bare "frequency" may be either: both are offered.
+        write = "frequency [Hz] or omega [rad/s]"
     usual = " and ".join(dict.fromkeys(USUAL.get(str(heading.role), "UNIT") for heading in missing))
-    it = "they are" if len(missing) > 1 else "it is"
-    message = f"{names} {plural} no unit; if {it} {usual}, open 'FILE?{given}', or write {write} in it"
+    message = f"{names} {have} no unit; if {they_are} {usual}, open 'FILE?{given}', or write {write} in it"
     return OpenQuestion(message, [_unit_of(heading) for heading in missing])
 
 
@@ -158,11 +178,15 @@ def _unit_of(heading_: Heading) -> Question:
 
 def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the base of logarithms, and for the units that are missing as well."""
-    found = list(headings)
-    unsure = ", ".join(f"'{heading.title}'" for heading in found if heading.log == "?")
-    bare = [heading for heading in found if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
+    logarithms = list(headings)
+    unsure = ", ".join(f"'{heading.title}'" for heading in logarithms if heading.log == "?")
+    # An omega is in rad/s by its name, so that no unit is asked for.
+    bare = [heading for heading in logarithms if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
     given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])
-    units = f" and units {', '.join(dict.fromkeys(USUAL[str(h.role)] for h in bare))}" if bare else ""
+    units = ""
+    if bare:
+        usual = dict.fromkeys(USUAL[str(heading.role)] for heading in bare)
+        units = f" and units {', '.join(usual)}"
     message = (
         f"{unsure}: logarithms to base 10 or e? For base 10{units} open 'FILE?{given}', or write log10 or ln in it"
     )
@@ -226,7 +250,9 @@ def _ask_which_modulus(says: str, moduli: Sequence[Heading], headings: Sequence[
 def ask_columns(count: int) -> OpenQuestion:
     """The question for columns that have no names."""
     spec = "'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
-    weights = "; further columns, such as weights, are left out" if count > 3 else ""
+    weights = ""
+    if count > 3:
+        weights = "; further columns, such as weights, are left out"
     message = f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
     return OpenQuestion(message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS))
 
@@ -234,8 +260,9 @@ def ask_columns(count: int) -> OpenQuestion:
 def ask_each(columns: Mapping[int, str], usual: Sequence[str] = ()) -> list[Question]:
     """What each of these columns is, by its number; without a usual meaning it is left out unless somebody says."""
     questions = []
-    for place, (number, name) in enumerate(columns.items()):
-        first = usual[place] if place < len(usual) else "ignore"
+    # Left out unless somebody says what it is: a guess would become data.
+    first_answers = [*usual, *["ignore"] * len(columns)]
+    for (number, name), first in zip(columns.items(), first_answers, strict=False):
         questions.append(Question(name, "meaning", {each: f"{number}={each}" for each in [first, *MEANINGS]}))
     return questions
 

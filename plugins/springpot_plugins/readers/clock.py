@@ -20,22 +20,31 @@ def seconds_of(cell: str) -> float | None:
     >>> seconds_of("01.09.2014 13:25:39,5") - seconds_of("01.09.2014 13:25:38")
     1.5
     """
-    if match := _DATED.match(cell):
-        day = _day(match[1], match[2], match[3])
-        return None if day is None else day * 86400.0 + _of_day(*match.groups()[3:])
-    match = _OF_DAY.match(cell)
-    return _of_day(*match.groups()) if match else None
+    if match := _OF_DAY.match(cell):
+        return _of_day(*match.groups())
+    match = _DATED.match(cell)
+    if match is None:
+        return None
+    day = _day(match[1], match[2], match[3])
+    if day is None:
+        return None
+    return day * 86400.0 + _of_day(*match.groups()[3:])
 
 
 @lru_cache(maxsize=64)
 def _day(first: str, second: str, third: str) -> int | None:
     """Number of the day: year first, or else last with the month in the middle unless it can be none."""
-    numbers = (first, second, third) if len(first) == 4 else (third, second, first)
-    year, month, day = map(int, numbers)
+    year, month, day = int(third), int(second), int(first)
+    if len(first) == 4:
+        year, day = int(first), int(third)
     if month > 12:
+        # Written the American way; a date that may be either is read as the rest of the world writes it.
         month, day = day, month
+    if year < 100:
+        # Two digits are of this century: only differences are used, but there is no year 0.
+        year += 2000
     try:
-        return datetime(year + (2000 if year < 100 else 0), month, day).toordinal()
+        return datetime(year, month, day).toordinal()
     except ValueError:
         return None
 
@@ -43,5 +52,8 @@ def _day(first: str, second: str, third: str) -> int | None:
 def _of_day(hour: str, minute: str, second: str | None, fraction: str | None, half: str | None) -> float:
     hours = int(hour)
     if half:
-        hours = hours % 12 + (12 if half.lower() == "pm" else 0)
+        # 12 am is midnight, and 12 pm is noon.
+        hours %= 12
+        if half.lower() == "pm":
+            hours += 12
     return hours * 3600.0 + int(minute) * 60.0 + float(f"{second or 0}.{fraction or 0}")

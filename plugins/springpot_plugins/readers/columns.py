@@ -127,7 +127,9 @@ def _omega(roles: Mapping[str, Column]) -> Real:
 def _clock(roles: Mapping[str, Column]) -> str:
     """In which frequencies are told: in rad/s where they came so, otherwise in Hz."""
     column = roles.get("omega") or roles["frequency"]
-    return "rad/s" if column.unit is not None and known_unit(column.unit, FREQUENCY_UNITS, "") == "rad/s" else "Hz"
+    if column.unit is not None and known_unit(column.unit, FREQUENCY_UNITS, "") == "rad/s":
+        return "rad/s"
+    return "Hz"
 
 
 _LETTER = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za-z]))")
@@ -136,11 +138,12 @@ _LETTER = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za
 
 def _letter(roles: Mapping[str, Column], unit: str) -> str:
     """The letter that the titles write for a modulus (G, E) or a stiffness (K); nothing where they write words."""
+    # In Pa a K is no stiffness, and in N/mm a G is no modulus.
     allowed = "GE" if unit in PRESSURE_UNITS else "K"
-    for role in ("storage", "magnitude"):
-        found = _LETTER.search(roles[role].title) if role in roles else None
-        if found and found[1] in allowed:
-            return found[1]
+    titles = [roles[role].title for role in ("storage", "magnitude") if role in roles]
+    for match in map(_LETTER.search, titles):
+        if match and match[1] in allowed:
+            return match[1]
     return ""
 
 
@@ -195,14 +198,20 @@ def _over_tangent(loss: Real, tangent: Real, column: Column) -> Real:
 
 def _doubts(roles: Mapping[str, Column]) -> dict[str, str]:
     """MPa beside mPa is allowed, but seldom meant."""
-    storage, loss = (roles[role].unit if role in roles else None for role in ("storage", "loss"))
+    if not roles.keys() >= {"storage", "loss"}:
+        return {}
+    storage, loss = roles["storage"].unit, roles["loss"].unit
     if not storage or not loss or storage == loss or storage.lower() != loss.lower():
         return {}
-    factor = (
-        MODULUS_UNITS[known_unit(storage, MODULUS_UNITS, "")] / MODULUS_UNITS[known_unit(loss, MODULUS_UNITS, "")]
-    )
+    factor = _in_si(storage) / _in_si(loss)
+    if factor == 1:
+        return {}
     ratio = f"a factor of {max(factor, 1 / factor):.0e}"
-    return {} if factor == 1 else {"note units": f"storage in {storage} but loss in {loss}, {ratio}: a slip?"}
+    return {"note units": f"storage in {storage} but loss in {loss}, {ratio}: a slip?"}
+
+
+def _in_si(unit: str) -> float:
+    return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
 NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature"})
@@ -215,6 +224,7 @@ def _negative_loss(stiffness: Complex) -> dict[str, str]:
     if not count:
         return {}
     note = f"negative in {count} of {len(stiffness)} rows: a specimen gives no work away"
+    # In most rows it is the sign of all of them; in a few it is scatter about nearly nothing.
     if 2 * count > len(stiffness):
         return {"note loss": f"{note}; check the sign of the force or of the phase"}
     return {"note loss": f"{note}; noise, or the instrument at its limit"}
@@ -231,7 +241,9 @@ def _check_something(stiffness: Complex, roles: Mapping[str, Column]) -> None:
     """A point at which storage and loss are both zero was not measured."""
     nothing = np.flatnonzero(stiffness == 0)
     if len(nothing):
-        more = f" (and {len(nothing) - 1} more such rows)" if len(nothing) > 1 else ""
+        more = ""
+        if len(nothing) > 1:
+            more = f" (and {len(nothing) - 1} more such rows)"
         column = roles.get("storage") or roles["magnitude"]
         raise column.error(
             f"storage and loss are both zero: nothing was measured, leave out the row{more}", int(nothing[0])
@@ -246,21 +258,23 @@ def _tangent(roles: Mapping[str, Column]) -> Real | None:
         return column.numbers() * ANGLE_UNITS[unit]
     if "loss_factor" in roles:
         column = roles["loss_factor"]
-        unit = known_unit(column.unit or "-", {"-": 1.0, "%": 0.01}, column.name)
-        return np.asarray(np.arctan(column.numbers() * (0.01 if unit == "%" else 1.0)))
+        factors = {"-": 1.0, "%": 0.01}
+        unit = known_unit(column.unit or "-", factors, column.name)
+        return np.asarray(np.arctan(column.numbers() * factors[unit]))
     return None
 
 
 def _deviations(roles: Mapping[str, Column], unit: str) -> Complex | None:
-    given = [roles.get("storage_sd"), roles.get("loss_sd")]
-    columns = [column for column in given if column is not None]
+    columns = [roles[role] for role in ("storage_sd", "loss_sd") if role in roles]
     if not columns:
         return None
+    # A scatter of magnitude and phase would not be that of K' and K'' alone.
     if len(columns) == 1 or "loss" not in roles:
         raise columns[0].error("standard deviations need storage, storage_sd, loss and loss_sd")
     parts = []
     for column in columns:
         values = column.numbers()
+        # Without a unit they are in that of the storage, as in springpot's own tables.
         if column.unit is not None:
             values = _in_unit(values, _unit(column, MODULUS_UNITS, ""), unit, column)
         wrong = values <= 0
@@ -273,27 +287,30 @@ def _deviations(roles: Mapping[str, Column], unit: str) -> Complex | None:
 
 def _conditions(roles: Mapping[str, Column]) -> tuple[dict[str, Real], str]:
     """Temperature in degC and amplitude in its own unit; columns without any entry are left out."""
-    found: dict[str, Real] = {}
+    conditions: dict[str, Real] = {}
     unit = "-"
     temperature, amplitude = roles.get("temperature"), roles.get("amplitude")
     if temperature is not None and not temperature.is_empty:
         scale = _unit(temperature, TEMPERATURE_UNITS, "write temperature [degC] or temperature [K]")
-        found["temperature"] = temperature_in_celsius(temperature.numbers(), scale)
-        if (found["temperature"] < -273.15).any():
-            raise temperature.error("below absolute zero", int(np.argmin(found["temperature"])))
+        celsius = temperature_in_celsius(temperature.numbers(), scale)
+        if (celsius < -273.15).any():
+            raise temperature.error("below absolute zero", int(np.argmin(celsius)))
+        conditions["temperature"] = celsius
     if amplitude is not None and not amplitude.is_empty:
         unit = _unit(amplitude, AMPLITUDE_UNITS, "write amplitude [mm], or amplitude [-] for a strain")
-        found["amplitude"] = amplitude.numbers()
-        if (found["amplitude"] <= 0).any():
-            row = int(np.argmin(found["amplitude"]))
-            raise amplitude.error(f"the amplitude must be positive, got {found['amplitude'][row]:g}", row)
-    return found, unit
+        moved = amplitude.numbers()
+        if (moved <= 0).any():
+            row = int(np.argmin(moved))
+            raise amplitude.error(f"the amplitude must be positive, got {moved[row]:g}", row)
+        conditions["amplitude"] = moved
+    return conditions, unit
 
 
 def _repeat(column: Column | None) -> NDArray[np.int64] | None:
     if column is None or column.is_empty:
         return None
     values = column.numbers()
+    # Beyond 2^53 a float skips whole numbers, so that two repeats could become one.
     wrong = (values != np.round(values)) | (np.abs(values) > 2**53)
     if wrong.any():
         raise column.error("the number of the repeat must be whole", int(np.argmax(wrong)))
@@ -309,7 +326,7 @@ def _harmonics(others: list[Column]) -> tuple[Complex | None, list[Column]]:
     values = np.full((len(others[0].cells), max(orders) - 1), complex(np.nan, np.nan))
     for n in orders:
         values[:, n - 2] = _complex(parts[f"h{n}_re"].numbers(gaps=True), parts[f"h{n}_im"].numbers(gaps=True))
-    used = {f"h{n}_{part}" for n in orders for part in ("re", "im")}
+    used = {f"h{n}_re" for n in orders} | {f"h{n}_im" for n in orders}
     return values, [column for column in others if column.name not in used]
 
 

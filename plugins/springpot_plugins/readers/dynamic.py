@@ -46,7 +46,7 @@ _PAIRS = (
     ("force_amplitude", "loss_factor"),
 )
 """What gives a complex modulus, best first."""
-_REPEATED = {role for pair in _PAIRS for role in pair} | FREQUENCIES
+_REPEATED = set(FREQUENCIES).union(*_PAIRS)
 """Columns that say once more what the chosen ones say."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
@@ -82,14 +82,19 @@ def measurement_from(
     chosen = chosen_blocks(blocks, choice)
     parts, refused = _opened(chosen, choice, provenance, further)
     chosen = [block for block in chosen if block.name not in refused]
-    name = f"{path.stem}#{choice.part}" if choice.part else path.stem
+    name = path.stem
+    if choice.part:
+        name = f"{path.stem}#{choice.part}"
     left_out = {f"note {block}": f"left out: {reason}" for block, reason in refused.items()}
     if len(parts) == 1:
-        part = {"part": chosen[0].name} if chosen[0].name and len(blocks) > 1 else {}
-        return replace(parts[0], name=name, provenance={**parts[0].provenance, **part, **left_out})
+        origin = dict(parts[0].provenance)
+        if chosen[0].name and len(blocks) > 1:
+            origin["part"] = chosen[0].name
+        return replace(parts[0], name=name, provenance={**origin, **left_out})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
     if all(is_number(block.name) for block in chosen):
+        # Numbers without a unit may count samples as well as state temperatures: only the user knows.
         shown = ", ".join(block.name for block in chosen[:3])
         note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"
     opened = {block.name for block in chosen}
@@ -114,6 +119,7 @@ def _opened(
         try:
             parts.append(_measurement(block, choice, provenance, further))
         except DataError as error:
+            # One part that cannot be used must not keep the others from opening.
             refused[block.name] = error
     if not parts:
         raise next(iter(refused.values()))
@@ -124,8 +130,8 @@ def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
     """The blocks as they are listed for a user; none where there is but one."""
     if len(blocks) < 2:
         return ()
-    found = [(block, _reason_against(block)) for block in with_distinct_names(blocks)]
-    return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in found)
+    reasons = [(block, _reason_against(block)) for block in with_distinct_names(blocks)]
+    return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in reasons)
 
 
 Parsed: TypeAlias = Callable[[Path], tuple[list[Block], dict[str, str]]]
@@ -183,7 +189,10 @@ def with_distinct_names(blocks: Sequence[Block]) -> list[Block]:
     made = []
     for block, name in zip(blocks, names, strict=True):
         seen[name] += 1
-        made.append(replace(block, name=f"{name} ({seen[name]})" if count[name] > 1 else name))
+        if count[name] > 1:
+            # Parts are chosen, refused and labelled by name.
+            name = f"{name} ({seen[name]})"
+        made.append(replace(block, name=name))
     return made
 
 
@@ -197,17 +206,31 @@ def chosen_blocks(blocks: Sequence[Block], choice: Choice) -> list[Block]:
     """
     if not blocks:
         raise DataError("there is no table with named columns, such as frequency [Hz], storage [Pa], loss [Pa]")
-    picked = _picked(blocks, choice.part) if choice.part else list(blocks)
+    picked = list(blocks)
+    if choice.part:
+        picked = _picked(blocks, choice.part)
     usable = [block for block in picked if is_dynamic(_roles_chosen(block, choice))]
+    # Parts that a user names are all meant; without a choice, those that are no dynamic test are passed over.
     if usable and (len(usable) == len(picked) or not choice.part):
         return usable
     if len(picked) == 1:
-        where = f"part '{picked[0].name}' is no dynamic test: " if picked[0].name else ""
-        raise ask_meaning(f"{where}{picked[0].holds()}", picked[0].lacks(), picked[0].headings)
+        raise _not_dynamic(picked[0])
     reasons = list(dict.fromkeys(block.lacks() for block in picked))
     names = ", ".join(dict.fromkeys(block.name or "unnamed" for block in picked))
     says = f"none of its {len(picked)} parts is a dynamic test ({names:.120}): {'; '.join(reasons):.200}"
-    raise ask_meaning(says, reasons[0] if len(reasons) == 1 else "", ())
+    common_reason = ""
+    if len(reasons) == 1:
+        # Only what all of them lack can be mended by one option.
+        common_reason = reasons[0]
+    raise ask_meaning(says, common_reason, ())
+
+
+def _not_dynamic(block: Block) -> DataError:
+    """The error of the only table that is meant."""
+    where = ""
+    if block.name:
+        where = f"part '{block.name}' is no dynamic test: "
+    return ask_meaning(f"{where}{block.holds()}", block.lacks(), block.headings)
 
 
 def _roles_chosen(block: Block, choice: Choice) -> set[str]:
@@ -218,7 +241,8 @@ def _roles_chosen(block: Block, choice: Choice) -> set[str]:
     except DataError:
         # Options are for the parts that have such columns.
         return block.roles
-    return {h.role for h in chosen.headings if h.role} | {str(heading(title).role) for title in chosen.constants}
+    roles = {each.role for each in chosen.headings if each.role}
+    return roles | {str(heading(title).role) for title in chosen.constants}
 
 
 def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
@@ -227,11 +251,11 @@ def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
         if not 1 <= first <= last <= len(blocks):
             raise DataError(f"there is no part {part}; it has {len(blocks)} (see 'springpot inspect')")
         return list(blocks[first - 1 : last])
-    found = [block for block in blocks if part.casefold() in block.name.casefold()]
-    if not found:
+    named = [block for block in blocks if part.casefold() in block.name.casefold()]
+    if not named:
         names = ", ".join(dict.fromkeys(block.name for block in blocks if block.name)) or "none has a name"
         raise DataError(f"no part is called '{part:.40}' ({names:.120})")
-    return found
+    return named
 
 
 def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], further: bool) -> Measurement:
@@ -239,11 +263,14 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     if any(each.log == "?" and each.role in _MEANT for each in chosen.headings):
         raise ask_base([each for each in chosen.headings if each.log and each.role in _MEANT])
     columns = _columns(block, chosen.headings)
-    columns += [_constant(title, value, block) for title, value in {**block.constants, **chosen.constants}.items()]
+    # What the user says goes before what the file says.
+    constants = {**block.constants, **chosen.constants}
+    columns += [_constant(title, value, block) for title, value in constants.items()]
     roles = _roles(columns)
     _require_units(roles)
     used = {column.title for column in roles.values()}
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
+    # Gaps before sums: what is not there in a row gives no modulus there.
     roles, others, notes = cleaned(roles, others)
     roles = with_moduli(roles)
     flags = flags_in(_named(others, STATUS), *_moduli(roles), chosen.keeps_flagged)
@@ -277,7 +304,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     complete = _has_all_units(headings)
     for heading_, column in zip(headings, cells, strict=False):
         name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
-        unit = None if heading_.unit is None else normal_unit(heading_.unit)
+        unit = _normal(heading_.unit)
         if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
             unit = "rad/s"
@@ -286,11 +313,19 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
             unit = "-"
         if heading_.role in SWINGING:
             unit = unit_of_amplitude(unit)
-            column = halved(column) if counts_whole_swing(heading_) else column
+            if counts_whole_swing(heading_):
+                column = halved(column)
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
         made.append(unlogged(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.log))
     return made
+
+
+def _normal(unit: str | None) -> str | None:
+    """The usual spelling; a unit that lacks still does, and is asked for."""
+    if unit is None:
+        return None
+    return normal_unit(unit)
 
 
 def _has_all_units(headings: Sequence[Heading]) -> bool:
@@ -300,29 +335,31 @@ def _has_all_units(headings: Sequence[Heading]) -> bool:
 
 def _constant(title: str, value: str, block: Block) -> Column:
     named = heading(title)
-    unit = None if named.unit is None else normal_unit(named.unit)
-    return Column(title, named.role or named.name, unit, [value] * len(block.rows), block.lines)
+    return Column(title, named.role or named.name, _normal(named.unit), [value] * len(block.rows), block.lines)
 
 
 def _roles(columns: Sequence[Column]) -> dict[str, Column]:
     """The column of each role: of several, the one whose name is surest."""
-    found: dict[str, Column] = {}
+    roles: dict[str, Column] = {}
     for column in columns:
         if column.name not in _MEANT or is_blank(column):
             continue
-        before = found.get(column.name)
+        before = roles.get(column.name)
         if before is None or rank(bare_name(column)) < rank(bare_name(before)):
-            found[column.name] = column
-    if "omega" in found and "frequency" in found:
-        found.pop("frequency" if found["omega"].unit == "rad/s" else "omega")
-    pair = next((pair for pair in _PAIRS if found.keys() >= set(pair)), ())
+            roles[column.name] = column
+    if "omega" in roles and "frequency" in roles:
+        # They say the same; an omega in another unit than rad/s is the doubtful one.
+        spare = "frequency" if roles["omega"].unit == "rad/s" else "omega"
+        del roles[spare]
+    pair = next((pair for pair in _PAIRS if roles.keys() >= set(pair)), ())
     if pair:
-        spare = {role for either in _PAIRS for role in either} - set(pair)
-        found = {role: column for role, column in found.items() if role not in spare}
-    if not is_dynamic(set(found)):
-        there = ", ".join(f"'{column.title}'" for column in found.values()) or "no known column"
-        raise DataError(f"found {there}; {lacking({str(role) for role in found})}")
-    return found
+        # The others say the modulus once more, with other rounding, and must not contradict the chosen ones.
+        others = set().union(*_PAIRS) - set(pair)
+        roles = {role: column for role, column in roles.items() if role not in others}
+    if not is_dynamic(set(roles)):
+        there = ", ".join(f"'{column.title}'" for column in roles.values()) or "no known column"
+        raise DataError(f"found {there}; {lacking({str(role) for role in roles})}")
+    return roles
 
 
 def _is_kept(column: Column, further: bool) -> bool:

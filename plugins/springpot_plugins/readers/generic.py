@@ -7,6 +7,7 @@ Columns without names are named by number: ``FILE?1=omega[rad/s],2=storage[Pa],3
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from springpot.errors import DataError
@@ -22,26 +23,36 @@ from .headings import headings_of
 from .names import FREQUENCIES, MODULI
 from .side_by_side import apart
 from .text import head_text, text_of
+from .titles import Heading
 from .transposed import upright
 
 
 def recognises(head: bytes) -> float:
     """High for a frequency and a modulus with units, low for any other table."""
     grid = head_grid(head_text(head))
-    best = 0.1 if sum(1 for row in grid.rows[:50] if is_data(row)) else 0.0
+    best = 0.0
+    if any(is_data(row) for row in grid.rows[:50]):
+        # Numbers without names: a user may still say what they are.
+        best = 0.1
     for i, row in enumerate(grid.rows[:100]):
         if is_header(row):
-            width = len(grid.rows[i + 1]) if i + 1 < len(grid.rows) else len(row)
-            best = max(best, _confidence(headings_of(row, grid.rows[i + 1 : i + 3], max(width, len(row)))))
+            below = grid.rows[i + 1 : i + 3]
+            width = max(map(len, [row, *below[:1]]))
+            best = max(best, _confidence(headings_of(row, below, width)))
     return best
 
 
-def _confidence(headings: tuple[object, ...]) -> float:
-    named = [heading for heading in headings if getattr(heading, "role", None)]
-    roles = {str(getattr(heading, "role", "")) for heading in named}
+def _confidence(headings: Sequence[Heading]) -> float:
+    """Below that of the readers of one maker's format, which know more of such a file."""
+    named = [heading for heading in headings if heading.role]
+    roles = {str(heading.role) for heading in named}
+    if is_dynamic(roles) and any(heading.unit for heading in named):
+        return 0.8
     if is_dynamic(roles):
-        return 0.8 if any(getattr(heading, "unit", None) for heading in named) else 0.55
-    return 0.3 if roles & FREQUENCIES or roles & MODULI else 0.2
+        return 0.55
+    if roles & FREQUENCIES or roles & MODULI:
+        return 0.3
+    return 0.2
 
 
 def read(path: Path, choice: Choice) -> Measurement:
@@ -89,16 +100,25 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
         if len(row) != width:
             raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
     names = kept[start - 1][0] if start else []
+    is_named = len(names) == width
+    if not choice.columns and is_named:
+        raise _ask_which(names)
     if not choice.columns:
-        if names and len(names) == width:
-            shown = ", ".join(cell.strip() for cell in names)
-            spec = "by name or number, such as 'FILE?NAME=omega[rad/s],NAME=storage[UNIT],NAME=loss[UNIT]'"
-            says = f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
-            unknown = [each.role is None for each in headings_of(names, [], width)]
-            raise OpenQuestion(says, ask_each({i: name.strip() for i, name in enumerate(names, 1) if unknown[i - 1]}))
         raise ask_columns(width)
-    headings = headings_of(names, [], width) if names and len(names) == width else numbered(width)
+    headings = numbered(width)
+    if is_named:
+        headings = headings_of(names, [], width)
     return Block("", headings, rows, lines)
+
+
+def _ask_which(names: Sequence[str]) -> OpenQuestion:
+    """The question for columns with names of which too few are known."""
+    shown = ", ".join(cell.strip() for cell in names)
+    spec = "by name or number, such as 'FILE?NAME=omega[rad/s],NAME=storage[UNIT],NAME=loss[UNIT]'"
+    says = f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
+    headings = headings_of(names, [], len(names))
+    unknown = {i: name.strip() for i, name in enumerate(names, 1) if headings[i - 1].role is None}
+    return OpenQuestion(says, ask_each(unknown))
 
 
 READER = Reader(

@@ -61,6 +61,7 @@ def lines_of(text: str) -> list[str]:
 
 def separator_in(lines: Sequence[str]) -> str:
     """The sign that makes the most numbers of the lines, and the fewest cells that are none."""
+    # A sample of the whole file beside its beginning, which may be a long report.
     step = max(1, len(lines) // _SAMPLED)
     sample = [line for line in (*lines[:50], *lines[50::step]) if any(sign.isdigit() for sign in line[:200])]
     gains = {sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG) for sign in SEPARATORS}
@@ -74,8 +75,11 @@ def _gain(line: str, separator: str) -> int:
     if len(cells) < 2:
         return 0
     numbers = sum(map(is_number, cells))
+    if numbers < 2:
+        # A key and its value are parted by many signs.
+        return 0
     filled = sum(1 for cell in cells if cell.strip())
-    return max(0, 2 * numbers - filled) if numbers > 1 else 0
+    return max(0, 2 * numbers - filled)
 
 
 def cells_of(line: str, separator: str, number: int) -> list[str]:
@@ -104,17 +108,21 @@ def split_line(line: str, separator: str) -> list[str]:
 
 def closed(lines: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
     """The lines, where a quoted cell that goes on in the next lines is one line of words."""
-    found: list[tuple[int, str]] = []
+    whole: list[tuple[int, str]] = []
     joining = 0
     for number, line in lines:
         if joining:
-            first, begun = found[-1]
-            found[-1] = (first, f"{begun} {line}")
-            joining = joining - 1 if found[-1][1].count('"') % 2 else 0
+            first, begun = whole[-1]
+            whole[-1] = (first, f"{begun} {line}")
+            joining -= 1
+            if whole[-1][1].count('"') % 2 == 0:
+                joining = 0
         else:
-            found.append((number, line))
-            joining = _MOST_JOINED if '"' in line and _OPEN.search(line) and line.count('"') % 2 else 0
-    return found
+            whole.append((number, line))
+            # An even number of quotes is closed; a lone one that begins no cell is a prime, as in G".
+            if line.count('"') % 2 and _OPEN.search(line):
+                joining = _MOST_JOINED
+    return whole
 
 
 def grid_of(text: str) -> Grid:
@@ -127,6 +135,7 @@ def grid_of(text: str) -> Grid:
     """
     lines = lines_of(text)
     if lines and re.fullmatch(r"\ufeff?sep=.", lines[0].strip()):
+        # A word of Excel to itself; emptied, not removed, so that errors name the right lines.
         lines[0] = ""
     filled = closed((i, line) for i, line in enumerate(lines, 1) if line and not line.isspace())
     if not filled:
@@ -143,6 +152,8 @@ def head_grid(text: str, most: int = 400) -> Grid:
     if len(filled) > 1 and len(text) >= _HEAD:
         # The last line may be cut off.
         filled = filled[:-1]
-    separator = separator_in(filled) if filled else ","
+    if not filled:
+        return Grid([], range(1, 1))
+    separator = separator_in(filled)
     rows = [split_line(line, separator) for line in filled]
     return Grid(rows, range(1, len(rows) + 1), separator)

@@ -33,10 +33,10 @@ def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | No
     """The units under their titles: a column without one, such as a counter, leaves no gap between blanks."""
     spare = [None] * (len(titles) - len(units))
     from_left, from_right = [*units, *spare], [*spare, *units]
-    fits = [
-        sum(_fits(title, unit) for title, unit in zip(titles, each, strict=True)) for each in (from_left, from_right)
-    ]
-    return from_right if fits[1] > fits[0] else from_left
+    # From the left unless the other way fits better: most tables are written so.
+    if sum(map(_fits, titles, from_right)) > sum(map(_fits, titles, from_left)):
+        return from_right
+    return from_left
 
 
 def _fits(title: str, unit: str | None) -> bool:
@@ -48,24 +48,35 @@ def _fits(title: str, unit: str | None) -> bool:
 def _in_two_rows(titles: list[str], below: Sequence[str]) -> list[str]:
     """Names that go on in the next row, ``Storage`` and ``modulus``, where more is known of the whole."""
     whole = [f"{title} {more}".strip() for title, more in zip(titles, below, strict=False)]
-    known = [sum(1 for title in each if heading(title).role) for each in (titles, whole)]
-    return whole if len(whole) == len(titles) and known[1] > known[0] else titles
+    if len(whole) == len(titles) and _known_among(whole) > _known_among(titles):
+        return whole
+    return titles
+
+
+def _known_among(titles: Sequence[str]) -> int:
+    """How many of the titles name something that is known."""
+    return sum(1 for title in titles if heading(title).role)
 
 
 def unquoted(cell: str) -> str:
     """Without quotes around it; the one of G" stays."""
-    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
+    if len(cell) > 1 and cell[0] == cell[-1] == '"':
+        return cell[1:-1]
+    return cell
 
 
 def _rejoined(titles: list[str], names: Sequence[str], width: int) -> list[str]:
     """Names with spaces in a file that is separated by them: joined where only the whole is known."""
     while width < len(titles) < min(4 * width + 8, _MOST_JOINED):
         pairs = [i for i in range(len(titles) - 1) if heading(" ".join(titles[i : i + 2])).role]
+        # Two names that are both known by themselves are two columns, whatever they are together.
         pairs = [i for i in pairs if not (heading(titles[i]).role and heading(titles[i + 1]).role)]
         if not pairs:
-            filled = [cell for cell in titles if cell]
             # Where the names that hold anything are as many as the numbers, the empty ones were wider gaps.
-            return filled if len(filled) == width else titles
+            filled = [cell for cell in titles if cell]
+            if len(filled) == width:
+                return filled
+            break
         i = pairs[0]
         titles[i : i + 2] = [" ".join(titles[i : i + 2])]
     return titles
@@ -76,7 +87,10 @@ def units_in(row: Sequence[str]) -> list[str]:
     cells = [cell.strip() for cell in uncommented(row)]
     filled = [cell for cell in cells if cell and cell not in ("[]", "()")]
     known = [cell for cell in filled if is_unit(cell.strip("()[]")) or re.fullmatch(r"[\[(][^\[\]()]*[\])]", cell)]
-    return cells if filled and len(known) >= max(1, 0.6 * len(filled)) else []
+    # Not all: a column that is of no interest may have a unit that is not known.
+    if filled and len(known) >= max(1, 0.6 * len(filled)):
+        return cells
+    return []
 
 
 def beside(
@@ -86,10 +100,16 @@ def beside(
     width = len(rows[0])
     if len(names) == width + 1 and names[0].strip().endswith(":"):
         # "Interval data:" stands before the names, and nothing before the numbers.
-        return names[1:], [row[1:] if row and not row[0].strip() else row for row in between]
+        return names[1:], [_without_blank_start(row) for row in between]
     if len(names) == width - 1 and all(len(row) == width for row in rows) and _are_row_names(rows):
         return ["", *names], between
     return names, between
+
+
+def _without_blank_start(row: Sequence[str]) -> Sequence[str]:
+    if row and not row[0].strip():
+        return row[1:]
+    return row
 
 
 def _are_row_names(rows: Sequence[Sequence[str]]) -> bool:
@@ -105,8 +125,10 @@ def is_remark(row: Sequence[str]) -> bool:
 
 def uncommented(row: Sequence[str]) -> list[str]:
     """The cells without the sign of a comment before the first."""
-    first = row[0].strip() if row else ""
-    if not first.startswith(COMMENT):
+    if not row or not row[0].strip().startswith(COMMENT):
         return list(row)
-    bare = first.lstrip("#%!/ ")
-    return [bare, *row[1:]] if bare else list(row[1:])
+    bare = row[0].strip().lstrip("#%!/ ")
+    if not bare:
+        # "#" in a cell of its own stands above no number.
+        return list(row[1:])
+    return [bare, *row[1:]]

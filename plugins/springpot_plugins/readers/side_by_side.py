@@ -7,8 +7,9 @@ same titles come again. A table is taken apart only where each part is complete;
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 
 from springpot.measurement import Choice, normal_unit
@@ -50,11 +51,18 @@ def apart(blocks: Iterable[Block], choice: Choice | None = None) -> list[Block]:
         What the user says; where it names columns by number or title, tables stay whole. ``curves`` says what the
         numbers are by which curves are called.
     """
-    given = {} if choice is None else choice.columns
+    given: Mapping[str, str] = {}
+    if choice is not None:
+        given = choice.columns
+    # Numbers and titles are those of the file: in the parts the columns stand elsewhere.
     if any(key not in ROLES and key not in WHOLE for key in given):
         return list(blocks)
     title = given.get(CURVES, "")
-    return [part for block in blocks for segment in _segments(block) for part in _apart(segment, title)]
+    parts: list[Block] = []
+    for block in blocks:
+        for segment in _segments(block):
+            parts += _apart(segment, title)
+    return parts
 
 
 def _segments(block: Block) -> list[Block]:
@@ -68,19 +76,24 @@ def _segments(block: Block) -> list[Block]:
         rows, lines = block.rows[start:stop], block.lines[start:stop]
         made.append(replace(block, name=f"{block.name} segment {number}".strip(), rows=rows, lines=lines))
         start = stop
-    without = [replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows]) for each in made]
-    return without if len(made) > 1 else [block]
+    if len(made) < 2:
+        return [block]
+    # The numbers of segment and point have served their purpose, and are no condition.
+    return [replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows]) for each in made]
 
 
 def _apart(block: Block, title: str) -> list[Block]:
     headings = block.headings
     if len(headings) > _WIDEST:
         return [block]
-    labels = _labels(block)
+    labels, above = _labels(block), block.above
+    if labels:
+        # Each part has its own of these as its name; the row of all of them would state the others' as well.
+        above = above[:-1]
+    # The surest sign first: a title that states its condition, before one that merely comes again.
     for marked in (_by_title(headings), _by_label(headings, labels), _by_plain_title(headings), _again(headings)):
         curves = _curves(headings, marked)
         if curves and all(_is_complete(columns) for _, columns in curves):
-            above = block.above[:-1] if labels else block.above
             certain = _are_temperatures([curve for curve, _ in curves])
             named = [(_called(curve, title), columns) for curve, columns in curves]
             made = [_part(block, above, curve, columns, certain) for curve, columns in named]
@@ -116,48 +129,56 @@ def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveNam
     """Titles such as ``G'_A [Pa]``, if no column of moduli is without such a name."""
     if any(heading_.role in _VALUES for heading_ in headings):
         return []
-    found = [plainly(heading_) for heading_ in headings]
-    return [(heading_, heading_.curve) for heading_ in found]
+    return _by_title([plainly(heading_) for heading_ in headings])
 
 
 def _again(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
     """Titles that come again: each time one does, the next curve begins."""
     seen: set[str] = set()
     made: list[tuple[Heading, CurveName | None]] = []
-    number, found = 1, [_uncopied(heading_) for heading_ in headings]
-    for heading_ in found:
+    number = 1
+    for heading_ in map(_uncopied, headings):
         key = fold(heading_.title)
         if key and key in seen:
             number, seen = number + 1, set()
         seen.add(key)
         made.append((heading_, CurveName(f"curve {number}")))
-    return made if number > 1 else []
+    if number == 1:
+        return []
+    return made
 
 
-def _uncopied(found: Heading) -> Heading:
+def _uncopied(copy: Heading) -> Heading:
     """A title without the number that programs put behind one that comes again: ``G' [Pa].1``."""
-    if found.role is None and (match := _COPY.search(found.title)):
-        plain = heading(found.title[: match.start()])
-        return found if plain.role is None else replace(plain, unit=plain.unit or found.unit)
-    return found
+    match = _COPY.search(copy.title)
+    if copy.role is not None or match is None:
+        return copy
+    plain = heading(copy.title[: match.start()])
+    if plain.role is None:
+        return copy
+    return replace(plain, unit=plain.unit or copy.unit)
 
 
 def _labels(block: Block) -> list[CurveName | None]:
     """What the row above the titles says of each column; empty where it says nothing of that kind."""
-    row = block.above[-1] if block.above else []
+    if not block.above:
+        return []
+    row = block.above[-1]
+    # Two cells of which the first ends in a colon are a key and its value, as in any report.
     if not 1 < len(row) <= len(block.headings) or (len(row) == 2 and row[0].endswith(":")):
         return []
+    name_of: Callable[[str], CurveName] = curve_in_cell
     first, cells = heading(row[0]), list(row)
     if first.role in {"temperature", *FREQUENCIES} and first.unit is not None:
         unit = normal_unit(first.unit)
         cells[0] = ""
         if unit not in UNITS[str(first.role)] or not all(is_number(cell) for cell in cells if cell):
             return []
-        curve_names = [curve_of_number(cell, unit) if cell else None for cell in cells]
+        name_of = partial(curve_of_number, unit=unit)
     elif any(map(is_number, cells)) and cells[0]:
+        # Numbers from the first cell on are a row of a table, not the names of curves.
         return []
-    else:
-        curve_names = [curve_in_cell(cell) if cell else None for cell in cells]
+    curve_names = [name_of(cell) if cell else None for cell in cells]
     if sum(curve is not None for curve in curve_names) < 2:
         return []
     curve_names += [None] * (len(block.headings) - len(curve_names))
@@ -178,17 +199,22 @@ def _curves(
             shared.append((place, heading_))
         else:
             curves.setdefault(_key(curve), (curve, []))[1].append((place, heading_))
+    # A modulus that all share belongs to none of them: then the marks are no curves.
     if not curves or any(heading_.role in _VALUES for _, heading_ in shared):
         return []
-    found = list(curves.values())
-    if len(found) == 1 and not found[0][0].title:
+    named = list(curves.values())
+    # One curve is a table as it is, unless its mark states a condition that would be lost.
+    if len(named) == 1 and not named[0][0].title:
         return []
-    clock = _clock(found)
-    return [(curve, _with_shared(columns, shared, clock)) for curve, columns in found]
+    clock = _clock(named)
+    return [(curve, _with_shared(columns, shared, clock)) for curve, columns in named]
 
 
 def _key(curve: CurveName) -> str:
-    return f"{curve.title}={float(curve.value):g}" if curve.title else curve.text.casefold()
+    if not curve.title:
+        return curve.text.casefold()
+    # By its value: "20 °C" and "20.0 °C" are one curve.
+    return f"{curve.title}={float(curve.value):g}"
 
 
 def _clock(curves: Sequence[tuple[CurveName, Columns]]) -> Columns:
@@ -225,7 +251,10 @@ def _are_temperatures(curve_names: Sequence[CurveName]) -> bool:
 
 def has_condition(curve: CurveName, roles: Iterable[str]) -> bool:
     """Whether columns of these roles say what a name says."""
-    return bool((FREQUENCIES if curve.role in FREQUENCIES else {curve.role}) & set(roles))
+    if curve.role in FREQUENCIES:
+        # A curve at 1 Hz and a column of omega say the same of each row.
+        return not FREQUENCIES.isdisjoint(roles)
+    return curve.role in set(roles)
 
 
 def _part(block: Block, above: list[list[str]], curve: CurveName, columns: Columns, certain: bool) -> Block:
@@ -234,7 +263,9 @@ def _part(block: Block, above: list[list[str]], curve: CurveName, columns: Colum
     filled = [i for i, row in enumerate(block.rows) if any(row[place].strip() for place in places)]
     roles = {str(heading_.role) for _, heading_ in columns}
     known = curve.title and (certain or not curve.bare) and not has_condition(curve, roles)
-    stated: Mapping[str, str] = {curve.title: curve.value} if known else {}
+    stated: dict[str, str] = {}
+    if known:
+        stated[curve.title] = curve.value
     name = " ".join(word for word in (block.name, curve.text) if word)
     return replace(
         block,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from .channels import UNITS, found_in
 from .grid import SEPARATORS, is_number, lines_of, separator_in, split_line
-from .headings import uncommented
+from .headings import uncommented, unquoted
 from .titles import is_unit
 
 _WORDS = re.compile(r"[^\W\d_eE]")
@@ -59,17 +59,21 @@ def layout_of(head: str) -> Layout:
 
 
 def _named(rows: Sequence[list[str]], named: int, separator: str) -> Layout:
-    units = rows[named + 1] if named + 1 < len(rows) and _are_units(rows[named + 1]) else []
-    start = named + 1 + bool(units)
-    return Layout(
-        separator, rows[named], units or labview_units(rows[:named]), start, rows[start] if start < len(rows) else ()
-    )
+    units: list[str] = []
+    start = named + 1
+    if start < len(rows) and _are_units(rows[start]):
+        units = rows[start]
+        start += 1
+    first = next(iter(rows[start:]), ())
+    return Layout(separator, rows[named], units or labview_units(rows[:named]), start, first)
 
 
 def labview_units(above: Sequence[list[str]]) -> list[str]:
     """Units from a LabVIEW header, which has a line for those of the channels and counts time in seconds."""
     named = next((row for row in above if row and row[0] == _LABVIEW), None)
-    return [] if named is None else ["s", *named[1:]]
+    if named is None:
+        return []
+    return ["s", *named[1:]]
 
 
 def _names_all(row: Sequence[str]) -> bool:
@@ -82,9 +86,14 @@ def _unnamed(rows: Sequence[list[str]], separator: str) -> Layout:
     start = next((i for i, row in enumerate(rows) if sum(map(is_number, row)) > 1), None)
     if start is None:
         return Layout(separator, [], [], 0)
+    # Names and units: what is higher up, or too narrow, is a report.
     above = [row for row in rows[max(0, start - 2) : start] if len(row) >= len(rows[start])]
-    units = above.pop() if above and _are_units(above[-1]) else []
-    names = above[-1] if above else [str(i) for i in range(1, len(rows[start]) + 1)]
+    units: list[str] = []
+    if above and _are_units(above[-1]):
+        units = above.pop()
+    names = [str(i) for i in range(1, len(rows[start]) + 1)]
+    if above:
+        names = above[-1]
     return Layout(separator, names, units, start, rows[start])
 
 
@@ -92,10 +101,12 @@ def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         # Names with their units in brackets hang together, and so do words that one blank separates.
         line = re.sub(r"(?<!\s)\s+(?=[\[(])", "", line.strip())
-        wide = [cell for cell in re.split(r"\s{2,}|\t", line) if cell]
-        return uncommented(wide if len(wide) > 2 else line.split())
-    cells = [cell.strip() for cell in split_line(line, separator)]
-    return uncommented([cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell for cell in cells])
+        cells = [cell for cell in re.split(r"\s{2,}|\t", line) if cell]
+        if len(cells) <= 2:
+            # Time, displacement and force are three: so each blank separates.
+            cells = line.split()
+        return uncommented(cells)
+    return uncommented([unquoted(cell.strip()) for cell in split_line(line, separator)])
 
 
 def _are_units(row: Sequence[str]) -> bool:

@@ -54,7 +54,9 @@ def recognises(head: bytes) -> float:
         return 0.0
     # Another's table may call the amplitude a strain: then the reader of any table knows more names than this one.
     foreign = {role for title in titles if (role := role_of(name_and_unit(title)[0])) in ROLES} - names
-    return 0.7 if foreign and not head.lstrip(b"\xef\xbb\xbf").startswith(b"# name: ") else 0.9
+    if foreign and not head.lstrip(b"\xef\xbb\xbf").startswith(b"# name: "):
+        return 0.7
+    return 0.9
 
 
 def read(path: Path, choice: Choice) -> Measurement:
@@ -66,6 +68,7 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line with file, line, column and what to mend.
     """
     if choice:
+        # Options are for what a file leaves open, which springpot's own tables do not.
         return read_any(path, choice)
     return parse(text_of(path), path.stem)
 
@@ -95,8 +98,11 @@ def _told(units: Units, words: str) -> Units:
 
 def _as_written(column: Column) -> Column:
     """A column without what keeps a spreadsheet from running its words."""
-    cells = list(map(unguarded, column.cells)) if column.unit == TEXT else column.cells
-    return replace(column, title=unguarded(column.title), name=unguarded(column.name), cells=cells)
+    named = replace(column, title=unguarded(column.title), name=unguarded(column.name))
+    if column.unit != TEXT:
+        # Of cells only words are guarded when they are written.
+        return named
+    return replace(named, cells=list(map(unguarded, column.cells)))
 
 
 def _check_duplicates(measurement: Measurement, column: Column) -> None:
@@ -105,7 +111,9 @@ def _check_duplicates(measurement: Measurement, column: Column) -> None:
     if not len(pairs):
         return
     first, row = min(((int(low), int(high)) for low, high in pairs), key=lambda pair: pair[1])
-    advice = "number the sweeps in a column repeat" if measurement.repeat is None else "give it another repeat"
+    advice = "give it another repeat"
+    if measurement.repeat is None:
+        advice = "number the sweeps in a column repeat"
     raise column.error(
         f"the frequency {column.cells[row].strip()} stands already in line {column.lines[first]} "
         f"with the same conditions; {advice} or leave out the row",
@@ -115,6 +123,7 @@ def _check_duplicates(measurement: Measurement, column: Column) -> None:
 
 def _twins(measurement: Measurement) -> NDArray[np.int64]:
     """Pairs of rows that nothing tells apart, the earlier first; shape (k, 2)."""
+    # As a key nan would differ from itself; two gaps tell nothing apart.
     keys = [np.nan_to_num(values, nan=-np.inf) for values in measurement.conditions.values()]
     keys += [np.unique(words, return_inverse=True)[1].astype(float) for words in measurement.labels.values()]
     if measurement.repeat is not None:
@@ -132,9 +141,14 @@ def text_from(measurement: Measurement) -> str:
     """The text of a file that reads back as the same numbers, bit for bit."""
     columns = _columns(measurement)
     stream = io.StringIO()
-    twice = {_TWICE: "some frequencies, as they were read"} if len(_twins(measurement)) else {}
-    told = {_TOLD: ", ".join(filter(None, (measurement.units.clock, measurement.units.letter)))}
-    for key, value in {"name": measurement.name, **told, **measurement.provenance, **twice}.items():
+    comments = {"name": measurement.name}
+    # The numbers are in rad/s, so that they come back bit for bit; this tells in what they were measured.
+    comments[_TOLD] = ", ".join(filter(None, (measurement.units.clock, measurement.units.letter)))
+    comments |= measurement.provenance
+    if len(_twins(measurement)):
+        # Otherwise the file would be refused for it when it is read again.
+        comments[_TWICE] = "some frequencies, as they were read"
+    for key, value in comments.items():
         if not key.startswith(_UNIT) and key not in NOTES_OF_VALUES:
             stream.write(f"# {key}: {guarded_line(' '.join(str(value).split()))}\n")
     writer = csv.writer(stream, lineterminator="\n")
@@ -160,27 +174,30 @@ def write_csv(measurement: Measurement, path: str | Path) -> None:
 def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
     unit, moved = measurement.units.stiffness, measurement.units.amplitude
     units = {"temperature": _CELSIUS, "amplitude": moved}
-    found = [
+    columns = [
         ("omega [rad/s]", _cells(measurement.omega)),
         (f"storage [{unit}]", _cells(measurement.storage)),
         (f"loss [{unit}]", _cells(measurement.loss)),
     ]
     if measurement.sd is not None:
-        found += [
+        columns += [
             (f"storage_sd [{unit}]", _cells(measurement.sd.real)),
             (f"loss_sd [{unit}]", _cells(measurement.sd.imag)),
         ]
     for key, values in measurement.conditions.items():
         own_unit = units.get(key, measurement.provenance.get(f"{_UNIT}{key}", ""))
-        found.append((f"{key} [{own_unit}]" if own_unit else key, _cells(values)))
+        title = f"{key} [{own_unit}]" if own_unit else key
+        columns.append((title, _cells(values)))
     if measurement.repeat is not None:
-        found.append(("repeat", [str(value) for value in measurement.repeat.tolist()]))
+        columns.append(("repeat", [str(value) for value in measurement.repeat.tolist()]))
     if measurement.harmonics is not None:
-        for i, values in enumerate(measurement.harmonics.T):
-            found += [(f"h{i + 2}_re [-]", _cells(values.real)), (f"h{i + 2}_im [-]", _cells(values.imag))]
+        # The first harmonic is the stiffness itself.
+        for order, values in enumerate(measurement.harmonics.T, 2):
+            columns += [(f"h{order}_re [-]", _cells(values.real)), (f"h{order}_im [-]", _cells(values.imag))]
     for key, words in measurement.labels.items():
-        found.append((f"{key} [{TEXT}]", [guarded(" ".join(word.split())) for word in words.tolist()]))
-    return found
+        # Marked, since a word may look like a number.
+        columns.append((f"{key} [{TEXT}]", [guarded(" ".join(word.split())) for word in words.tolist()]))
+    return columns
 
 
 def _cells(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[str]:

@@ -54,8 +54,10 @@ class Column:
 
     def error(self, message: str, row: int | None = None) -> DataError:
         """An error at this column, and at a row of it."""
-        line = "" if row is None else f"line {self.lines[row]}, "
-        return DataError(f"{line}column '{self.title}': {message}")
+        where = f"column '{self.title}'"
+        if row is not None:
+            where = f"line {self.lines[row]}, {where}"
+        return DataError(f"{where}: {message}")
 
     def numbers(self, gaps: bool = False) -> Real:
         """The cells as finite numbers; empty ones as nan where `gaps` are allowed.
@@ -67,12 +69,13 @@ class Column:
         """
         cells: Sequence[str] = self.cells
         if self.decimal_comma and any("," in cell for cell in cells):
-            cells = [cell if "." in cell else cell.replace(",", ".") for cell in cells]
+            cells = list(map(_with_point, cells))
         if gaps:
             cells = [cell if cell.strip() else "nan" for cell in cells]
         try:
             values = np.fromiter(map(float, cells), float, len(cells))
         except ValueError:
+            # The slow way tells which cells are no numbers, and reads what typesetting and Fortran write.
             values = np.array([_number(cell) for cell in cells])
         # Python reads 1_000 as a number; in a table it is a slip.
         wrong = ~np.isfinite(values)
@@ -93,6 +96,13 @@ class Column:
         return True
 
 
+def _with_point(cell: str) -> str:
+    """A decimal comma as a point; beside a point a comma may part thousands, which is left to be told."""
+    if "." in cell:
+        return cell
+    return cell.replace(",", ".")
+
+
 def _number(cell: str) -> float:
     """A number, also with the minus of typesetting or the exponent of Fortran: −40, 1.0D+03."""
     try:
@@ -104,7 +114,10 @@ def _number(cell: str) -> float:
 def _complaint(cell: str) -> str:
     if not cell.strip():
         return "the cell is empty; give a number or leave out the row"
-    shown = cell.strip() if len(cell) <= 30 else cell.strip()[:27] + "..."
+    shown = cell.strip()
+    if len(cell) > 30:
+        # An error is one line, however long the cell.
+        shown = shown[:27] + "..."
     if "," in cell and "." in cell:
         return f"'{shown}' has both comma and point; write it without thousands separators"
     if shown.lower().lstrip("+-") in ("nan", "inf", "infinity"):
@@ -130,6 +143,7 @@ class Table:
 
 def separator_of(header: str) -> str:
     """The sign between the cells: a semicolon, a tab, or else a comma."""
+    # What stands within brackets or quotes belongs to a title: "strain [%; peak]".
     plain = re.sub(r"\[[^\[\]]*\]|\([^()]*\)|\"[^\"]*\"", "", header)
     return next((sign for sign in (";", "\t") if sign in plain), ",")
 
@@ -150,8 +164,9 @@ def split_header(header: str, separator: str) -> list[str]:
 
 def name_and_unit(title: str) -> tuple[str, str | None]:
     """``Storage modulus [kN/m]`` as (``storage_modulus``, ``kN/m``)."""
-    match = _BRACKETED.match(title) if len(title) <= _LONGEST else None
-    name, unit = (match[1], match[2]) if match and match[1] else (title, None)
+    name, unit = title, None
+    if len(title) <= _LONGEST and (match := _BRACKETED.match(title)) and match[1]:
+        name, unit = match[1], match[2]
     return re.sub(r"[\s-]+", "_", name.strip().lower()), unit
 
 
@@ -183,6 +198,7 @@ def table_of(text: str) -> Table:
         raise DataError("the file holds no table")
     separator = separator_of(filled[0][1])
     titles = split_header(filled[0][1], separator)
+    # Spreadsheets end each line with the separators of columns that were once used.
     while len(titles) > 1 and not titles[-1]:
         titles.pop()
     if len(filled) == 1:
@@ -190,9 +206,8 @@ def table_of(text: str) -> Table:
     numbers = [number for number, _ in filled[1:]]
     rows = [_cells(line, separator, number) for number, line in filled[1:]]
     _check_lengths(rows, len(titles), numbers, separator)
-    cells = list(zip(*rows, strict=True)) if rows else []
     columns = []
-    for title, column in zip(titles, cells, strict=False):
+    for title, column in zip(titles, zip(*rows, strict=True), strict=False):
         name, unit = name_and_unit(title)
         columns.append(Column(title, name, unit, column, numbers, separator != ","))
     _check_names(columns)
@@ -201,6 +216,7 @@ def table_of(text: str) -> Table:
 
 def _cells(line: str, separator: str, number: int) -> list[str]:
     if '"' not in line:
+        # Most lines are like this one, with nothing to unquote.
         return line.split(separator)
     try:
         return next(csv.reader([line], delimiter=separator))
@@ -215,7 +231,10 @@ def _check_lengths(rows: list[list[str]], width: int, numbers: list[int], separa
         while len(row) > width and not row[-1].strip():
             row.pop()
         if len(row) != width:
-            hint = "; with a decimal comma, separate the columns by semicolons" if separator == "," else ""
+            hint = ""
+            if separator == ",":
+                # Then 1,5 counts as two cells.
+                hint = "; with a decimal comma, separate the columns by semicolons"
             raise DataError(f"line {number}: {len(row)} cells where the header has {width}{hint}")
 
 
@@ -230,10 +249,12 @@ def _check_names(columns: list[Column]) -> None:
 
 
 def _comments(lines: Iterable[str]) -> dict[str, str]:
-    found: dict[str, list[str]] = {}
-    for line in lines:
-        match = _COMMENT.match(line.strip())
-        key, value = (match[1], match[2].strip()) if match else ("comment", line.strip().lstrip("#").strip())
+    # Lists that are joined at the end: text that grows line by line takes the square of the time.
+    comments: dict[str, list[str]] = {}
+    for line in map(str.strip, lines):
+        key, value = "comment", line.lstrip("#").strip()
+        if match := _COMMENT.match(line):
+            key, value = match[1], match[2].strip()
         if value:
-            found.setdefault(key, []).append(value)
-    return {key: " ".join(values) for key, values in found.items()}
+            comments.setdefault(key, []).append(value)
+    return {key: " ".join(values) for key, values in comments.items()}

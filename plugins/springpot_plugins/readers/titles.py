@@ -135,42 +135,55 @@ def heading(title: str, below: str | None = None) -> Heading:
     if len(title) > _LONGEST:
         return Heading(title[:_LONGEST], title[:_LONGEST], None, below)
     title = " ".join(title.split())
-    if below is not None and below.strip():
-        inner = below.strip()
-        inner = inner[1:-1] if inner[:1] + inner[-1:] in ("[]", "()") else inner
-        own = heading(title)
-        name = own.name if own.log or own.curve else title
-        role = role_of(title) or own.role
-        return _by_unit(Heading(title, name, role, inner.strip(), log=own.log, curve=own.curve))
-    return _by_unit(_marked(title) or _plain(title))
+    if below is None or not below.strip():
+        return _by_unit(_marked(title) or _plain(title))
+    own = heading(title)
+    name = title
+    if own.log or own.curve:
+        name = own.name
+    # The row of units stands for the whole column, so that its unit goes before one within the title.
+    unit = _unbracketed(below.strip()).strip()
+    return _by_unit(Heading(title, name, role_of(title) or own.role, unit, log=own.log, curve=own.curve))
 
 
-def _by_unit(found: Heading) -> Heading:
+def _unbracketed(unit: str) -> str:
+    if unit[:1] + unit[-1:] in ("[]", "()"):
+        return unit[1:-1]
+    return unit
+
+
+def _by_unit(named: Heading) -> Heading:
     """The heading whose unit tells what its name leaves open: a damping, or the dynamic stiffness ``C_dyn``."""
-    unit = normal_unit(found.unit or "")
+    unit = normal_unit(named.unit or "")
     if unit in DAMPING_UNITS:
-        return replace(found, role="damping")
-    if found.role == "damping" and unit in MODULUS_UNITS:
-        return replace(found, role="magnitude")
-    return found
+        return replace(named, role="damping")
+    if named.role == "damping" and unit in MODULUS_UNITS:
+        return replace(named, role="magnitude")
+    return named
 
 
 def _marked(title: str) -> Heading | None:
     """The title of one of several curves, or of logarithms."""
     if role_of(title) is not None:
+        # A name that is known as a whole, such as log10 a_T, is not taken apart.
         return None
     if (marked := curve_in_title(title)) is not None:
         stem, curve = marked
-        found = heading(stem) if stem != title else None
-        clocks = FREQUENCIES if curve.role in FREQUENCIES else {curve.role}
-        if found is not None and found.role in UNITS and found.role not in {*clocks, "time"}:
-            return replace(found, title=title, curve=curve)
+        if stem != title and _is_along_curve(heading(stem).role, curve):
+            return replace(heading(stem), title=title, curve=curve)
     if (taken := logarithm(title)) is not None:
         base, inner = taken
-        found = _plain(inner)
-        if found.role in UNITS and found.role not in ("time", "temperature"):
-            return replace(found, title=title, log=base)
+        plain = _plain(inner)
+        if plain.role in UNITS and plain.role not in ("time", "temperature"):
+            return replace(plain, title=title, log=base)
     return None
+
+
+def _is_along_curve(role: str | None, curve: CurveName) -> bool:
+    """Whether a column of this role may belong to one of several curves, rather than say which one it is."""
+    if role not in UNITS or role in (curve.role, "time"):
+        return False
+    return role not in FREQUENCIES or curve.role not in FREQUENCIES
 
 
 def _plain(title: str) -> Heading:
@@ -178,17 +191,22 @@ def _plain(title: str) -> Heading:
     if (match := _BRACKETS.match(title)) and match[1]:
         return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
     if (role := role_of(title)) is not None:
-        return Heading(title, title, role, "%" if title.startswith("%") else None)
+        # "% strain"
+        unit = "%" if title.startswith("%") else None
+        return Heading(title, title, role, unit)
     return _in_parentheses(title) or _after_sign(title) or _joined(title) or Heading(title, title, None, None)
 
 
 def _stem_role(stem: str) -> str | None:
     """The role of a name that may still have a remark, as in ``Frequency (f) [Hz]``."""
-    role = role_of(stem)
-    if role is None and (match := _PARENTHESES.match(stem)):
-        explained = role_of(match[2])
-        role = role_of(match[1]) if explained in (None, role_of(match[1])) and not _restricts(match[2]) else None
-    return role
+    role, match = role_of(stem), _PARENTHESES.match(stem)
+    if role is not None or match is None:
+        return role
+    own, explained = role_of(match[1]), role_of(match[2])
+    # Where both are known and differ, the title does not tell which is meant.
+    if explained not in (None, own) or _restricts(match[2]):
+        return None
+    return own
 
 
 def _restricts(remark: str) -> bool:
@@ -206,16 +224,18 @@ def _in_parentheses(title: str) -> Heading | None:
         return Heading(title, stem, role, None)
     if role is not None and not _restricts(inner):
         return Heading(title, stem, role, inner)
-    return Heading(title, stem, None, inner) if is_unit(inner) else None
+    if is_unit(inner):
+        return Heading(title, stem, None, inner)
+    return None
 
 
 def _after_sign(title: str) -> Heading | None:
     """``Storage modulus / Pa``, ``Frequenz in Hz``, ``Frequency, Hz`` and ``T °C``."""
+    # From the right: the shortest rest that is a unit leaves the longest name.
     for place in [i for i in range(len(title) - 1, 0, -1) if title[i] in " /,"][:8]:
-        stem, unit = title[:place].rstrip(" /,"), title[place + 1 :].strip()
+        stem, unit = title[:place].rstrip(" /,"), _unbracketed(title[place + 1 :].strip())
         stem = re.sub(r"\s+(?:in|en)$", "", stem)
         role = role_of(stem) or _stem_role(stem)
-        unit = unit[1:-1] if unit[:1] + unit[-1:] in ("()", "[]") else unit
         if role is not None and unit and is_unit(unit):
             return Heading(title, stem, role, unit)
     return None
@@ -224,27 +244,30 @@ def _after_sign(title: str) -> Heading | None:
 def _joined(title: str) -> Heading | None:
     """``storage_N_per_mm``, ``omega_rad_s`` and ``Storage modulus_Pa``."""
     for match in reversed(list(re.finditer("_", title))[-8:]):
-        stem, said = title[: match.start()], title[match.end() :]
+        stem, rest = title[: match.start()], title[match.end() :]
         role = role_of(stem)
         if role is None or role not in UNITS:
             continue
-        for unit in (said.replace("_per_", "/"), said.replace("_", "/"), said.replace("_", " "), _word(said)):
+        for unit in (rest.replace("_per_", "/"), rest.replace("_", "/"), rest.replace("_", " "), _sign_of(rest)):
             known = normal_unit(unit)
+            # Programs often write names in lower case alone: storage_mpa.
             if known in UNITS[role] or known.lower() in {name.lower() for name in UNITS[role]}:
                 return Heading(title, stem, role, unit, joined=True)
     return None
 
 
-def _word(said: str) -> str:
-    return {"pct": "%", "percent": "%", "c": "degC", "k": "K"}.get(said.lower(), said)
+def _sign_of(word: str) -> str:
+    """The sign of a unit that a name in a program cannot hold."""
+    return {"pct": "%", "percent": "%", "c": "degC", "k": "K"}.get(word.lower(), word)
 
 
 @lru_cache(maxsize=2048)
-def plainly(found: Heading) -> Heading:
+def plainly(named: Heading) -> Heading:
     """A title such as ``G'_A [Pa]`` as that of one of several curves; others as they are."""
-    if found.role is None and (marked := curve_in_suffix(found.name)) is not None:
+    if named.role is None and (marked := curve_in_suffix(named.name)) is not None:
         name, curve = marked
         role = role_of(name)
+        # Time, temperature and amplitude are shared by the curves, or several sensors'.
         if role in UNITS and role not in ("time", "temperature", "amplitude"):
-            return replace(found, role=role, name=name, curve=curve)
-    return found
+            return replace(named, role=role, name=name, curve=curve)
+    return named

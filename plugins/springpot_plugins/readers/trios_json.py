@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -36,21 +36,35 @@ def recognises(head: bytes) -> float:
     text = head_text(head).lstrip("\ufeff \r\n\t")
     if not text.startswith("{"):
         return 0.0
-    return 1.0 if _MARKS[0] in text else min(0.9, 0.3 * sum(mark in text for mark in _MARKS))
+    if _MARKS[0] in text:
+        return 1.0
+    # One such word stands in other JSON as well, several of them hardly.
+    return min(0.9, 0.3 * sum(mark in text for mark in _MARKS))
+
+
+def _object(value: Any) -> dict[str, Any]:
+    """The object itself; an empty one for anything else, since a broken file may hold that in its place."""
+    if isinstance(value, dict):
+        return value
+    return {}
 
 
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
     """The tables of results, and what the file says of instrument and sample."""
     try:
         data = json.loads(text_of(path).lstrip("\ufeff"))
+    # Brackets within brackets without end are no wrong value but exhaust the parser.
     except (ValueError, RecursionError) as error:
         reason = getattr(error, "msg", "nested too deeply")
         raise DataError(f"no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}") from None
     if not isinstance(data, dict):
         raise DataError("no TRIOS export: the JSON is no object")
-    experiment = data.get("Experiment")
-    root: dict[str, Any] = experiment if isinstance(experiment, dict) else data
-    blocks = [block for number, found in enumerate(_sets(root), 1) for block in _blocks(found, number, root)]
+    root: dict[str, Any] = data
+    if isinstance(data.get("Experiment"), dict):
+        root = data["Experiment"]
+    blocks: list[Block] = []
+    for number, table in enumerate(_sets(root), 1):
+        blocks += _blocks(table, number, root)
     if not blocks:
         raise DataError("a TRIOS JSON export without rows of results")
     return blocks, facts_of(_pairs(root))
@@ -60,30 +74,56 @@ def _sets(root: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Tables of results: processed rather than original."""
     results = root.get("Results")
     if isinstance(results, dict):
-        chosen = next((results[key] for key in ("Processed", "Original") if isinstance(results.get(key), dict)), None)
-        results = [chosen or results]
-    found: list[dict[str, Any]] = []
-    for result in results if isinstance(results, list) else []:
-        inner = result.get("DataSet", result) if isinstance(result, dict) else None
-        properties = result.get("Properties") if isinstance(result, dict) else None
-        for table in inner if isinstance(inner, list) else [inner]:
+        results = [_processed(results)]
+    if not isinstance(results, list):
+        return []
+    tables: list[dict[str, Any]] = []
+    for result in results:
+        if not isinstance(result, dict):
+            continue
+        inner = result.get("DataSet", result)
+        if not isinstance(inner, list):
+            inner = [inner]
+        for table in inner:
             if isinstance(table, dict):
-                found.append({"Properties": properties, **table})
-    return found
+                tables.append({"Properties": result.get("Properties"), **table})
+    return tables
+
+
+def _processed(results: dict[str, Any]) -> dict[str, Any]:
+    """The processed results, else the original ones, else the object itself as the one result."""
+    for key in ("Processed", "Original"):
+        if isinstance(results.get(key), dict):
+            return results[key] or results
+    return results
 
 
 def _blocks(table: Mapping[str, Any], number: int, root: Mapping[str, Any]) -> Iterator[Block]:
-    headings, rows = _by_headers(table) if "ColumnHeaders" in table else _by_columns(table)
+    if "ColumnHeaders" in table:
+        headings, rows = _by_headers(table)
+    else:
+        headings, rows = _by_columns(table)
     steps = _step_names(table, root)
-    key = next((i for name in _STEPS for i, found in enumerate(headings) if found.title == name), None)
+    runs = _by_step(headings, rows)
+    own_name = str(_object(table.get("Properties")).get("Name", ""))
+    for place, (step, points) in enumerate(runs.items(), 1):
+        name = steps.get(step) or own_name
+        if not name and len(runs) > 1:
+            name = f"step {place}"
+        elif not name:
+            name = f"results {number}"
+        yield Block(name[:80], headings, points, range(1, len(points) + 1))
+
+
+def _by_step(headings: Sequence[Heading], rows: list[list[str]]) -> dict[str, list[list[str]]]:
+    """Rows by what the column of steps says; all of them under nothing where there is no such column."""
+    titles = [each.title for each in headings]
+    named = [titles.index(name) for name in _STEPS if name in titles]
     runs: dict[str, list[list[str]]] = {}
     for row in rows:
-        runs.setdefault("" if key is None else row[key], []).append(row)
-    properties = table.get("Properties")
-    called = str(properties.get("Name", "")) if isinstance(properties, dict) else ""
-    for place, (step, chosen) in enumerate(runs.items(), 1):
-        name = steps.get(step) or called or (f"step {place}" if len(runs) > 1 else f"results {number}")
-        yield Block(name[:80], headings, chosen, range(1, len(chosen) + 1))
+        step = row[named[0]] if named else ""
+        runs.setdefault(step, []).append(row)
+    return runs
 
 
 def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[list[str]]]:
@@ -98,9 +138,8 @@ def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
 
 def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[list[str]]]:
     """Rows as lists, below columns with name and unit."""
-    data = table.get("Data")
-    columns = data.get("columns") if isinstance(data, dict) else None
-    values = data.get("values") if isinstance(data, dict) else None
+    data = _object(table.get("Data"))
+    columns, values = data.get("columns"), data.get("values")
     if not isinstance(columns, list) or not isinstance(values, list):
         return (), []
     headings = tuple(_heading(column, f"column {i}") for i, column in enumerate(columns[:500], 1))
@@ -109,31 +148,37 @@ def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     return headings, [[*row, *[""] * (width - len(row))] for row in rows]
 
 
-def _heading(said: Any, key: str) -> Heading:
-    said = said if isinstance(said, dict) else {}
-    name = str(said.get("DisplayName") or said.get("name") or key)
-    unit = said.get("Unit", said.get("unit"))
-    unit = unit.get("Name") if isinstance(unit, dict) else unit
-    return heading(name[:200], unit[:60] if isinstance(unit, str) else None)
+def _heading(header: Any, key: str) -> Heading:
+    header = _object(header)
+    name = str(header.get("DisplayName") or header.get("name") or key)
+    unit = header.get("Unit", header.get("unit"))
+    if isinstance(unit, dict):
+        unit = unit.get("Name")
+    # Cut short: a file may hold anything here, and what follows searches it by patterns.
+    if isinstance(unit, str):
+        return heading(name[:200], unit[:60])
+    return heading(name[:200], None)
 
 
 def _cell(value: Any) -> str:
-    if isinstance(value, float) and value == value:
-        return repr(value)
-    return "" if value is None or isinstance(value, (dict, list, bool, float)) else str(value)[:200]
+    if value is None or isinstance(value, (dict, list, bool)):
+        return ""
+    if isinstance(value, float):
+        # The shortest digits that read back as the same bits; nan is a gap.
+        return repr(value) if value == value else ""
+    return str(value)[:200]
 
 
 def _step_names(table: Mapping[str, Any], root: Mapping[str, Any]) -> dict[str, str]:
     """Names of steps by their identifiers."""
-    procedure = root.get("Procedure")
-    lists = [table.get("ResultsSteps"), procedure.get("Steps") if isinstance(procedure, dict) else None]
-    return {
-        str(step.get("Id")): str(step.get("Name"))
-        for steps in lists
-        if isinstance(steps, list)
-        for step in steps
-        if isinstance(step, dict) and step.get("Name")
-    }
+    names: dict[str, str] = {}
+    for steps in (table.get("ResultsSteps"), _object(root.get("Procedure")).get("Steps")):
+        if not isinstance(steps, list):
+            continue
+        for step in map(_object, steps):
+            if step.get("Name"):
+                names[str(step.get("Id"))] = str(step["Name"])
+    return names
 
 
 def _pairs(root: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
@@ -145,16 +190,16 @@ def _pairs(root: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
         yield "run date", root["StartTime"]
     waiting: list[tuple[str, Any, int]] = [("", procedure, 0), ("", root.get("Properties"), 0)]
     seen = 0
+    # A stack with a limit, no recursion: a file may be nested as deeply and as widely as somebody likes.
     while waiting and seen < 20_000:
         key, value, depth = waiting.pop()
         seen += 1
         if isinstance(value, list) and depth < 12:
             waiting += [(key, item, depth + 1) for item in value[:100]]
         elif isinstance(value, dict) and isinstance(value.get("Value"), int | float):
-            unit = value.get("Unit")
-            name = unit.get("Name", "") if isinstance(unit, dict) else ""
+            unit = _object(value.get("Unit")).get("Name", "")
             if key in _PATHS:
-                yield _PATHS[key], f"{value['Value']:.12g} {name}"
+                yield _PATHS[key], f"{value['Value']:.12g} {unit}"
         elif isinstance(value, dict) and depth < 12:
             waiting += [(str(name), inner, depth + 1) for name, inner in value.items()]
             if key == "Geometry" and isinstance(value.get("Name"), str):
