@@ -111,17 +111,22 @@ def exported(
         raise ModelError(f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot")
     known = lesser(_known(source, values, unit), without)
     _refuse_rig(known.model)
-    kelvin = None if temperature is None else temperature + KELVIN
+    kelvin = None
+    if temperature is not None:
+        kelvin = temperature + KELVIN
     spectrum = known.model.spectrum(
         known.theta, _band(band), temperature=kelvin, reference_temperature=known.reference
     )
     prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
     # Numbers given for a model expression have a unit only if the user says which.
-    shown_unit = known.units.stiffness if source.endswith(".json") or unit is not None else ""
+    shown_unit = ""
+    if source.endswith(".json") or unit is not None:
+        shown_unit = known.units.stiffness
     handoff = _handoff(known, prony, shown_unit, kelvin, poisson)
-    text = writer.written(handoff)
-    data = None if writer.data is None else writer.data(handoff)
-    return Exported(text, writer, handoff, data)
+    data = None
+    if writer.data is not None:
+        data = writer.data(handoff)
+    return Exported(writer.written(handoff), writer, handoff, data)
 
 
 def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisson: float | None) -> Handoff:
@@ -188,10 +193,10 @@ def _band(text: str) -> tuple[float, float]:
     edges = []
     for part in text.split(":"):
         match = _EDGE.fullmatch(part)
-        number = float(match[1]) if match else np.nan
-        if match is None or not 0.0 < number < np.inf:
+        # 1e999 is written as a number, and read as none that is finite.
+        if match is None or not 0.0 < float(match[1]) < np.inf:
             raise DataError(f"'{text}' is no band: write two frequencies with their units, such as 1Hz:48Hz")
-        edges.append(number * FREQUENCY_UNITS[known_unit(match[2], FREQUENCY_UNITS, "the band")])
+        edges.append(float(match[1]) * FREQUENCY_UNITS[known_unit(match[2], FREQUENCY_UNITS, "the band")])
     if len(edges) != 2 or not edges[0] < edges[1]:
         raise DataError(f"'{text}' is no band: write two frequencies, the lower first, such as 1Hz:48Hz")
     return edges[0], edges[1]
@@ -202,6 +207,9 @@ def _share(tolerance: str | float | None) -> float | None:
         return tolerance
     number, percent, _ = tolerance.strip().partition("%")
     try:
-        return float(number) / (100.0 if percent else 1.0)
+        share = float(number)
     except ValueError:
         raise ModelError(f"'{tolerance}' is no tolerance: write 0.5% or 0.005") from None
+    if percent:
+        share /= 100.0
+    return share

@@ -80,7 +80,10 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     if name not in frame:
         raise DataError(f"{path}: [structure] has no {name}")
     value = np.atleast_1d(np.asarray(frame[name], dtype=float))
-    return np.full(storeys, value[0]) if len(value) == 1 else value
+    # One number stands for all storeys.
+    if len(value) == 1:
+        return np.full(storeys, value[0])
+    return value
 
 
 def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
@@ -94,22 +97,31 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         values = {str(name): float(value) for name, value in dict(entry.get("parameters", {})).items()}
         known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
     without = entry.get("without", [])
-    known = lesser(known, [without] if isinstance(without, str) else map(str, without))
+    if isinstance(without, str):
+        without = [without]
+    known = lesser(known, map(str, without))
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
     cosine = float(np.cos(np.radians(float(entry.get("slope", 0.0)))))
-    temperature = None if "temperature" not in entry else float(entry["temperature"])
+    temperature = None
+    if "temperature" in entry:
+        temperature = float(entry["temperature"])
     if "temperature" in known.model.needs and temperature is None:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
+    covariance = None
+    # Parameters that were stated, not fitted, have no uncertainty to carry on.
+    if np.any(known.covariance != 0.0):
+        covariance = known.covariance
     return Damper(
         known.model,
         known.theta,
         int(entry.get("storey", 1)),
+        # Once for the drift that reaches the damper, once for its force that is horizontal.
         float(entry.get("count", 1)) * cosine**2,
-        known.covariance if np.any(known.covariance != 0.0) else None,
+        covariance,
         temperature,
         known.reference,
         STIFFNESS_UNITS[known.units.stiffness],
@@ -144,7 +156,8 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     except UnicodeDecodeError:
         raise DataError(f"{path} is no text in UTF-8") from None
     rows = [line for line in lines if line.strip() and not line.startswith("#")]
-    factor = _acceleration_unit(rows[0] if rows else "", path)
+    header = rows[0] if rows else ""
+    factor = _acceleration_unit(header, path)
     try:
         values = np.array([[float(cell) for cell in row.split(",")[:2]] for row in rows[1:]], dtype=float)
     except ValueError as error:

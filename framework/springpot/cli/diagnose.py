@@ -61,15 +61,18 @@ def command(
     if tests is not None:
         timetests.diagnose(tests, expression, data, model, as_json)
         return 0
-    judged = None if expression is None else for_sweeps(expression)
+    judged = None
+    if expression is not None:
+        judged = for_sweeps(expression)
     arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
-    lines = as_json and len(data) > 1
     worst = 0
     for i, name in enumerate(data):
         if i and not as_json:
             print()
         opener = partial(opened, name, geometry)
-        shown = partial(_json, line=lines) if as_json else partial(_text, verbose=verbose, named=name, model=model)
+        shown: Shown = partial(_text, verbose=verbose, named=name, model=model)
+        if as_json:
+            shown = partial(_json, line=len(data) > 1)
         code = exit_code(partial(_answer, opener, arguments, shown))
         if code not in (0, BAD_INPUT, FAULT):  # interrupted, or nobody reads on
             return code
@@ -104,5 +107,7 @@ def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: 
     text = diagnosis_text(diagnosis, measurement, window(), verbose)
     if diagnosis.best is None:
         return text
-    judged = "" if model is None else f" --model {quoted(model)}"
+    judged = ""
+    if model is not None:
+        judged = f" --model {quoted(model)}"
     return f"{text}\n\nnext: springpot discover {quoted(named)}{judged} --accept {diagnosis.best.effect}"

@@ -137,7 +137,9 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
         return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
     named = [step.accepted for step in ladder.steps if step.accepted and not step.accepted.startswith("-")]
     accept = " ".join(f"--accept {quoted(name)}" for name in [*named, ladder.diagnosis.best.effect])
-    judged = "" if model is None else f" --model {quoted(model)}"
+    judged = ""
+    if model is not None:
+        judged = f" --model {quoted(model)}"
     return f"springpot discover {quoted(data)}{judged} {accept}"
 
 

@@ -48,25 +48,34 @@ class KindOfCard:
             return plugins.find("time reader", name)
         if self.word != "model":
             return plugins.find(self.word, name)
-        shelf = plugins.shelves["model"]
-        return shelf.items[name] if name in shelf.items else plugins.model(name)
+        models = plugins.shelves["model"].items
+        # A family stands for itself here; `plugins.model` would ask which member is meant.
+        if name in models:
+            return models[name]
+        return plugins.model(name)
 
     def all(self, plugins: Registry) -> list[Any]:
         """All that there are; of optimisers also libraries of many, which are not imported for that."""
+        items = list(plugins.items(self.word))
         beside = {"optimiser": "optimiser family", "reader": "time reader"}.get(self.word)
-        return [*plugins.items(self.word), *(plugins.items(beside) if beside else ())]
+        if beside is not None:
+            items += plugins.items(beside)
+        return items
 
 
 def model(item: Model | Family) -> dict[str, Any]:
     """Describe a model, or a family by its second member."""
     shown = item.build(EXAMPLE_MEMBER) if isinstance(item, Family) else item
+    search_parameters = []
+    if shown.search:
+        search_parameters = parameters(shown.search.parameters)
     return {
         "name": item.name,
         "aliases": list(item.aliases),
         "summary": item.summary,
         "citation": shown.citation,
         "parameters": parameters(shown.parameters),
-        "search_parameters": parameters(shown.search.parameters) if shown.search else [],
+        "search_parameters": search_parameters,
         "needs": sorted(shown.needs),
         "drawing": drawing_of(shown),
     }
@@ -74,11 +83,14 @@ def model(item: Model | Family) -> dict[str, Any]:
 
 def effect(item: Effect) -> dict[str, Any]:
     """Describe an effect."""
+    equation = ""
+    if item.equation:
+        equation = f"K_m = {item.equation}"
     return {
         "name": item.name,
         "aliases": list(item.aliases),
         "summary": item.summary,
-        "equation": f"K_m = {item.equation}" if item.equation else "",
+        "equation": equation,
         "plane": item.plane,
         "layer": item.layer.name.lower().replace("_", " "),
         "needs": sorted(item.needs),
@@ -105,6 +117,7 @@ def time_effect(item: TimeEffect) -> dict[str, Any]:
 def optimiser(item: type[Optimiser] | OptimiserFamily) -> dict[str, Any]:
     """Describe an optimiser with its options and their defaults, or a library of optimisers."""
     if isinstance(item, OptimiserFamily):
+        # What its members can do is known only once the library is imported.
         summary = f"{item.summary}: springpot list optimisers {item.name}"
         known = dict.fromkeys(("global", "gradient", "batched", "stochastic"), False)
         return {"name": item.name, "summary": summary, "citation": "", **known, "options": {}}
@@ -146,12 +159,13 @@ def dataset(item: DataSet) -> dict[str, Any]:
 
 def reader(item: Reader | TimeReader) -> dict[str, Any]:
     """Describe a reader: of sweeps, of signals that become points of a sweep, or of tests in time."""
+    signals = writes = False
     if isinstance(item, TimeReader):
-        told = {"holds": "tests in time", "signals": False, "writes": False}
+        holds = "tests in time"
     else:
-        signals = item.signals is not None
-        told = {"holds": "signals" if signals else "sweeps", "signals": signals, "writes": item.text is not None}
-    return {"name": item.name, "summary": item.summary, **told}
+        signals, writes = item.signals is not None, item.text is not None
+        holds = "signals" if signals else "sweeps"
+    return {"name": item.name, "summary": item.summary, "holds": holds, "signals": signals, "writes": writes}
 
 
 def objective(item: Objective) -> dict[str, Any]:
@@ -180,11 +194,14 @@ def parameters(of: Iterable[Parameter]) -> list[dict[str, Any]]:
 
 def options(of: type[Optimiser]) -> dict[str, Any]:
     """An optimiser's options and their defaults."""
-    found: dict[str, Any] = {}
+    defaults: dict[str, Any] = {}
     for option in fields(of):  # type: ignore[arg-type]
-        default = option.default if option.default_factory is MISSING else option.default_factory()
-        found[option.name] = None if default is MISSING else default
-    return found
+        defaults[option.name] = None
+        if option.default_factory is not MISSING:
+            defaults[option.name] = option.default_factory()
+        elif option.default is not MISSING:
+            defaults[option.name] = option.default
+    return defaults
 
 
 KINDS = {
@@ -208,8 +225,15 @@ def cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} = {item}" for key, item in value.items())
     if isinstance(value, list):
-        return ", ".join(item["name"] if isinstance(item, dict) else str(item) for item in value)
+        return ", ".join(_word(item) for item in value)
     return str(value)
+
+
+def _word(item: Any) -> str:
+    """An entry of a list; of a parameter its name."""
+    if isinstance(item, dict):
+        return str(item["name"])
+    return str(item)
 
 
 def card(description: dict[str, Any]) -> str:

@@ -66,7 +66,9 @@ class Axis:
 
     def of(self, other: Measurement) -> Real:
         """Where the points of another measurement stand on this axis."""
-        return other.units.on_clock(other.frequency) if self.column == "frequency" else other.conditions[self.column]
+        if self.column == "frequency":
+            return other.units.on_clock(other.frequency)
+        return other.conditions[self.column]
 
 
 def axis_of(measurement: Measurement) -> Axis:
@@ -95,8 +97,11 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
     """
     along = axis.values[sweep.rows]
     place = np.log(along) if axis.logarithmic else along
+    # Repeats stand at one place, where interpolation can take one value only.
     known, first = np.unique(place, return_index=True)
-    fine = np.linspace(known[0], known[-1], SMOOTH) if len(known) > 1 else known
+    fine: Real = known
+    if len(known) > 1:
+        fine = np.linspace(known[0], known[-1], SMOOTH)
 
     def between(column: Real) -> Real:
         here = column[sweep.rows]
@@ -107,4 +112,6 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
     points = measurement.points
     log_omega = np.interp(fine, known, points.log_omega[sweep.rows][first])
     there = replace(points.mapped(between), log_omega=log_omega)
-    return np.exp(fine) if axis.logarithmic else fine, there
+    if axis.logarithmic:
+        fine = np.exp(fine)
+    return fine, there

@@ -77,7 +77,9 @@ def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str |
 def _headline(scene: Scene) -> str:
     """What is shown, and how well the model fits."""
     data = scene.measurement
-    drawn = f"; {scene.drawn}" if scene.drawn else ""
+    drawn = ""
+    if scene.drawn:
+        drawn = f"; {scene.drawn}"
     if not scene.fits:
         return f"{_cut(data.name)}{drawn}"
     if len(scene.fits) > 1:
@@ -90,7 +92,9 @@ def _headline(scene: Scene) -> str:
 
 
 def _cut(text: str) -> str:
-    return text if len(text) <= TITLE_WIDTH else f"{text[: TITLE_WIDTH - 1]}…"
+    if len(text) <= TITLE_WIDTH:
+        return text
+    return f"{text[: TITLE_WIDTH - 1]}…"
 
 
 def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False) -> None:
@@ -135,15 +139,19 @@ def _width(marks: Sequence[Line2D]) -> float:
 
 def marks_of(scene: Scene) -> list[Line2D]:
     """What the marks and lines of a scene mean, for a legend."""
-    plain = not scene.by_sweep and not scene.by_fit
-    first, second = (scene.data_colour(0, 0), scene.data_colour(0, 1)) if plain else (INK, INK)
-    lines = ("-", "--") if scene.fits else ("none", "none")
+    first, second = INK, INK
+    # Elsewhere a colour stands for a sweep or a model, and so for neither storage nor loss.
+    if not scene.by_sweep and not scene.by_fit:
+        first, second = scene.data_colour(0, 0), scene.data_colour(0, 1)
+    solid, dashed, dotted = "none", "none", "none"
+    if scene.fits:
+        solid, dashed, dotted = "-", "--", ":"
     marks = [
-        _mark("storage", first, marker="o", linestyle=lines[0]),
-        _mark("loss", second, marker="o", markerfacecolor="white", linestyle=lines[1]),
+        _mark("storage", first, marker="o", linestyle=solid),
+        _mark("loss", second, marker="o", markerfacecolor="white", linestyle=dashed),
     ]
     if np.any(scene.measurement.storage < 0) or np.any(scene.measurement.loss < 0):
-        marks.append(_mark("negative: its size", INK, marker="x", linestyle=":" if scene.fits else "none"))
+        marks.append(_mark("negative: its size", INK, marker="x", linestyle=dotted))
     if scene.measurement.sd is not None and scene.fits:
         marks.append(_mark("± 2 standard deviations", "#DDDDDD", linewidth=7.0))
     if scene.by_fit:

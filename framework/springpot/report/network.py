@@ -72,7 +72,9 @@ def _row_size(sizes: Sequence[Size]) -> Size:
 
 
 def _leaf_size(leaf: Leaf, operation: str) -> Size:
-    inside = 44.0 if leaf.kind in SYMBOLS and not operation else LETTER * len(operation + leaf.kind) + 16
+    inside = LETTER * len(operation + leaf.kind) + 16
+    if leaf.kind in SYMBOLS and not operation:
+        inside = 44.0
     return Size(max(inside, LETTER * len(leaf.label)) + 2 * LEAD, LABEL_RISE + 16, 18.0)
 
 
@@ -116,7 +118,9 @@ SYMBOLS = {"spring": _spring, "dashpot": _dashpot, "springpot": _springpot, "mas
 
 
 def _wire(x1: float, x2: float, y: float, dashed: bool = False) -> list[Mark]:
-    return [Line(((x1, y), (x2, y)), dashed=dashed)] if x2 > x1 else []
+    if x2 <= x1:
+        return []
+    return [Line(((x1, y), (x2, y)), dashed=dashed)]
 
 
 def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) -> list[Mark]:
@@ -175,7 +179,9 @@ def _picture(node: Node) -> tuple[float, float, list[Mark]]:
 def _svg_line(line: Line) -> str:
     kind = "polygon" if line.closed else "polyline"
     points = " ".join(f"{x:.1f},{y:.1f}" for x, y in line.points)
-    dash = ' stroke-dasharray="3 3"' if line.dashed else ""
+    dash = ""
+    if line.dashed:
+        dash = ' stroke-dasharray="3 3"'
     return f'<{kind} points="{points}"{dash}/>'
 
 
@@ -233,7 +239,10 @@ def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
         if isinstance(mark, Label):
             axes.text(mark.x, mark.y, mark.text, ha="center", va="center", fontsize=FONT - 1, parse_math=False)
         else:
-            points = mark.points + mark.points[:1] if mark.closed else mark.points
+            points = mark.points
+            # A polygon of SVG closes itself; a line of matplotlib has to come back.
+            if mark.closed:
+                points += points[:1]
             style = ":" if mark.dashed else "-"
             axes.plot([x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2)
     figure.savefig(path, dpi=72 * scale, format="png")

@@ -23,12 +23,17 @@ def number(value: float | None, digits: int = DIGITS) -> str:
         return "-"
     if not isfinite(value):
         return "inf" if value > 0 else "-inf"
-    return _at_place(value, _exponent(value, digits) - digits + 1) if value else "0"
+    # Nothing has no first digit to count from.
+    if value == 0:
+        return "0"
+    return _at_place(value, _exponent(value, digits) - digits + 1)
 
 
 def percent(fraction: float | None, digits: int = 3) -> str:
     """A fraction as per cent, such as ``0.31 %``."""
-    return "-" if fraction is None or not isfinite(fraction) else f"{number(100 * fraction, digits)} %"
+    if fraction is None or not isfinite(fraction):
+        return "-"
+    return f"{number(100 * fraction, digits)} %"
 
 
 def with_interval(value: float, low: float | None, high: float | None) -> tuple[str, str]:
@@ -45,9 +50,8 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
     if low is None or high is None or low != low or high != high:
         return number(value), ""
     width = 0.5 * abs(high - low)
-    if not isfinite(width):
-        return number(value), f"[{number(low)}, {number(high)}]"
-    if width == 0:
+    # Neither an open end nor an interval of no width tells how many digits are known.
+    if not isfinite(width) or width == 0:
         return number(value), f"[{number(low)}, {number(high)}]"
     size = _exponent(value if abs(value) >= TINY else width)
     place = max(_place(width), size - MOST_DIGITS + 1)
@@ -60,7 +64,9 @@ def told_range(data: Measurement) -> str:
     """The frequencies of data as the file tells them, such as ``1.00 to 48.0 Hz``."""
     low, high = (number(data.units.on_clock(float(end(data.frequency))), 3) for end in (min, max))
     clock = data.units.clock
-    return f"at {low} {clock}" if low == high else f"{low} to {high} {clock}"
+    if low == high:
+        return f"at {low} {clock}"
+    return f"{low} to {high} {clock}"
 
 
 def seconds(value: float) -> str:
@@ -83,7 +89,10 @@ def _place(width: float) -> int:
     """The decimal place, as a power of ten, to which a quantity with this half-width is known."""
     exponent = floor(log10(width))
     leading = round(width / 10.0 ** (exponent - 2))
-    return exponent - 1 if leading < 355 or leading >= 950 else exponent
+    # Two digits up to 354; up to 949 one; beyond, the width rounds to 1000 and keeps two again.
+    if 355 <= leading < 950:
+        return exponent
+    return exponent - 1
 
 
 def _at_place(value: float, place: int) -> str:

@@ -115,17 +115,21 @@ class Scale:
 
     def place(self, values: Real) -> Real:
         """Values as parts of the axis, cut at its ends."""
-        cut = np.clip(values, self.low, self.high)
-        low, high = np.log10([self.low, self.high]) if self.logarithmic else (self.low, self.high)
-        inside: Real = ((np.log10(cut) if self.logarithmic else cut) - low) / (high - low)
-        return inside
+        inside: Real = np.clip(values, self.low, self.high)
+        low, high = self.low, self.high
+        if self.logarithmic:
+            inside, (low, high) = np.log10(inside), np.log10([low, high])
+        part: Real = (inside - low) / (high - low)
+        return part
 
     def ticks(self) -> list[float]:
         """Where numbers stand."""
         if not self.logarithmic:
             return [float(v) for v in np.linspace(self.low, self.high, 6)]
+        # Rounding must not cost an end that is a decade its number.
         first, last = ceil(log10(self.low) - 1e-9), floor(log10(self.high) + 1e-9)
-        return [10.0**power for power in range(first, last + 1, max(1, ceil((last - first) / MOST_TICKS)))]
+        step = max(1, ceil((last - first) / MOST_TICKS))
+        return [10.0**power for power in range(first, last + 1, step)]
 
 
 def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
@@ -141,7 +145,9 @@ def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
         Read aloud where the picture cannot be seen.
     """
     bands = [_band(line, x, y) for line in reversed(lines) if line.band is not None]
-    drawn = [part for line in reversed(lines) for part in _line(line, x, y)]
+    drawn: list[Html] = []
+    for line in reversed(lines):
+        drawn += _line(line, x, y)
     return tag(
         "svg",
         tag("title", title),
@@ -166,7 +172,9 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
     title : str
         Read aloud where the picture cannot be seen.
     """
-    drawn = [part for dot in sorted(dots, key=lambda dot: dot.large) for part in _dot(dot, x, y)]
+    drawn: list[Html] = []
+    for dot in sorted(dots, key=lambda dot: dot.large):
+        drawn += _dot(dot, x, y)
     frame = _frame(x, y)
     box = f"0 0 {WIDTH:g} {HEIGHT:g}"
     return tag("svg", tag("title", title), *frame, *drawn, viewBox=box, role="img", class_="plot")
@@ -304,14 +312,14 @@ def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, in
     inner = WIDTH - NAMES - bars - 12.0
     places = NAMES + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))
     marks = np.unique(np.linspace(axis.low, axis.high, min(len(rows), 6)).round())
-    parts = [
-        part
-        for mark, place in zip(marks, NAMES + inner * axis.place(marks), strict=True)
-        for part in (_rule(place, 4, place, height - 30), _text(f"{mark:g}", place, height - 17, "middle"))
-    ]
+    parts = []
+    for mark, place in zip(marks, NAMES + inner * axis.place(marks), strict=True):
+        parts.append(_rule(place, 4, place, height - 30))
+        parts.append(_text(f"{mark:g}", place, height - 17, "middle"))
     for i, (row, (low, at, high)) in enumerate(zip(rows, places, strict=True)):
         level = 4.0 + ROW * (i + 0.5)
-        parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight="600" if i == 0 else "normal"))
+        weight = "600" if i == 0 else "normal"
+        parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight=weight))
         parts.append(_rule(low, level, high, level, QUIET))
         words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"
         parts.append(tag("circle", tag("title", words), cx=f"{at:.1f}", cy=f"{level:.1f}", r="4", fill=COLOURS[0]))

@@ -34,18 +34,25 @@ def pools(findings: Findings) -> list[Pool]:
 def _pool(findings: Findings, ranking: Ranking) -> Pool:
     """The cheapest of the optimisers that can be told from the first neither in rank nor by their success."""
     budget, best = ranking.budget, int(np.argmin(ranking.means))
-    names = (ranking.labels[best], *ranking.alike(best)) if ranking.decided else ranking.labels
+    # Where nothing is decided, nobody is worse than the first for certain.
+    names = ranking.labels
+    if ranking.decided:
+        names = (ranking.labels[best], *ranking.alike(best))
     costs: dict[str, float] = {}
     shares: dict[str, Interval] = {}
     for name in names:
         i = ranking.labels.index(name)
         hits = np.concatenate([race.hits[i] for race in findings.races])
         spent = np.minimum(np.concatenate([race.spent[i] for race in findings.races]), budget)
+        # A target reached after this budget is not reached for one who can afford no more.
         hits = np.where(hits <= budget, hits, np.inf)
         share = wilson(int(np.isfinite(hits).sum()), len(hits))
         assert share is not None
         costs[name], shares[name] = expected_running_time(hits, spent), share
-    first, *others = sorted(not_below(shares) if ranking.decided else names, key=lambda name: costs[name])
+    left = list(names)
+    if ranking.decided:
+        left = not_below(shares)
+    first, *others = sorted(left, key=lambda name: costs[name])
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
 
 
@@ -66,12 +73,16 @@ def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     yield joined([f": it reached the target in {share_text(pool.success)} of its trials"])
     if np.isfinite(pool.running_time):
         yield joined([f", after {number(pool.running_time, 3)} evaluations on average, restarts included"])
-    others = f". As good, and dearer: {_and(pool.alike)}." if pool.alike else ". All others are worse for certain."
-    yield joined([others])
+    if pool.alike:
+        yield joined([f". As good, and dearer: {_and(pool.alike)}."])
+    else:
+        yield joined([". All others are worse for certain."])
 
 
 def _and(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    if len(names) == 1:
+        return names[0]
+    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def share_text(rate: Interval | None) -> str:

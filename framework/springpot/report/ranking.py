@@ -48,14 +48,18 @@ def _table(ranking: Ranking, width: int) -> str:
     rows += [_row(one, "not enough") for one in ranking.next]
     table = Table(HEADERS, rows, frozenset(HEADERS[2:])).without(("parameters", "delta BIC"), width).plain()
     left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.next)
-    return f"{table}\n{left} more are not enough; --json has all" if left else table
+    if left:
+        table += f"\n{left} more are not enough; --json has all"
+    return table
 
 
-def _row(one: Judgement, verdict: str) -> tuple[str, ...]:
-    error = one.error
-    ratio = times_floor(error.relative_rms, error.noise_floor) if error.noise_floor > 0 else "-"
-    values = (percent(error.relative_rms), ratio, number(one.delta_bic, 3), str(len(one.refit.theta)))
-    return (one.model.name, verdict, *values)
+def _row(judged: Judgement, verdict: str) -> tuple[str, ...]:
+    error = judged.error
+    ratio = "-"
+    if error.noise_floor > 0:
+        ratio = times_floor(error.relative_rms, error.noise_floor)
+    values = (percent(error.relative_rms), ratio, number(judged.delta_bic, 3), str(len(judged.refit.theta)))
+    return (judged.model.name, verdict, *values)
 
 
 def _alike(group: tuple[Judgement, ...]) -> str:
@@ -64,9 +68,12 @@ def _alike(group: tuple[Judgement, ...]) -> str:
     same = [other for other in others if other.effects == first.effects]
     # The effects that all share are told once, behind the names; other models are named in full, and last.
     names = [one.base for one in same] + [one.name for one in others if one not in same]
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    beside = " with the same effects" if first.effects and same else ""
-    return f"{first} cannot be told from {', '.join(names[:NAMED])}{more}{beside}"
+    text = f"{first} cannot be told from {', '.join(names[:NAMED])}"
+    if len(names) > NAMED:
+        text += f" and {len(names) - NAMED} more"
+    if first.effects and same:
+        text += " with the same effects"
+    return text
 
 
 def _first(one: Judgement) -> str:

@@ -57,7 +57,9 @@ class Scene:
     def drawn(self) -> str:
         """``12 of 60 sweeps shown``; nothing where all are."""
         count = len(self.every_sweep)
-        return f"{len(self.sweeps)} of {count} sweeps shown" if count > len(self.sweeps) else ""
+        if count <= len(self.sweeps):
+            return ""
+        return f"{len(self.sweeps)} of {count} sweeps shown"
 
     @cached_property
     def curves(self) -> list[list[tuple[Real, Complex]]]:
@@ -79,11 +81,16 @@ class Scene:
         """Colour of measured points of a sweep; `part` is 0 for storage and 1 for loss."""
         if self.by_sweep:
             return sweep_colours(len(self.sweeps))[sweep]
-        return INK if self.by_fit else COLOURS[part]
+        # Where colours stand for models, data that are fitted by all of them have none.
+        if self.by_fit:
+            return INK
+        return COLOURS[part]
 
     def fit_colour(self, fit: int, sweep: int, part: int = 0) -> str:
         """Colour of a model's curve."""
-        return COLOURS[fit % len(COLOURS)] if self.by_fit else self.data_colour(sweep, part)
+        if self.by_fit:
+            return COLOURS[fit % len(COLOURS)]
+        return self.data_colour(sweep, part)
 
     @property
     def marker(self) -> dict[str, Any]:

@@ -126,7 +126,7 @@ def _choices(findings: Findings) -> Iterator[Html]:
     for choice in findings.choices:
         by_problem.setdefault(choice.race.problem.id, []).append(choice)
     rows = []
-    # One problem alone ranks nobody over all.
+    # A ranking takes two optimisers.
     if findings.rankings:
         rows.append(_all_problems(findings))
     graded = _graded(findings)
@@ -331,7 +331,7 @@ def _failures(findings: Findings) -> Iterator[Html]:
 def _tables(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "All numbers")
     names = ["summary", "failures"]
-    # Without a race, of two optimisers at least, nobody is compared with anybody.
+    # Before every optimiser has finished a trial of one problem there is nothing to compare.
     if findings.races:
         names += ["profiles", "ranks"]
     for name in names:

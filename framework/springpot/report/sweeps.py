@@ -52,7 +52,10 @@ class Sweep:
 def varies(name: str, column: Real) -> bool:
     """Whether a condition changes by more than a set value does while it is held."""
     low, high = float(np.min(column)), float(np.max(column))
-    return high - low > WARMS if name == "temperature" else high > VARIES * low
+    # Degrees have no zero of their own, so that their ratio means nothing.
+    if name == "temperature":
+        return high - low > WARMS
+    return high > VARIES * low
 
 
 def travels(along: Real, column: Real) -> bool:
@@ -82,19 +85,24 @@ def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep
         Where each point stands on it.
     """
     parts = [np.arange(len(measurement))]
-    told: list[tuple[str, Real]] = []
+    # Only what tells sweeps from one another is worth a word in their labels.
+    telling: list[tuple[str, Real]] = []
     if measurement.repeat is not None:
-        parts = [rows for part in parts for rows in _alike(part, measurement.repeat)]
-        told += [("repeat", measurement.repeat.astype(float))] if len(parts) > 1 else []
+        parts = list(_alike(parts[0], measurement.repeat))
+        if len(parts) > 1:
+            telling.append(("repeat", measurement.repeat.astype(float)))
     for name in ("temperature", "amplitude"):
         values = measurement.conditions.get(name)
         if values is None or name == column:
             continue
-        finer = [rows for part in parts for rows in _split(name, values, along, part)]
-        told += [(name, values)] if len(finer) > len(parts) else []
+        finer: list[Rows] = []
+        for part in parts:
+            finer += _split(name, values, along, part)
+        if len(finer) > len(parts):
+            telling.append((name, values))
         parts = finer
     ordered = [rows[np.argsort(along[rows], kind="stable")] for rows in parts]
-    return [Sweep(_label(rows, told, measurement.units.amplitude), rows) for rows in ordered]
+    return [Sweep(_label(rows, telling, measurement.units.amplitude), rows) for rows in ordered]
 
 
 def chosen(sweeps: list[Sweep]) -> list[Sweep]:
@@ -116,7 +124,9 @@ def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
     levels = _levels(name, here)
     if levels is not None:
         return list(_alike(rows, levels, here=True))
-    return [rows] if profile else list(_alike(rows, _bins(here), here=True))
+    if profile:
+        return [rows]
+    return list(_alike(rows, _bins(here), here=True))
 
 
 def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterator[Rows]:
@@ -128,14 +138,23 @@ def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterat
 def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
     """Number of the level of each value; None where the values are too scattered for levels."""
     largest = float(np.max(np.abs(values)))
+    same = SAME
     if name == "temperature":
         scale, same = values, SAME * largest
+    # Amplitudes are set over decades: a difference of logarithms is a share of any of them.
+    elif np.all(values > 0):
+        scale = np.log(values)
     else:
-        scale, same = (np.log(values) if np.all(values > 0) else values / largest), SAME
-    rough = _clusters(scale, JITTER[name])
-    widths = [float(np.ptp(scale[rough == level])) for level in range(int(rough.max()) + 1)]
-    found = rough if max(widths) <= SPREAD[name] else _clusters(scale, same)
-    return found if found.max() + 1 <= max(1, len(values) // 2) else None
+        scale = values / largest
+    levels = _clusters(scale, JITTER[name])
+    widths = [float(np.ptp(scale[levels == level])) for level in range(int(levels.max()) + 1)]
+    # Neighbours that are each near the next may make a chain that is no level any more.
+    if max(widths) > SPREAD[name]:
+        levels = _clusters(scale, same)
+    # With fewer than two points in most levels there are none.
+    if levels.max() + 1 > max(1, len(values) // 2):
+        return None
+    return levels
 
 
 def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
@@ -153,12 +172,12 @@ def _bins(values: Real) -> NDArray[np.int64]:
     return rank * count // len(values)
 
 
-def _label(rows: Rows, told: list[tuple[str, Real]], unit: str) -> str:
+def _label(rows: Rows, telling: list[tuple[str, Real]], unit: str) -> str:
     """``20 °C, 0.5 mm``, or the range of a bin; ``all`` where nothing is told."""
-    return ", ".join(_told(name, values[rows], unit) for name, values in told) or "all"
+    return ", ".join(_condition(name, values[rows], unit) for name, values in telling) or "all"
 
 
-def _told(name: str, values: Real, unit: str) -> str:
+def _condition(name: str, values: Real, unit: str) -> str:
     low, high = float(np.min(values)), float(np.max(values))
     mean = float(np.mean(values))
     if name == "temperature":
@@ -170,4 +189,7 @@ def _told(name: str, values: Real, unit: str) -> str:
         return f"{shown} °C"
     if name == "amplitude" and unit != "-":
         return f"{shown} {unit}"
-    return f"{'strain' if name == 'amplitude' else name} {shown}"
+    # An amplitude without a unit is one of length over length.
+    if name == "amplitude":
+        return f"strain {shown}"
+    return f"{name} {shown}"

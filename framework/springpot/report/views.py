@@ -42,7 +42,8 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
         for i, (x, stiffness) in enumerate(curves):
             for part, y in enumerate((stiffness.real, stiffness.imag)):
                 colour = scene.fit_colour(j, i, part)
-                axes.plot(x, np.where(y > 0, y, np.nan), color=colour, linestyle="--" if part else "-")
+                stroke = "--" if part else "-"
+                axes.plot(x, np.where(y > 0, y, np.nan), color=colour, linestyle=stroke)
                 axes.plot(x, np.where(y < 0, -y, np.nan), color=colour, linestyle=":")
     _scales(axes, scene)
     logarithmic(axes, "y")
@@ -140,7 +141,9 @@ def _path(axes: Axes, scene: Scene, across: Callable[[Complex], Real], up: Calla
 
 def _both(data: Measurement) -> str:
     """Storage and loss as one word: ``G', G''`` or ``storage, loss stiffness``."""
-    return f"{data.units.storage}, {data.units.loss}" if data.units.letter else f"storage, {data.units.loss}"
+    if data.units.letter:
+        return f"{data.units.storage}, {data.units.loss}"
+    return f"storage, {data.units.loss}"
 
 
 def _size(scene: Scene) -> str:
@@ -164,4 +167,6 @@ def _phase(stiffness: Complex) -> Real:
 
 
 def _ratio(values: Real) -> float:
-    return float(np.max(values) / np.min(values)) if np.min(values) > 0 else np.inf
+    if not np.min(values) > 0:
+        return np.inf
+    return float(np.max(values) / np.min(values))

@@ -49,15 +49,21 @@ class TimeError:
     @classmethod
     def of(cls, parts: Sequence[Part], left: Left, noise: Sequence[Scatter]) -> TimeError:
         """That of a fit."""
-        found = []
+        errors = []
         for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
-            sd = np.asarray(part.sd, dtype=float) if isinstance(part, InTimePart) else np.ones(len(residual))
-            size = float(np.sqrt(np.mean(part.test.response**2))) if isinstance(part, InTimePart) else 1.0
+            sd, size = np.ones(len(residual)), 1.0
+            if isinstance(part, InTimePart):
+                sd = np.asarray(part.sd, dtype=float)
+                size = float(np.sqrt(np.mean(part.test.response**2)))
             error = float(np.sqrt(np.mean((residual * sd) ** 2))) / size
             ratio = float(np.sqrt(np.mean(residual**2))) / scatter.size
+            floor = 0.0
+            # A fit that leaves nothing at all says nothing of the noise.
+            if ratio:
+                floor = error / ratio
             source = "signal" if scatter.size == 1.0 else "residual"
-            found.append(cls(error, error / ratio if ratio else 0.0, ratio, scatter.memory, source))
-        return max(found, key=lambda each: each.over_floor)
+            errors.append(cls(error, floor, ratio, scatter.memory, source))
+        return max(errors, key=lambda each: each.over_floor)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -161,20 +167,25 @@ class TimeDiagnosis:
     @property
     def best(self) -> TimeCandidate | None:
         """The effect that should be added, if any: the first that is missing, or that helps most beyond doubt."""
-        lead = self.candidates[:1]
-        return lead[0] if lead and lead[0].delta_bic > PLAINLY else None
+        if not self.candidates or self.candidates[0].delta_bic <= PLAINLY:
+            return None
+        return self.candidates[0]
 
     @property
     def missing(self) -> tuple[str, ...]:
         """The effects that may be missing, which these tests cannot tell apart; empty where nothing is."""
         best = self.best
-        return () if best is None else (best.effect, *best.alike)
+        if best is None:
+            return ()
+        return (best.effect, *best.alike)
 
     @property
     def says(self) -> str:
         """One sentence."""
         size = f"the error is {self.error.over_floor:.2g} x the noise"
-        place = f"; {self.where[0].says}" if self.where else ""
+        place = ""
+        if self.where:
+            place = f"; {self.where[0].says}"
         best = self.best
         if self.verdict == "adequate":
             return f"{size}: nothing is missing that these tests could show"

@@ -114,7 +114,9 @@ def identify(
     array([400. ,  60. ,   0.5])
     """
     began = perf_counter()
-    given = [tests] if isinstance(tests, TimeTest | Measurement) else list(tests)
+    if isinstance(tests, TimeTest | Measurement):
+        tests = [tests]
+    given = list(tests)
     if not given:
         raise ModelError("there is no test to identify a model from")
     require_tests(model, given)
@@ -124,7 +126,10 @@ def identify(
         return _of_material(model, parts, reference, began)
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     starts = search.starts()
-    u, evaluations, converged = search.ended(parts, starts[0], 0) if near else search.solved(parts, starts)
+    if near:
+        u, evaluations, converged = search.ended(parts, starts[0], 0)
+    else:
+        u, evaluations, converged = search.solved(parts, starts)
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:
         parts, alone, spent = _weighed(parts, alone, lambda part: (search, *search.solved([part], [u])[:2]))
@@ -294,8 +299,11 @@ class Search:
         """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
         quick = [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]
         try:
+            further: list[Real] = []
             # With these a start costs next to nothing.
-            u, spent, rests = self._near(quick, [*starts, *(self.natural() if self.thorough else [])])
+            if self.thorough:
+                further = self.natural()
+            u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
             last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
@@ -392,7 +400,10 @@ class Search:
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
-            scatter = max(1.0, sampled_scatter(value, part)) if len(value) > len(u) else 1.0
+            scatter = 1.0
+            # With no more numbers than parameters nothing is left over that could show a scatter.
+            if len(value) > len(u):
+                scatter = max(1.0, sampled_scatter(value, part))
             information += slopes @ slopes.T / scatter
         # A direction that no test sees is left with next to no information, and so with endless variance.
         scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
@@ -409,9 +420,10 @@ def _typical(part: Part) -> float:
     """Typical size of K."""
     if isinstance(part, InTimePart):
         test = part.test
-        moved, pulled = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
-        share = float(pulled / moved) if test.control == "displacement" else float(moved / max(pulled, 1e-300))
-        return max(share, 1e-300)
+        imposed, answered = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
+        if test.control == "displacement":
+            return max(float(answered / imposed), 1e-300)
+        return max(float(imposed / max(answered, 1e-300)), 1e-300)
     return float(np.exp(np.mean(np.log(part.test.magnitude))))
 
 
@@ -419,7 +431,11 @@ def _reach(part: Part) -> float:
     """Largest displacement."""
     if isinstance(part, InTimePart):
         test = part.test
-        moved = test.loading.value if test.control == "displacement" else test.response
+        moved = test.response
+        if test.control == "displacement":
+            moved = test.loading.value
         return max(float(np.abs(moved).max()), 1e-300)
     column = part.test.conditions.get("amplitude")
-    return 1e-300 if column is None else max(float(column.max()), 1e-300)
+    if column is None:
+        return 1e-300
+    return max(float(column.max()), 1e-300)

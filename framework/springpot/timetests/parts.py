@@ -32,6 +32,8 @@ from .recorded import recorded
 from .start import apparent
 
 Test: TypeAlias = TimeTest | Measurement
+ROOM = 293.15
+"""Temperature in kelvin of a room, 20 degC; where no test tells its own, no shift depends on it."""
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 
@@ -64,7 +66,9 @@ class InTimePart:
     @cached_property
     def sd(self) -> Real:
         """Standard deviation of each sample."""
-        return noise_of(self.test).sd if self.noise is None else self.noise
+        if self.noise is not None:
+            return self.noise
+        return noise_of(self.test).sd
 
     @cached_property
     def apparent(self) -> Measurement | None:
@@ -73,7 +77,9 @@ class InTimePart:
 
     def count(self, coarse: bool = False) -> int:
         """How many numbers it gives."""
-        return len(self._thin()) if coarse else len(self.test)
+        if coarse:
+            return len(self._thin())
+        return len(self.test)
 
     @property
     def log_omega(self) -> float:
@@ -83,12 +89,13 @@ class InTimePart:
     def residual(self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
         rows = self._thin() if coarse else np.arange(len(self.test))
-        found = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
+        answer = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
         weight = 1.0 / (self.scale * self.sd[rows])
         # At the very instant of a step the answer may be endless, and no instrument reads it.
         seen = ~np.isin(self.test.time[rows], self.test.loading.jumps[0])
-        missed = np.where(seen, found.value - self.test.response[rows], 0.0)
-        return Residual(missed * weight, np.where(seen[:, None], found.by_theta, 0.0) * weight[:, None])
+        missed = np.where(seen, answer.value - self.test.response[rows], 0.0)
+        by_theta = np.where(seen[:, None], answer.by_theta, 0.0)
+        return Residual(missed * weight, by_theta * weight[:, None])
 
     def _thin(self) -> NDArray[np.intp]:
         """Samples spread evenly over the logarithm of time for steps, over time else."""
@@ -98,6 +105,7 @@ class InTimePart:
         if self.test.kind not in ("relaxation", "creep"):
             return np.unique(np.linspace(0, n - 1, COARSE).astype(int))
         clock = np.maximum(self.test.time - self.test.start, 1e-300)
+        # Samples at or before the step have no place on a logarithmic clock.
         positive = clock > 1e-300
         wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)
         return np.unique(np.minimum(np.searchsorted(clock, wanted), n - 1))
@@ -140,6 +148,7 @@ class SweepPart:
         slopes = own.jacobian(theta[:count], at)
         weight = 1.0 / (self.scale * np.concatenate([self.sd.real, self.sd.imag]))
         value = np.concatenate([missed.real, missed.imag]) * weight
+        # Effects of the tests in time, whose parameters follow the material's, leave a sweep as it is.
         by_theta = np.zeros((len(value), len(theta)))
         by_theta[:, :count] = np.concatenate([slopes.real, slopes.imag]) * weight[:, None]
         return Residual(value, by_theta)
@@ -160,12 +169,17 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
     DataError
         If some are of a stiffness and others of a modulus.
     """
-    in_time = next((test for test in tests if isinstance(test, TimeTest)), None)
-    units = tests[0].units if in_time is None else in_time.units
-    parts: list[Part] = []
-    for i, test in enumerate(tests):
+    if noise is None:
+        noise = [None] * len(tests)
+    units = tests[0].units
+    for test in tests:
         if isinstance(test, TimeTest):
-            parts.append(InTimePart(test.in_units(units), noise=None if noise is None else noise[i]))
+            units = test.units
+            break
+    parts: list[Part] = []
+    for test, own_noise in zip(tests, noise, strict=True):
+        if isinstance(test, TimeTest):
+            parts.append(InTimePart(test.in_units(units), noise=own_noise))
         else:
             parts.append(SweepPart(_in_units(test, units)))
     return parts
@@ -173,15 +187,16 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
 
 def reference_of(tests: Sequence[Test]) -> float:
     """Temperature in kelvin at which shifts are one: the measured one nearest to the median of all tests."""
-    known = [
-        *(test.temperature + KELVIN for test in tests if isinstance(test, TimeTest) and test.temperature is not None),
-        *(
-            test.reference_temperature
-            for test in tests
-            if isinstance(test, Measurement) and "temperature" in test.conditions
-        ),
-    ]
-    return float(np.sort(known)[(len(known) - 1) // 2]) if known else 293.15
+    known = []
+    for test in tests:
+        if isinstance(test, TimeTest):
+            if test.temperature is not None:
+                known.append(test.temperature + KELVIN)
+        elif "temperature" in test.conditions:
+            known.append(test.reference_temperature)
+    if not known:
+        return ROOM
+    return float(np.sort(known)[(len(known) - 1) // 2])
 
 
 def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
@@ -199,7 +214,12 @@ def require_tests(model: Model | Timed, tests: Sequence[Test]) -> None:
             raise DataError(
                 f"{test.name}: {model.name} needs a temperature: open it as '{test.name}?temperature=25[degC]'"
             )
-    numbers = sum(len(test) if isinstance(test, TimeTest) else 2 * len(test) for test in tests)
+    numbers = 0
+    for test in tests:
+        numbers += len(test)
+        # A point at a frequency is two numbers, K' and K''.
+        if isinstance(test, Measurement):
+            numbers += len(test)
     if numbers < len(model.parameters):
         raise DataError(
             f"{tests[0].name}: {model.name} has {len(model.parameters)} parameters but there are only {numbers} "
@@ -219,5 +239,7 @@ def _in_units(sweep: Measurement, units: Units) -> Measurement:
     if "amplitude" in conditions:
         longer = AMPLITUDE_UNITS[sweep.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
         conditions["amplitude"] = conditions["amplitude"] * longer
-    sd = None if sweep.sd is None else sweep.sd * stiffer
+    sd = sweep.sd
+    if sd is not None:
+        sd = sd * stiffer
     return replace(sweep, stiffness=sweep.stiffness * stiffer, sd=sd, conditions=conditions, units=units)

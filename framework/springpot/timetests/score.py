@@ -117,7 +117,12 @@ class Scan:
 
     def __init__(self, base: TimeIdentification, parts: Sequence[QuickPart | SweepPart]) -> None:
         self.base, self.model, self.theta = base, base.model, base.theta
-        self.views = [SweepView(part, base) if isinstance(part, SweepPart) else View(part, base) for part in parts]
+        self.views: list[View | SweepView] = []
+        for part in parts:
+            if isinstance(part, SweepPart):
+                self.views.append(SweepView(part, base))
+            else:
+                self.views.append(View(part, base))
         self.scales = Scales.of(parts)
         self.residual = np.concatenate([view.residual for view in self.views])
         slopes = np.concatenate([view.slopes for view in self.views])
@@ -152,18 +157,21 @@ class Scan:
         left = np.linalg.norm(columns, axis=0)
         missed = self.residual - self.taken @ (self.taken.T @ self.residual)
         fall = -columns.T @ missed
-        found: dict[str, list[Promise]] = {}
+        promises: dict[str, list[Promise]] = {}
         for k, atom in enumerate(atoms):
             if not left[k] > ABSORBED * whole[k]:
                 continue
             amount = float(fall[k] / left[k] ** 2)
-            drop = amount * float(fall[k]) if amount > 0.0 or atom.signed else 0.0
+            drop = 0.0
+            # Less than nothing of an effect makes no sense, however much it would help.
+            if amount > 0.0 or atom.signed:
+                drop = amount * float(fall[k])
             theta = self._stepped(self.residual + amount * given[:, k])
             promise = Promise(
                 atom.effect, atom.at(amount), theta, drop, _as_tried(atom, amount), columns[:, k] / left[k]
             )
-            found.setdefault(atom.effect.name, []).append(promise)
-        return {name: _different(each) for name, each in found.items()}
+            promises.setdefault(atom.effect.name, []).append(promise)
+        return {name: _different(each) for name, each in promises.items()}
 
     def _stepped(self, residual: Real) -> Real:
         """The model's own parameters after the linear step that such a residual asks for."""
@@ -190,18 +198,23 @@ class Scan:
         size, *shape = effect.element.parameters
         places = list(product(*(self.scales.values(each) for each in shape)))
         endless = np.isinf(effect.vanishes_at)
-        little = self.scales.typical(size) * (1.0 / NEXT_TO_NOTHING if endless else NEXT_TO_NOTHING)
+        little = self.scales.typical(size) * NEXT_TO_NOTHING
+        scale = 1.0
+        if endless:
+            little = self.scales.typical(size) * (1.0 / NEXT_TO_NOTHING)
+            # By 1/size, of which such an effect has next to nothing: d/d(1/s) = -s^2 d/ds.
+            scale = -(little**2)
         values = np.array([[little, *place] for place in places])
         change = _change(material_of(self.model), self.theta, effect, values)
-        scale = -(little**2) if endless else 1.0
         if any(view.swings(change) for view in self.views):
             return self._swinging(effect, places)
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
-        unit = np.array([1.0 if parameter.unit.stiffness else 0.0 for parameter in effect.element.parameters])
-        unit[0] = 1.0
+        powers = np.array([float(bool(parameter.unit.stiffness)) for parameter in effect.element.parameters])
+        powers[0] = 1.0
+        if endless:
+            powers = -powers
         start = values.copy()
         start[:, 0] = 1.0
-        powers = -unit if endless else unit
         signed = size.lower < 0.0
         return [Atom(effect, each, powers, column, signed) for each, column in zip(start, whole.T, strict=True)]
 
@@ -257,21 +270,25 @@ class Scan:
         for place in tries_of(effect, tests[0], self.scales):
             values = np.array(place)
             if effect.stage is Stage.RESPONSE:
-                found = [view.of_record(effect, values) for view in self.views]
-                column = np.concatenate([each for each, _ in found])
-                linear = all(straight for _, straight in found)
+                by_view = [view.of_record(effect, values) for view in self.views]
+                column = np.concatenate([each for each, _ in by_view])
+                linear = all(straight for _, straight in by_view)
             else:
-                column, linear = np.concatenate([view.of_course(effect, values) for view in self.views]), False
+                column = np.concatenate([view.of_course(effect, values) for view in self.views])
+                linear = False
             powers = np.zeros(len(values))
             # A limit or a place is what it is; a ramp, a play or a clock are nearly proportional to their size.
-            powers[0] = 1.0 if linear or effect.stage is not Stage.RESPONSE else 0.0
+            if linear or effect.stage is not Stage.RESPONSE:
+                powers[0] = 1.0
             atoms.append(Atom(effect, values, powers, column, linear and effect.parameters[0].lower < 0.0))
         return atoms
 
 
 def _as_tried(atom: Atom, amount: float) -> float:
     """The amount of what goes by its size alone is always its own."""
-    return 1.0 if atom.powers.any() else abs(amount)
+    if atom.powers.any():
+        return 1.0
+    return abs(amount)
 
 
 def _rating(promise: Promise) -> tuple[float, float]:
@@ -302,7 +319,10 @@ class _Change:
         self.index = names.index(new[0])
         self.theta = np.empty((len(values), len(names)))
         for i, name in enumerate(names):
-            self.theta[:, i] = values[:, new.index(name)] if name in new else known[name]
+            if name in new:
+                self.theta[:, i] = values[:, new.index(name)]
+            else:
+                self.theta[:, i] = known[name]
 
     def __call__(self, at: Points) -> Complex:
         return self.network.respond(self.theta, at, GRADIENT).by_theta[:, self.index, :]
@@ -343,8 +363,11 @@ class View:
     @cached_property
     def amounts(self) -> Real:
         """The model itself as amounts of the exponentials (b,)."""
-        wanted = self.stiffness if self.part.test.control == "displacement" else 1.0 / self.stiffness
-        return self.quick.followed(wanted[None])[:, 0]
+        answer = self.stiffness
+        # To a force a specimen answers with a displacement, by its compliance.
+        if self.part.test.control != "displacement":
+            answer = 1.0 / answer
+        return self.quick.followed(answer[None])[:, 0]
 
     def swings(self, change: _Change) -> bool:
         """Whether a change of K is so steep that a specimen under a force would swing."""
@@ -370,11 +393,12 @@ class View:
         place = [(effect, slice(0, len(values)))]
         if effect.stage is Stage.LOADING:
             loading, _ = reached(place, values, test, self.t)
-            found = self.quick.answers_to(loading, self.t, self.amounts[:, None])
+            time = self.t
         else:
             clock = Clock(place, values, test.start)
-            found = self.quick.answers_to(clock.turned(test.loading, self.t), clock.at(self.t), self.amounts[:, None])
-        return (found[:, 0] - self.quick.answers @ self.amounts) * self.weight
+            loading, time = clock.turned(test.loading, self.t), clock.at(self.t)
+        answer = self.quick.answers_to(loading, time, self.amounts[:, None])[:, 0]
+        return (answer - self.quick.answers @ self.amounts) * self.weight
 
     def with_model(self, model: Model | Timed, theta: Real) -> Real:
         """The change of the residuals with another model."""
@@ -414,7 +438,9 @@ class SweepView:
     def kelvin(self) -> float | None:
         """The temperature in kelvin of the first point."""
         column = self.part.test.conditions.get("temperature")
-        return None if column is None else float(column[0]) + KELVIN
+        if column is None:
+            return None
+        return float(column[0]) + KELVIN
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (2 n, g) for a change of K."""

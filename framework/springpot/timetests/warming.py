@@ -33,17 +33,21 @@ def warming(
     """
     assert test.warmth is not None
     assert test.kelvin is not None
-    t = test.time if at is None else at
-    loading = _gradual(test.loading if loading is None else loading, test.time)
+    if at is None:
+        at = test.time
+    if loading is None:
+        loading = test.loading
+    if reference is None:
+        reference = test.kelvin
+    loading = _gradual(loading, test.time)
     # All samples take part, whichever are asked for: between them the temperature may turn.
-    grid = np.union1d(np.union1d(loading.time, test.time), t)
+    grid = np.union1d(np.union1d(loading.time, test.time), at)
     kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
-    away = test.kelvin if reference is None else reference
-    inside = model.in_time(theta, temperature=kelvin, reference_temperature=away, tolerance=tolerance)
+    inside = model.in_time(theta, temperature=kelvin, reference_temperature=reference, tolerance=tolerance)
     imposed = np.interp(grid, loading.time, loading.value)
-    found = inside.respond(grid, imposed) if test.control == "displacement" else inside.respond_force(grid, imposed)
-    rows = np.searchsorted(grid, t)
-    return Traced(found.value[rows], found.by_theta[rows])
+    answer = inside.respond(grid, imposed) if test.control == "displacement" else inside.respond_force(grid, imposed)
+    rows = np.searchsorted(grid, at)
+    return Traced(answer.value[rows], answer.by_theta[rows])
 
 
 def _gradual(loading: Loading, samples: Real) -> Loading:
@@ -51,5 +55,8 @@ def _gradual(loading: Loading, samples: Real) -> Loading:
     time = loading.time.copy()
     for i in np.flatnonzero(np.diff(time) == 0.0):
         later = np.concatenate([samples[samples > time[i]], time[time > time[i]]])
-        time[i + 1] += SUDDEN * (float(later.min()) - time[i] if len(later) else 1.0)
+        wait = 1.0
+        if len(later):
+            wait = float(later.min()) - time[i]
+        time[i + 1] += SUDDEN * wait
     return Loading(time, loading.value)

@@ -75,10 +75,11 @@ def places(test: TimeTest, residual: Real) -> list[Place]:
     residual : ndarray, shape (n,)
         Predicted less measured, over the noise.
     """
-    found = [_in_time(test, residual)]
+    candidates = [_in_time(test, residual)]
+    # Only what goes to and fro closes a loop.
     if test.kind in ("history", "recovery"):
-        found.append(_in_loop(test, residual))
-    return [place for place in found if place is not None and place.size > NOTABLE]
+        candidates.append(_in_loop(test, residual))
+    return [place for place in candidates if place is not None and place.size > NOTABLE]
 
 
 def _rms(values: Real) -> float:
@@ -111,7 +112,9 @@ def _manner(test: TimeTest, residual: Real) -> str:
     turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
     if turning > 2.0 * moving:
         return "; all along, where the motion turns"
-    return "; all along, where the motion is fast" if moving > 2.0 * turning else ""
+    if moving > 2.0 * turning:
+        return "; all along, where the motion is fast"
+    return ""
 
 
 def _in_loop(test: TimeTest, residual: Real) -> Place | None:
@@ -137,7 +140,8 @@ def _in_loop(test: TimeTest, residual: Real) -> Place | None:
     ways = ("falling", "rising")
     says = f"in the loop of {test.name} the model fails most {ENDS[i]}, {test.control} {ways[j]}"
     says += f", by {sizes[i, j]:.2g} x the noise"
-    says += f"; on that side alone, {mirror:.2g} x on the other" if alone else ""
+    if alone:
+        says += f"; on that side alone, {mirror:.2g} x on the other"
     says += _after_turn(imposed, residual) + _flat(test)
     return Place("loop", test.name, max(EDGES[i], -1.0), min(EDGES[i + 1], 1.0), float(sizes[i, j]), says)
 
@@ -154,14 +158,18 @@ def _after_turn(imposed: Real, residual: Real) -> str:
         fresh[first : first + max(2, int(AFTER_TURN * (last - first)))] = True
     if not fresh.any() or fresh.all():
         return ""
-    return "; just after each turn" if _rms(residual[fresh]) > 1.5 * _rms(residual[~fresh]) else ""
+    if _rms(residual[fresh]) > 1.5 * _rms(residual[~fresh]):
+        return "; just after each turn"
+    return ""
 
 
 def _flat(test: TimeTest) -> str:
     """Whether the record is level at its top, as one that was clipped."""
     size = np.abs(test.response)
     top = np.sort(size)[-max(5, len(size) // 50) :]
-    return "; the record is level at its top" if np.ptp(top) <= FLAT * size.max() else ""
+    if np.ptp(top) <= FLAT * size.max():
+        return "; the record is level at its top"
+    return ""
 
 
 def worst_first(found: Sequence[Place]) -> tuple[Place, ...]:
