@@ -98,21 +98,24 @@ def identify(
     if len(measurement) < 2:
         raise DataError(f"{measurement.name}: one point identifies no model; measure at two frequencies or more")
     require_enough(model, measurement)
-    objective = default_objective(measurement) if objective is None else objective
+    if objective is None:
+        objective = default_objective(measurement)
     if optimiser is None or optimiser.name == NATIVE:
         name = NATIVE
-        found, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, start or {})
-        status = "converged" if found.converged else "not converged"
+        best, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, start or {})
+        status = "not converged"
+        if best.converged:
+            status = "converged"
     else:
         name = optimiser.name
         _refuse_search(model, optimiser, start)
         problem = Problem.of(model, measurement, objective)
-        found, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
-    known = Uncertainty.of(found)
+        best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
+    known = Uncertainty.of(best)
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
     spent = perf_counter() - began
-    return Identification(found, low, high, known, name, status, found.evaluations, spent, tuple(notes), seed or 0)
+    return Identification(best, low, high, known, name, status, best.evaluations, spent, tuple(notes), seed or 0)
 
 
 def _refuse_search(model: Model, optimiser: Optimiser, start: Mapping[str, float] | None) -> None:
@@ -148,44 +151,51 @@ def _by_native(
     start: Mapping[str, float],
 ) -> tuple[Fit, list[str]]:
     """The native fit, checked against the simpler models that it contains, and notes on how that went."""
-    seeds = [_start(model, measurement, objective, start)] if start else []
-    rng = None if seed is None else np.random.default_rng(seed)
-    found = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
+    seeds = []
+    if start:
+        seeds = [_start(model, measurement, objective, start)]
+    rng = None
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+    best = fit(model, measurement, objective, starts=STARTS * restarts, rng=rng, seeds_theta=seeds)
     if is_material(model):
         # A spectrum has a solver of its own (`fit_spectrum`), which takes no further starts.
-        return found, []
-    if not (found.converged and found.confirmed):
-        found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[found.theta]))
-    found, notes = _no_worse_than_simpler(found, simpler)
-    if not found.converged:
+        return best, []
+    # Begun where the first has ended too, so that it cannot become worse.
+    if not (best.converged and best.confirmed):
+        best = _better(best, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=[best.theta]))
+    best, notes = _no_worse_than_simpler(best, simpler)
+    if not best.converged:
         notes.append("the search did not come to rest: the parameters may be improved by more restarts")
-    return found, notes
+    return best, notes
 
 
-def _no_worse_than_simpler(found: Fit, simpler: Sequence[Model]) -> tuple[Fit, list[str]]:
+def _no_worse_than_simpler(whole: Fit, simpler: Sequence[Model]) -> tuple[Fit, list[str]]:
     """A fit that is repeated from the best simpler one if that is better, and a note where it stays so.
 
     A model contains what it is without one of its effects, so its least objective cannot be the larger one.
     """
-    model, measurement, objective = found.model, found.measurement, found.objective
+    model, measurement, objective = whole.model, whole.measurement, whole.objective
     inner = [fit(part, measurement, objective, starts=STARTS) for part in (*_without_effects(model), *simpler)]
     best = min(inner, key=lambda other: other.cost, default=None)
-    if best is None or not _beats(best, found):
-        return found, []
-    seeds = [*_grown(best, model), found.theta]
-    found = _better(found, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=seeds))
-    if _beats(best, found):
-        return found, [f"the simpler {best.model.name} fits better than {model.name}: the search has failed"]
-    return found, []
+    if best is None or not _beats(best, whole):
+        return whole, []
+    seeds = [*_grown(best, model), whole.theta]
+    whole = _better(whole, fit(model, measurement, objective, starts=MORE_STARTS, seeds_theta=seeds))
+    if _beats(best, whole):
+        return whole, [f"the simpler {best.model.name} fits better than {model.name}: the search has failed"]
+    return whole, []
 
 
-def _beats(simpler: Fit, found: Fit) -> bool:
+def _beats(simpler: Fit, whole: Fit) -> bool:
     """Whether a simpler model fits better by more than rounding."""
-    return bool(simpler.cost < found.cost * (1.0 - NESTING) - found.task.floor[0])
+    return bool(simpler.cost < whole.cost * (1.0 - NESTING) - whole.task.floor[0])
 
 
 def _better(one: Fit, other: Fit) -> Fit:
-    return other if other.cost <= one.cost else one
+    if other.cost <= one.cost:
+        return other
+    return one
 
 
 def _without_effects(model: Model) -> list[Model]:
@@ -210,7 +220,7 @@ def _by_optimiser(
 ) -> tuple[Fit, str, list[str]]:
     """The best of several supervised runs, as a fit."""
     best, notes = best_run(problem, optimiser, budget, restarts, seed)
-    found = Fit(
+    as_fit = Fit(
         problem.model,
         problem.measurement,
         problem.objective,
@@ -220,7 +230,7 @@ def _by_optimiser(
         best.status != "budget",
         best.seconds,
     )
-    return found, best.status, notes
+    return as_fit, best.status, notes
 
 
 def best_run(
@@ -252,7 +262,9 @@ def best_run(
     failed = [one.status.removeprefix("failed: ") for one in runs if one.failed]
     if best.failed:
         raise OptionError(f"the optimiser {optimiser.name} found nothing: {failed[0]}; try another one")
-    notes = [f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}"] if failed else []
+    notes = []
+    if failed:
+        notes = [f"{len(failed)} of {len(rngs)} restarts failed, the first: {failed[0]}"]
     evaluations, seconds = sum(one.evaluations for one in runs), sum(one.seconds for one in runs)
     return replace(best, evaluations=evaluations, seconds=seconds), notes
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -17,26 +18,41 @@ from .objective import Objective
 from .uncertainty import Uncertainty
 
 
-def kept(found: Estimate, seed: int) -> dict[str, Any]:
+def kept(estimate: Estimate, seed: int) -> dict[str, Any]:
     """Theta with its intervals in the units of the measurement, what was held and bounded, and the measurement."""
-    model = found.model
-    material = model.material
+    model, rates = estimate.model, None
+    # The lines of a spectrum are placed by the data: the name of the model does not tell them.
+    if isinstance(model.material, Continuum):
+        rates = list(model.material.rates)
     return {
-        "theta": found.theta.tolist(),
-        "low": _finite(found.low),
-        "high": _finite(found.high),
+        "theta": estimate.theta.tolist(),
+        "low": _finite(estimate.low),
+        "high": _finite(estimate.high),
         "held": model.held,
         "bounds": _bounds(model),
-        "rates": list(material.rates) if isinstance(material, Continuum) else None,
-        "absolute": found.uncertainty.absolute,
-        "converged": found.fit.converged,
+        "rates": rates,
+        "absolute": estimate.uncertainty.absolute,
+        "converged": estimate.fit.converged,
         "seed": seed,
-        "measurement": measurement_to_dict(found.measurement),
+        "measurement": measurement_to_dict(estimate.measurement),
     }
 
 
 def _finite(ends: Real) -> list[float | None]:
-    return [float(end) if np.isfinite(end) else None for end in ends]
+    return [_finite_or_none(float(end)) for end in ends]
+
+
+def _finite_or_none(value: float) -> float | None:
+    # JSON has no word for infinity.
+    if not isfinite(value):
+        return None
+    return value
+
+
+def _with_infinity(ends: list[float | None], infinity: float) -> Real:
+    """What `_finite` gave, with infinity back in its place."""
+    numbers = np.array(ends, dtype=float)
+    return np.where(np.isnan(numbers), infinity, numbers)
 
 
 def _bounds(model: Model) -> dict[str, list[float | None]]:
@@ -74,13 +90,16 @@ def measurement_of(kept: dict[str, Any]) -> Measurement:
     sd = None
     if kept["storage_sd"] is not None:
         sd = np.array(kept["storage_sd"]) + 1j * np.array(kept["loss_sd"])
+    repeat = None
+    if kept["repeat"] is not None:
+        repeat = np.array(kept["repeat"])
     conditions = {name: np.array(column, dtype=float) for name, column in kept["conditions"].items()}
     return Measurement(
         np.array(kept["omega"], dtype=float),
         np.array(kept["storage"], dtype=float) + 1j * np.array(kept["loss"], dtype=float),
         sd=sd,
         conditions=conditions,
-        repeat=None if kept["repeat"] is None else np.array(kept["repeat"]),
+        repeat=repeat,
         units=Units(**kept["units"]),
         name=str(kept["name"]),
         reference=kept["reference"],
@@ -114,9 +133,7 @@ def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float
 
 def uncertainty_of(kept: dict[str, Any], fit: Fit) -> tuple[Uncertainty, Real, Real]:
     """What is known of a fit, and the ends of its intervals, from what was kept."""
-    # JSON has no word for infinity: an interval without an end was kept as null.
-    low = np.array([-np.inf if end is None else end for end in kept["low"]])
-    high = np.array([np.inf if end is None else end for end in kept["high"]])
+    low, high = _with_infinity(kept["low"], -np.inf), _with_infinity(kept["high"], np.inf)
     return Uncertainty(fit, bool(kept["absolute"])), low, high
 
 

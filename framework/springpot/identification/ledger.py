@@ -84,7 +84,10 @@ class Ledger:
             self.diary.append((point, None))
         if value < self.best:
             self._improve(point, value)
-        return value if value == value else inf
+        # What is no number compares with nothing: infinity is the worst to every optimiser.
+        if value != value:
+            return inf
+        return value
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:
         """Objective (m,) at points (m, d); those beyond the budget are not evaluated but infinite.
@@ -96,8 +99,9 @@ class Ledger:
         factor : ndarray, shape (m,), optional
             Penalty by which each value is multiplied before it is recorded.
         """
-        factors = None if factor is None else factor[None]
-        values: Real = LedgerGroup([self]).batch(np.asarray(x, dtype=float)[None], factors)[0]
+        if factor is not None:
+            factor = factor[None]
+        values: Real = LedgerGroup([self]).batch(np.asarray(x, dtype=float)[None], factor)[0]
         return values
 
     def gradient(self, x: Real) -> tuple[float, Real]:
@@ -106,7 +110,9 @@ class Ledger:
         raw, slope = self.problem.gradient(point)
         value = float(raw)
         self._note_derivative(point, value)
-        return (value if value == value else inf), slope
+        if value != value:
+            value = inf
+        return value, slope
 
     def residuals(self, x: Real) -> tuple[Real, Real]:
         """Residuals (2n,) and their exact Jacobian (2n, d) at one point; one evaluation."""
@@ -188,7 +194,9 @@ class LedgerGroup:
         """
         m = x.shape[1]
         left = [ledger.left for ledger in self.ledgers]
-        allowed = [m] * len(left) if min(left) >= m else [min(m, count) for count in left]
+        allowed = [m] * len(left)
+        if min(left) < m:  # in all calls but the last ones every run may evaluate all its points
+            allowed = [min(m, count) for count in left]
         if max(allowed) <= 0:
             raise BudgetSpent
         points = np.minimum(np.maximum(x, self.problem.space.lowest), self.problem.space.highest)
@@ -201,7 +209,9 @@ class LedgerGroup:
     def _evaluate(self, points: Real, allowed: list[int], m: int) -> Real:
         if min(allowed) == m:
             # A single run is spared the cost of a leading axis.
-            return self.problem.evaluate(points[0])[None] if len(points) == 1 else self.problem.evaluate(points)
+            if len(points) == 1:
+                return self.problem.evaluate(points[0])[None]
+            return self.problem.evaluate(points)
         chosen = np.arange(m) < np.array(allowed)[:, None]
         values = np.full(chosen.shape, inf)
         values[chosen] = self.problem.evaluate(points[chosen])
@@ -216,6 +226,7 @@ def _note(
     Values that are no numbers become infinite, in place.
     """
     bests, lowest = np.array([ledger.best for ledger in ledgers]), values.min(axis=1)
+    # The least of a row tells whether one of it is no number: the whole row is searched only then.
     if np.isnan(lowest).any():
         values[np.isnan(values)] = inf
         lowest = values.min(axis=1)
@@ -230,7 +241,9 @@ def _note(
         _write_down(ledgers, points, allowed, factor)
     if rows.size:
         columns = values[rows].argmin(axis=1)
-        factors = [1.0] * len(rows) if factor is None else factor[rows, columns].tolist()
+        factors = [1.0] * len(rows)
+        if factor is not None:
+            factors = factor[rows, columns].tolist()
         for i, point, own in zip(rows.tolist(), points[rows, columns], factors, strict=True):
             ledgers[i].settle(point, own)
 
@@ -238,9 +251,13 @@ def _note(
 def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None) -> None:
     """Append what each was allowed to its diary."""
     for i, (ledger, count) in enumerate(zip(ledgers, allowed, strict=True)):
-        if ledger.diary is not None:
-            made = max(count, 0)
-            ledger.diary.append((points[i, :made], None if factor is None else factor[i, :made]))
+        if ledger.diary is None:
+            continue
+        made = max(count, 0)
+        penalties = None
+        if factor is not None:
+            penalties = factor[i, :made]
+        ledger.diary.append((points[i, :made], penalties))
 
 
 def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
@@ -257,7 +274,12 @@ def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]
 
 def all_points(diary: Diary, dimension: int) -> tuple[Real, Real]:
     """Points (n, d) and penalty factors (n,) of a diary, row i being evaluation i + 1."""
-    points = [np.empty((0, dimension)), *(np.atleast_2d(page) for page, _ in diary)]
-    pages = zip(points[1:], diary, strict=True)
-    factors = [np.ones(len(page)) if factor is None else factor for page, (_, factor) in pages]
-    return np.concatenate(points), np.concatenate([np.empty(0), *factors])
+    # Begun with nothing, as of no pages at all there would be nothing to join.
+    points, factors = [np.empty((0, dimension))], [np.empty(0)]
+    for page, factor in diary:
+        page = np.atleast_2d(page)
+        if factor is None:
+            factor = np.ones(len(page))
+        points.append(page)
+        factors.append(factor)
+    return np.concatenate(points), np.concatenate(factors)

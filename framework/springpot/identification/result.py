@@ -134,6 +134,7 @@ class Identification(Estimate):
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
         lost = np.isinf(np.diag(known))
+        # Zero times infinity is no number: what is lost is taken out here and put back below.
         finite = np.where(lost[:, None] | lost[None, :], 0.0, known)
         covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
         touched = np.any(np.abs(turn[:, lost]) > 0.0, axis=1)
@@ -155,17 +156,24 @@ class Identification(Estimate):
     @cached_property
     def standing(self) -> Standing | None:
         """How the error stands against noise and any material; None where the data are too few to tell."""
-        return None if self.judge is None else self.judge(self)
+        if self.judge is None:
+            return None
+        return self.judge(self)
 
     @property
     def noise_floor(self) -> float:
         """Relative error that noise alone leaves; nan where the data are too few to tell."""
-        return float("nan") if self.standing is None else self.standing.noise_floor
+        if self.standing is None:
+            return float("nan")
+        return self.standing.noise_floor
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
         """The smoothest spectrum that the data allow, where these choose it; None for a network of elements."""
-        return regularised(self.fit, np.random.default_rng(self.seed)) if is_material(self.model) else None
+        if not is_material(self.model):
+            return None
+        # The band is from simulated noise: with the seed that was kept, a file that is taken up shows the same.
+        return regularised(self.fit, np.random.default_rng(self.seed))
 
     def predict(
         self,
@@ -225,7 +233,9 @@ class Identification(Estimate):
     def _repr_html_(self) -> str:
         rows = []
         for name, row in self.parameters.items():
-            unit = f"{row.unit} (fixed)" if row.fixed else row.unit
+            unit = row.unit
+            if row.fixed:
+                unit = f"{unit} (fixed)"
             rows.append((name, f"{row.value:.4g}", *_interval(row), unit))
         error = f"error {100 * self.relative_rms:.3g} % of |K|"
         if self.standing is not None:
@@ -240,9 +250,12 @@ class Identification(Estimate):
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, schema ``springpot.identification/1``, with all that `springpot.load` needs."""
-        spectrum = {} if self.spectrum is None else {"spectrum": self._spectrum(self.spectrum)}
-        standing = self.standing
-        floors = {} if standing is None else {"error": {"relative_rms": self.relative_rms, **vars(standing)}}
+        spectrum: dict[str, Any] = {}
+        if self.spectrum is not None:
+            spectrum = {"spectrum": self._spectrum(self.spectrum)}
+        floors: dict[str, Any] = {}
+        if self.standing is not None:
+            floors = {"error": {"relative_rms": self.relative_rms, **vars(self.standing)}}
         return {
             "schema": SCHEMA,
             "model": self.model.name,
@@ -261,20 +274,20 @@ class Identification(Estimate):
             "kept": kept(self, self.seed),
         }
 
-    def _spectrum(self, found: Spectrum) -> dict[str, Any]:
+    def _spectrum(self, spectrum: Spectrum) -> dict[str, Any]:
         """K = equilibrium + viscosity s + sum of weight s / (s + rate), in printed units, with a band."""
         units = self.measurement.units
         (size, unit), (flow, flow_unit) = units.of(EQUILIBRIUM.unit), units.of(VISCOSITY.unit)
-        weight = size * found.step
+        weight = size * spectrum.step
         return {
-            "rates": found.rates.tolist(),
-            "weights": (weight * found.density).tolist(),
-            "low": (weight * found.low).tolist(),
-            "high": (weight * found.high).tolist(),
+            "rates": spectrum.rates.tolist(),
+            "weights": (weight * spectrum.density).tolist(),
+            "low": (weight * spectrum.low).tolist(),
+            "high": (weight * spectrum.high).tolist(),
             "unit": unit,
-            "equilibrium": {"value": size * found.equilibrium, "unit": unit},
-            "viscosity": {"value": flow * found.viscosity, "unit": flow_unit},
-            "seen": list(found.seen),
+            "equilibrium": {"value": size * spectrum.equilibrium, "unit": unit},
+            "viscosity": {"value": flow * spectrum.viscosity, "unit": flow_unit},
+            "seen": list(spectrum.seen),
         }
 
 

@@ -53,13 +53,10 @@ class Task:
         """Search coordinates, sized by the mean of ln|K| of each data set."""
         if self.given is not None:
             return self.given
-        amplitude = self.points.amplitude
-        return Coordinates.of(
-            self.model.parameters,
-            float(np.mean(self.points.log_omega)),
-            self.scale,
-            1.0 if amplitude is None else float(np.mean(amplitude)),
-        )
+        amplitude = 1.0
+        if self.points.amplitude is not None:
+            amplitude = float(np.mean(self.points.amplitude))
+        return Coordinates.of(self.model.parameters, float(np.mean(self.points.log_omega)), self.scale, amplitude)
 
     @property
     def count(self) -> int:
@@ -97,7 +94,10 @@ class Task:
     @cached_property
     def _plane_weights(self) -> Complex:
         """Weights (B, n) of differences of K that match the objective to first order."""
-        weights = self.weights / np.abs(self.stiffness) if self.logarithmic else self.weights
+        weights = self.weights
+        # d ln K = dK / K: near the data a difference of logarithms is a relative one.
+        if self.logarithmic:
+            weights = weights / np.abs(self.stiffness)
         return np.broadcast_to(weights, self.stiffness.shape)
 
     @cached_property
@@ -139,14 +139,20 @@ class Task:
             given=self.coordinates,
         )
 
+    def _data_sets(self, owner: Rows, rows: Rows) -> Rows | slice:
+        """The data set of each of some rows."""
+        # A single one stands for all rows as it is, and need not be copied for each.
+        if len(self.stiffness) == 1:
+            return slice(None)
+        return owner[rows]
+
     def evaluator(self, owner: Rows) -> Evaluate:
         """Residuals (r, 2n) and derivative (r, p, 2n) of rows, of which row i belongs to data set `owner[i]`."""
         self._require_derivative()
         coordinates, network = self.coordinates, self.model.network
-        single = len(self.stiffness) == 1
 
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            which = slice(None) if single else owner[rows]
+            which = self._data_sets(owner, rows)
             size, weight = coordinates.size[which], self._weight[which]
             theta = coordinates.theta(u, size)
             response = network.respond(theta, self.points, GRADIENT)
@@ -165,12 +171,11 @@ class Task:
         """The same for shapes (r, d): residuals with the gains projected out, and Kaufman's derivative of them."""
         self._require_derivative()
         coordinates, branches = self.coordinates, self.branches
-        single = len(self.stiffness) == 1
         at, weight = self._plane
         target = at * weight
 
         def evaluate(v: Real, rows: Rows) -> tuple[Real, Real]:
-            which = slice(None) if single else owner[rows]
+            which = self._data_sets(owner, rows)
             size, scale = coordinates.size[which], weight[which][:, None, :]
             theta, value, by_theta, shares = self._unit_gain(v, size)
             basis = interleaved(shares) * scale
@@ -212,8 +217,15 @@ class Task:
         with np.errstate(all="ignore"):
             *_, shares = self._unit_gain(v.reshape(count * starts, d), self.coordinates.size[owner])
             gains = project(interleaved(shares) * weight[owner][:, None, :], (at * weight)[owner])[0]
-        log_gain = np.log(gains).reshape(count, starts, -1) * (-1.0 if self.branches.compliance else 1.0)
-        return self._scaled(v, log_gain)
+        return self._scaled(v, self._log_gain(gains).reshape(count, starts, -1))
+
+    def _log_gain(self, gains: Real) -> Real:
+        """Logarithms of the gains of stiffnesses."""
+        log_gain: Real = np.log(gains)
+        # In the plane of compliances they are gains of these.
+        if self.branches.compliance:
+            log_gain = -log_gain
+        return log_gain
 
     def solve_shapes(self, v: Real, iterations: int = 60, flat: float = 1e-10) -> Solution:
         """Descend from shapes (B, s, d) with the gains projected out; rows run over data sets, then starts."""
@@ -227,7 +239,7 @@ class Task:
             upper[owner],
             floor=self.shape_floor[owner],
             flat=flat,
-            team=owner if starts > 1 else None,
+            team=_team(owner, starts),
             iterations=iterations,
         )
 
@@ -242,7 +254,7 @@ class Task:
             lower[owner],
             upper[owner],
             floor=self.floor[owner],
-            team=owner if starts > 1 else None,
+            team=_team(owner, starts),
             iterations=iterations,
             damping=damping,
             flat=flat,
@@ -253,8 +265,15 @@ class Task:
         thin = self.thin(SCAN_POINTS)
         shapes = shapes_of(self.model, Grid(thin.points, self.coordinates), offset)
         v, gains = shapes.best(thin.stiffness, thin._plane_weights, keep)
-        log_gain = np.log(gains) * (-1.0 if self.branches.compliance else 1.0) - np.log(self.scale)[:, None, None]
+        log_gain = self._log_gain(gains) - np.log(self.scale)[:, None, None]
         return v, self._scaled(v, log_gain)
 
     def _scaled(self, v: Real, log_gain: Real) -> Real:
         return self.branches.scaled(self.branches.shaped(v, self.coordinates.log), log_gain, self.coordinates.log)
+
+
+def _team(owner: Rows, starts: int) -> Rows | None:
+    """The data set of each row, whose starts end one another; none where each data set has one start."""
+    if starts <= 1:
+        return None
+    return owner

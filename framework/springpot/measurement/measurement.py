@@ -120,7 +120,8 @@ class Measurement(Rows):
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
         for name, dtype in _DTYPES.items():
             values = getattr(self, name)
-            object.__setattr__(self, name, None if values is None else self._array(name, values, dtype))
+            if values is not None:
+                object.__setattr__(self, name, self._array(name, values, dtype))
         for name, dtype in (("conditions", np.dtype(np.float64)), ("labels", np.dtype(np.str_))):
             mapping = {key: self._array(key, column, dtype) for key, column in getattr(self, name).items()}
             object.__setattr__(self, name, MappingProxyType(mapping))
@@ -138,12 +139,18 @@ class Measurement(Rows):
             # Not a number, and numbers that are too large, are no whole ones and warn when they are made so.
             if dtype.kind == "i" and given.dtype.kind == "f" and not np.all(np.abs(given) < 2.0**63):
                 raise ValueError
-            column = given if given.dtype.kind == dtype.kind == "U" else given.astype(dtype, copy=False)
+            column = given
+            # Words are words at any length, and stay the same object.
+            if not given.dtype.kind == dtype.kind == "U":
+                column = given.astype(dtype, copy=False)
             if dtype.kind == "i" and np.any(column != given):
                 raise ValueError
         except (ValueError, TypeError):
             raise DataError(f"{self.name}: column {name} must hold {_KINDS[dtype.kind]}") from None
-        if column.ndim != (2 if name == "harmonics" else 1):
+        dimensions = 1
+        if name == "harmonics":
+            dimensions = 2
+        if column.ndim != dimensions:
             raise DataError(f"{self.name}: column {name} must have one value for each measured point")
         return column
 
@@ -294,10 +301,13 @@ class Measurement(Rows):
         conditions = dict(self.conditions)
         if "amplitude" in conditions:
             conditions["amplitude"] = change.amplitude(conditions["amplitude"])
+        sd = None
+        if self.sd is not None:
+            sd = change.stiffness(self.sd)
         return replace(
             self,
             stiffness=change.stiffness(self.stiffness),
-            sd=None if self.sd is None else change.stiffness(self.sd),
+            sd=sd,
             conditions=conditions,
             units=change.units,
             provenance={**self.provenance, "geometry": words_of(change.geometry)},
@@ -333,8 +343,9 @@ class Measurement(Rows):
 
 def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_temperature: float) -> Points:
     """Points (n,) under conditions as a measurement has them, with temperatures in degC; the reference in kelvin."""
-    temperature = conditions.get("temperature")
-    kelvin = None if temperature is None else temperature + KELVIN
+    kelvin = conditions.get("temperature")
+    if kelvin is not None:
+        kelvin = kelvin + KELVIN
     others = {name: column for name, column in conditions.items() if name not in CONDITIONS}
     return Points(log_omega, conditions.get("amplitude"), kelvin, reference_temperature, others)
 
@@ -349,7 +360,10 @@ def _holds_complex(values: ArrayLike) -> bool:
 
 def _levels(name: str, column: Real) -> NDArray[np.int64]:
     """Number of the level that each value belongs to, in ascending order, for values that a rig holds only nearly."""
-    x = np.log(np.maximum(np.abs(column), 1e-300)) if name == "amplitude" else column
+    x = column
+    # How nearly an amplitude is held is a share of it: a step of the logarithm.
+    if name == "amplitude":
+        x = np.log(np.maximum(np.abs(column), 1e-300))
     order = np.argsort(x, kind="stable")
     number = np.empty(len(x), dtype=np.int64)
     number[order] = np.cumsum(np.concatenate([[0], np.diff(x[order]) > HELD.get(name, 0.0)]))

@@ -124,7 +124,9 @@ def spectrum_of(
     refuse_what_is_no_relaxation(model)
     conditions = conditions_at(temperature, reference_temperature)
     theta = np.asarray(theta, dtype=float)
-    limits = None if band is None else _checked(band)
+    limits = None
+    if band is not None:
+        limits = _checked(band)
     with blaming(model, theta, conditions):
         return _spectrum(model.network, theta, conditions, limits, tolerance)
 
@@ -148,8 +150,9 @@ def blaming(model: NamedNetwork, theta: Real, conditions: Points) -> Iterator[No
 
 def conditions_at(temperature: float | None, reference_temperature: float) -> Points:
     """A temperature in kelvin, the reference temperature where there is none, without frequencies."""
-    here = reference_temperature if temperature is None else temperature
-    return Points(np.zeros(1), None, np.array([here]), reference_temperature)
+    if temperature is None:
+        temperature = reference_temperature
+    return Points(np.zeros(1), None, np.array([temperature]), reference_temperature)
 
 
 def refuse_what_is_no_relaxation(model: NamedNetwork) -> None:
@@ -184,6 +187,8 @@ def _guilty(model: NamedNetwork, theta: Real, conditions: Points, fault: str) ->
     values = dict(zip(model.names, theta, strict=True))
     # What stands beside the network or in the signals is followed on its own, and is not to blame.
     linear = tuple(effect for effect in model.effects if not _reason(effect))
+    parts = [model.base, *(effect.name for effect in linear)]
+    guilty = parts[-1]
     for count in range(len(linear)):
         smaller = replace(model, effects=linear[:count])
         try:
@@ -191,11 +196,9 @@ def _guilty(model: NamedNetwork, theta: Real, conditions: Points, fault: str) ->
                 smaller.network, smaller.vector({n: values[n] for n in smaller.names}), conditions, None, 1e-3, 1
             )
         except _NoSpectrumError:
-            part = f"'{smaller.effects[-1].name}'" if count else f"'{model.base}'"
+            guilty = parts[count]
             break
-    else:
-        part = f"'{linear[-1].name}'" if linear else f"'{model.base}'"
-    return f"{model.name} has no relaxation spectrum: {part} {fault}"
+    return f"{model.name} has no relaxation spectrum: '{guilty}' {fault}"
 
 
 class _NoSpectrumError(Exception):
@@ -240,18 +243,21 @@ def summed(
     signed : bool
         Let a layer of fluid that is set in motion (Basset) count as modes of negative weight.
     """
+    # What is cut off at the ends of the band (see `_needed`) needs a share of the tolerance too.
     wanted = 0.3 * tolerance
-    found = whole.summed(low, high, wanted, peaks_of, signed)
+    best = whole.summed(low, high, wanted, peaks_of, signed)
     for _ in range(attempts):
-        if found.error <= tolerance:
+        if best.error <= tolerance:
             break
         # An error not far off is a step a little too wide; a large one is a peak that was not seen.
-        finder = peaks_of if found.error < NEARLY * tolerance else all_peaks_of
+        finder = all_peaks_of
+        if best.error < NEARLY * tolerance:
+            finder = peaks_of
         wanted = wanted**1.5
-        found = min(found, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
-    if not found.error < REFUSED:
-        raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * found.error:.2g} %")
-    return found
+        best = min(best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
+    if not best.error < REFUSED:
+        raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * best.error:.2g} %")
+    return best
 
 
 PeakFinder: TypeAlias = Callable[[Branch, Edge], Complex]
@@ -287,7 +293,9 @@ class Sum:
         for branch in branches(network, theta, conditions, compliance=compliance):
             modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
             if modes is not None and not (compliance and not modes.ends.any() and not modes.weights.any()):
-                classical = classical.beside(modes.inverse() if compliance else modes)
+                if compliance:
+                    modes = modes.inverse()
+                classical = classical.beside(modes)
             elif branch.is_mass and not compliance:
                 value, by_theta = branch.mass()
                 mass, slopes = mass + value, slopes + by_theta
@@ -297,12 +305,14 @@ class Sum:
 
     def respond(self, log_omega: Anywhere, depth: int) -> tuple[Complex, Complex]:
         """What relaxes: value (n,) and derivative (p, n)."""
-        found = [part.respond(log_omega, depth) for part in self.parts]
-        shape = (len(self.mass_slopes), len(log_omega))
-        value = np.sum([each.value for each in found], axis=0) if found else np.zeros(shape[1], dtype=complex)
-        if depth < GRADIENT or not found:
-            return value, np.zeros(shape, dtype=complex)
-        return value, np.sum([each.by_theta for each in found], axis=0)
+        nothing = np.zeros((len(self.mass_slopes), len(log_omega)), dtype=complex)
+        if not self.parts:
+            return np.zeros(len(log_omega), dtype=complex), nothing
+        responses = [part.respond(log_omega, depth) for part in self.parts]
+        value = np.sum([each.value for each in responses], axis=0)
+        if depth < GRADIENT:
+            return value, nothing
+        return value, np.sum([each.by_theta for each in responses], axis=0)
 
     def own_band(self) -> tuple[float, float]:
         """Band in ln omega that reaches two decades beyond the times of the network itself."""
@@ -378,15 +388,14 @@ class Sum:
             height = value.imag / np.pi
             if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
+            if not signed:
+                height = np.maximum(height, 0.0)
             fixed = np.zeros((len(u), len(self.mass_slopes)))
-            modes = Lines(
-                np.exp(u),
-                share * (height if signed else np.maximum(height, 0.0)),
-                fixed,
-                (share * by_theta.imag / np.pi).T,
-            )
+            modes = Lines(np.exp(u), share * height, fixed, (share * by_theta.imag / np.pi).T)
             # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of the frequency more.
-            order = 3 if any(part.is_layer for part in spread) else 2
+            order = 2
+            if any(part.is_layer for part in spread):
+                order = 3
             needed = _needed(modes, sizes, (low, high), tolerance, order)
             found.append(Lines(*(field[needed] for field in modes)))
         return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
@@ -397,7 +406,9 @@ class Sum:
         They are told from real s, where K is real. Only a layer of fluid needs a mass.
         """
         layered = any(part.is_layer for part in self.parts)
-        powers = np.arange(3.0 if layered else 2.0)
+        powers = np.arange(2.0)
+        if layered:
+            powers = np.arange(3.0)
         where = np.linspace(low, high, len(powers))
         s = np.exp(where)[:, None]
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
