@@ -114,7 +114,7 @@ def identify(
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
     data = excluded(_measurement(measurement), exclude)
     judged = constrained(_model(model), data.units, fix, bounds)
-    found = identify_objects(
+    fit = identify_objects(
         data,
         judged,
         optimiser=_optimiser(optimiser),
@@ -126,7 +126,7 @@ def identify(
         simpler=[_model(part) for part in simpler],
         start={name: own_value(judged, data.units, name, value) for name, value in (start or {}).items()},
     )
-    return replace(found, judge=standing_of)
+    return replace(fit, judge=standing_of)
 
 
 def diagnose(
@@ -226,14 +226,16 @@ def discover(
     ['24.1%', '4.4%']
     """
     data = excluded(_measurement(measurement), exclude)
-    found, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
-    wanted = None if accept is None else [_effect(effect, found) for effect in _listed(accept)]
+    known, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
+    wanted = None
+    if accept is not None:
+        wanted = [_effect(effect, known) for effect in _listed(accept)]
     grown = start
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
     require_conditions(grown, data)  # what cannot be accepted is told before the first fit, not after it
-    return discover_objects(data, start, found, np.random.default_rng(seed), wanted, progress, reached)
+    return discover_objects(data, start, known, np.random.default_rng(seed), wanted, progress, reached)
 
 
 def compare(
@@ -314,19 +316,21 @@ def mastercurve(
     >>> [round(level.a, 2) for level in curve.levels]
     [1.63, 1.27, 1.0, 0.8, 0.66, 0.54]
     """
-    at = level_of(reference, column) if isinstance(reference, str) else reference
+    if isinstance(reference, str):
+        reference = level_of(reference, column)
     how = _objective(objective)
-    return mastercurve_of(_measurement(measurement), column=column, reference=at, vertical=vertical, objective=how)
+    data = _measurement(measurement)
+    return mastercurve_of(data, column=column, reference=reference, vertical=vertical, objective=how)
 
 
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
     """The installed effects, and `effects` beside them or in their places."""
-    found = {effect.name: effect for effect in plugins().items("effect")}
+    by_name = {effect.name: effect for effect in plugins().items("effect")}
     if effects is not None:
         # One of the same name takes the installed one's place: so a user may try another version of an effect.
         for own in [_effect(effect, ()) for effect in _listed(effects)]:
-            found[own.name] = own
-    return list(found.values())
+            by_name[own.name] = own
+    return list(by_name.values())
 
 
 def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
@@ -334,7 +338,10 @@ def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
         return effect
     if not isinstance(effect, str):
         raise ModelError(f"an effect is an Effect or its name, not {_shown(effect)}")
-    return next((known for known in among if known.name == effect), None) or plugins().effect(effect)
+    for known in among:
+        if known.name == effect:
+            return known
+    return plugins().effect(effect)
 
 
 def _measurement(measurement: Measurement | str | Path) -> Measurement:
@@ -368,18 +375,25 @@ def _holds_tests_in_time(spec: str | Path, asked: bool) -> bool:
 
 def _listed(given: T | str | Sequence[T | str]) -> Sequence[T | str]:
     """One thing is a list of one."""
-    return given if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+    # A string is a sequence too, of letters.
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        return [given]
+    return given
 
 
 def _model(model: Model | str) -> Model:
     if not isinstance(model, str | Model):
         raise ModelError(f"a model is a Model or an expression like 'fractional-maxwell', not {_shown(model)}")
-    return parse_model(model) if isinstance(model, str) else model
+    if isinstance(model, str):
+        return parse_model(model)
+    return model
 
 
 def _judged(model: Model | str | None) -> Model:
     """A model, or any material where none is given."""
-    return any_material() if model is None else _model(model)
+    if model is None:
+        return any_material()
+    return _model(model)
 
 
 def _shown(thing: object) -> str:
@@ -390,8 +404,8 @@ def _shown(thing: object) -> str:
 def _objective(objective: Objective | str | None) -> Objective | None:
     if not isinstance(objective, str):
         return objective
-    found: Objective = plugins().find("objective", objective)
-    return found
+    by_name: Objective = plugins().find("objective", objective)
+    return by_name
 
 
 def _optimiser(optimiser: Optimiser | str | None) -> Optimiser | None:

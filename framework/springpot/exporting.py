@@ -132,7 +132,9 @@ def exported(
 def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisson: float | None) -> Handoff:
     """What a writer is given: the series, and the parameters as a user knows them."""
     model, theta, reference = known.model, known.theta, known.reference
-    at = reference if kelvin is None else kelvin
+    at = reference
+    if kelvin is not None:
+        at = kelvin
     shown = _printed(known, unit)
     if "temperature" in model.needs:
         shown["temperature"] = f"{at - KELVIN:.6g} degC"
@@ -210,6 +212,9 @@ def _share(tolerance: str | float | None) -> float | None:
         share = float(number)
     except ValueError:
         raise ModelError(f"'{tolerance}' is no tolerance: write 0.5% or 0.005") from None
+    if percent:
+        share /= 100.0
+    return share
     if percent:
         share /= 100.0
     return share

@@ -118,8 +118,9 @@ class KeptComparison:
 
     def __repr__(self) -> str:
         shown = ", ".join(repr(one) for one in self.judgements[:SHOWN])
-        more = f", and {len(self.judgements) - SHOWN} more" if len(self.judgements) > SHOWN else ""
-        return f"<KeptComparison of {self.data}: {shown}{more}>"
+        if len(self.judgements) > SHOWN:
+            shown += f", and {len(self.judgements) - SHOWN} more"
+        return f"<KeptComparison of {self.data}: {shown}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +195,10 @@ def load(path: str | Path) -> Loaded:
     True
     """
     answer = _read(Path(path))
-    schema = answer.get("schema") if isinstance(answer, dict) else None
+    schema = None
+    # Other JSON may be a list or a number.
+    if isinstance(answer, dict):
+        schema = answer.get("schema")
     if schema not in _KNOWN:
         raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
     try:
@@ -235,8 +239,8 @@ def _objective(name: str, kept: dict[str, Any]) -> Objective:
     standard = default_objective(measurement_of(kept["measurement"]))
     if standard.name == name:
         return standard
-    found: Objective = plugins().find("objective", name)
-    return found
+    objective: Objective = plugins().find("objective", name)
+    return objective
 
 
 def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
@@ -270,8 +274,11 @@ def _where(row: dict[str, Any]) -> Where:
 
 def _candidate(row: dict[str, Any]) -> Candidate:
     # What could not be computed was infinite, for which JSON has no word: no evidence at all, no bound at all.
-    delta_bic = -inf if row["delta_bic"] is None else row["delta_bic"]
-    bound = inf if row["bound"] is None else row["bound"]
+    delta_bic, bound = row["delta_bic"], row["bound"]
+    if delta_bic is None:
+        delta_bic = -inf
+    if bound is None:
+        bound = inf
     return Candidate(
         physics=plugins().effect(row["effect"]),
         alike=tuple(row["class"]),
@@ -304,7 +311,9 @@ def _value(row: dict[str, Any]) -> Value:
 
 def _number(value: float | None) -> float:
     """A number; JSON has no word for one that is not finite."""
-    return nan if value is None else float(value)
+    if value is None:
+        return nan
+    return float(value)
 
 
 def _ladder(answer: dict[str, Any]) -> KeptLadder:

@@ -51,7 +51,10 @@ class Scale:
     def precision(self, values: Real) -> Real:
         """Precision (n,) of objectives (n,), never below zero."""
         room = self.reference - self.best
-        scaled: Real = np.maximum(values - self.best, 0.0) / (room if room > 0 else 1.0)
+        # The reference itself may be the best that is known: then there is nothing to scale by.
+        if not room > 0:
+            room = 1.0
+        scaled: Real = np.maximum(values - self.best, 0.0) / room
         return scaled
 
 
@@ -87,22 +90,26 @@ def _scales(store: Store) -> dict[int, Scale]:
         for row in block.trials:
             trace = row.oracle_trace()
             scale.noise_free &= trace is not None
-            least = inf if trace is None else float(trace[1][-1])
+            least = inf
+            if trace is not None:
+                least = float(trace[1][-1])
             lowest[problem.id] = min(least, lowest.get(problem.id, inf))
     for number, scale in scales.items():
         if scale.noise_free:
+            scale.best = lowest[number]
             # Where the model made the data, its noise-free objective ends at zero, reached or not.
-            scale.best = 0.0 if number in made else lowest[number]
+            if number in made:
+                scale.best = 0.0
     return scales
 
 
 def _text(row: TrialRow, scale: Scale, grid: bool) -> str:
     """A run's lines: at improvements in the .dat file, at a geometric grid of evaluations in the .tdat file."""
-    measured = row.improvements()
-    shown = row.oracle_trace() if scale.noise_free else measured
-    assert shown is not None
-    marks: NDArray[np.int64] = np.union1d(shown[0], [1, row.evaluations])
-    numbers = geometric_grid(row.evaluations) if grid else marks
+    measured, shown = row.improvements(), _shown(row, scale)
+    # The first and the last evaluation too, so that the trace has both ends of the run.
+    numbers: NDArray[np.int64] = np.union1d(shown[0], [1, row.evaluations])
+    if grid:
+        numbers = geometric_grid(row.evaluations)
     precision, best = scale.precision(at(*shown, numbers)), at(*measured, numbers)
     return _HEAD + "".join(_rows(numbers, precision, best))
 
@@ -120,12 +127,21 @@ def _index(block: Block, scale: Scale, data: str) -> str:
         "data_format": "'bbob-new2'",
     }  # fmt: skip
     runs = ", ".join(f"{row.repetition + 1}:{row.evaluations}|{_final(row, scale):.1e}" for row in block.trials)
-    noise = "noise-free objective" if scale.noise_free else "objective"
-    comment = f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the {noise}"
+    objective = "objective"
+    if scale.noise_free:
+        objective = "noise-free objective"
+    comment = f"% {block.name}: (f - {scale.best!r}) / ({scale.reference!r} - {scale.best!r}), f the {objective}"
     return ", ".join(f"{key} = {value}" for key, value in keys.items()) + f"\n{comment}\n{data}, {runs}\n"
 
 
+def _shown(row: TrialRow, scale: Scale) -> tuple[NDArray[np.int64], Real]:
+    """Evaluations and objectives at which a run improved, the noise-free ones where every trial knows them."""
+    if not scale.noise_free:
+        return row.improvements()
+    trace = row.oracle_trace()
+    assert trace is not None
+    return trace
+
+
 def _final(row: TrialRow, scale: Scale) -> float:
-    shown = row.oracle_trace() if scale.noise_free else row.improvements()
-    assert shown is not None
-    return float(scale.precision(shown[1][-1:])[0])
+    return float(scale.precision(_shown(row, scale)[1][-1:])[0])

@@ -87,9 +87,13 @@ def run_study(
     KeyboardInterrupt
         After Ctrl-C; finished trials are kept.
     """
-    script = None if isinstance(study, Study) else Path(study)
-    with _aside(quiet):
-        declared = study if isinstance(study, Study) else load_study(study)
+    if isinstance(study, Study):
+        script, declared = None, study
+    else:
+        script = Path(study)
+        with _aside(quiet):
+            declared = load_study(study)
+    # Before the plan, which reads all data: a slip in the name of an engine is told at once.
     check_engine(engine)
     plan = declared.with_options(budget, repeats).plan()
     path = store_path(declared, Path(out))
@@ -98,10 +102,12 @@ def run_study(
         if retry_failed:
             store.forget_failed(numbers.values())
         ran, failed = _work(plan, store, numbers, script, workers, engine, quiet)
-    written = write_tables(path) if tables else []
-    if tables and declared.finish is not None:
-        with _aside(quiet):
-            declared.finish(path, path.parent)
+    written: list[Path] = []
+    if tables:
+        written = write_tables(path)
+        if declared.finish is not None:
+            with _aside(quiet):
+                declared.finish(path, path.parent)
     return Outcome(path, plan.size, ran, failed, tuple(written))
 
 
@@ -109,7 +115,9 @@ def run_study(
 def _aside(quiet: bool) -> Iterator[None]:
     """Let what a script prints go to standard error, or nowhere."""
     with ExitStack() as stack:
-        stream = stack.enter_context(open(os.devnull, "w")) if quiet else sys.stderr
+        stream = sys.stderr
+        if quiet:
+            stream = stack.enter_context(open(os.devnull, "w"))
         stack.enter_context(redirect_stdout(stream))
         stack.enter_context(redirect_stderr(stream))
         yield
@@ -125,8 +133,13 @@ def _work(
     quiet: bool,
 ) -> tuple[int, int]:
     """Numbers of trials that ran and of those that failed."""
-    kept = sum(len([r for r in store.finished(n) if r < plan.repetitions]) for n in numbers.values())
-    progress = Silent() if quiet else make_progress(plan.name, plan.size)
+    # A store may hold more repetitions than are asked for now: those beyond are no part of this run.
+    kept = 0
+    for number in numbers.values():
+        kept += sum(repetition < plan.repetitions for repetition in store.finished(number))
+    progress: Progress = Silent()
+    if not quiet:
+        progress = make_progress(plan.name, plan.size)
     progress.update(kept, 0)
     if kept == plan.size:
         progress.close()

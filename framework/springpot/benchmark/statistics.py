@@ -39,8 +39,11 @@ def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
     centre = (rate + z * z / (2 * trials)) / scale
     half = z / scale * sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
     # At the ends the interval touches 0 and 1 exactly, which rounding would miss.
-    low = 0.0 if successes == 0 else centre - half
-    high = 1.0 if successes == trials else centre + half
+    low, high = centre - half, centre + half
+    if successes == 0:
+        low = 0.0
+    if successes == trials:
+        high = 1.0
     return Interval(rate, low, high)
 
 
@@ -51,8 +54,11 @@ def target_value(best: float, reference: float, fraction: float) -> float:
 
 def hitting_time(evaluations: NDArray[np.int64], values: Real, target: float) -> float:
     """Evaluation at which a run first reached `target`, infinite if never; `values` (n,) fall strictly."""
+    # A search in rising numbers: the values fall, so both are turned round.
     index = int(np.searchsorted(-values, -target, side="left"))
-    return float(evaluations[index]) if index < len(values) else inf
+    if index == len(values):
+        return inf
+    return float(evaluations[index])
 
 
 def expected_running_time(hits: Real, spent: Real) -> float:
@@ -72,7 +78,9 @@ def expected_running_time(hits: Real, spent: Real) -> float:
     """
     success = np.isfinite(hits)
     count = int(success.sum())
-    return float(np.where(success, hits, spent).sum() / count) if count else inf
+    if not count:
+        return inf
+    return float(np.where(success, hits, spent).sum() / count)
 
 
 def running_time_interval(hits: Real, spent: Real, rng: np.random.Generator, draws: int = 1000) -> Interval | None:
@@ -83,6 +91,7 @@ def running_time_interval(hits: Real, spent: Real, rng: np.random.Generator, dra
     cost = np.where(np.isfinite(hits), hits, spent)
     success = np.isfinite(hits)
     means = np.full(draws, inf)
+    # In blocks, so that the table of draws stays within a few megabytes.
     rows = max(1, 2**20 // n)
     for first in range(0, draws, rows):
         block = means[first : first + rows]
@@ -100,7 +109,10 @@ def median(values: Real) -> float | None:
         return None
     ordered = np.sort(values)
     low, high = ordered[(len(values) - 1) // 2], ordered[len(values) // 2]
-    return float(low if low == high else 0.5 * (low + high))
+    # Two infinities have no mean.
+    if low == high:
+        return float(low)
+    return float(0.5 * (low + high))
 
 
 def ecdf(times: Real, grid: Real) -> Real:
@@ -218,12 +230,13 @@ def mann_whitney_holm(one: Real, others: Real) -> Real:
 
     if not len(others):
         return np.empty(0)
+    # The test knows the order alone: ranks have the same, and no infinities to be subtracted.
     merged = np.concatenate([one[None], others])
     ranks = np.unique(merged, return_inverse=True)[1].reshape(merged.shape).astype(float)
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = mannwhitneyu(ranks[:1], ranks[1:], axis=1, method="asymptotic").pvalue
+        chances = mannwhitneyu(ranks[:1], ranks[1:], axis=1, method="asymptotic").pvalue
     # Undefined where all values are one: nothing differs.
-    return holm(np.where(np.isnan(found), 1.0, found))
+    return holm(np.where(np.isnan(chances), 1.0, chances))
 
 
 def holm(p: Real) -> Real:
@@ -254,14 +267,15 @@ def cliques(ranks: Real, p: Real, alpha: float = 0.05) -> list[tuple[int, int]]:
     """
     order = np.argsort(ranks, kind="stable")
     alike = p[np.ix_(order, order)] > alpha
-    found: list[tuple[int, int]] = []
+    runs: list[tuple[int, int]] = []
     for first in range(len(order)):
         last = first
         while last + 1 < len(order) and alike[first : last + 1, last + 1].all():
             last += 1
-        if last > first and (not found or last > found[-1][1]):
-            found.append((first, last))
-    return found
+        # A run that ends where the one before it did lies within that one.
+        if last > first and (not runs or last > runs[-1][1]):
+            runs.append((first, last))
+    return runs
 
 
 def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:

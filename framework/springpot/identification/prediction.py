@@ -152,13 +152,18 @@ def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | Non
         raise DataError("give frequency [Hz] or omega [rad/s], not both")
     if frequency is None and omega is None:
         return data.omega
+    given = omega
+    if given is None:
+        given = frequency
     try:
-        column = np.atleast_1d(np.asarray(frequency if omega is None else omega, dtype=float))
+        column = np.atleast_1d(np.asarray(given, dtype=float))
     except (TypeError, ValueError):
         raise DataError("frequency [Hz] and omega [rad/s] are numbers") from None
     if column.ndim != 1 or not (np.all(np.isfinite(column)) and np.all(column >= 0.0)):
         raise DataError("frequencies are a list of numbers, finite and not negative")
-    return column * 2.0 * np.pi if omega is None else column
+    if omega is None:
+        return column * 2.0 * np.pi
+    return column
 
 
 def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[str, Real]:
@@ -171,6 +176,7 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
         _check_condition(fit, name, column)
     for name in sorted(model.needs - set(own)):
         measured = data.conditions[name]
+        # At the measured frequencies each point has its own; elsewhere only what was the same for all is known.
         if len(rate) == len(data) and np.array_equal(rate, data.omega):
             own[name] = measured
         elif float(np.ptp(measured)) <= _held(name, measured):
@@ -184,8 +190,10 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
 
 def _held(name: str, column: Real) -> float:
     """How far values of one level may lie apart."""
-    share = HELD.get(name, 0.0)
-    return share * float(np.max(np.abs(column))) if name == "amplitude" else share
+    reach = HELD.get(name, 0.0)
+    if name == "amplitude":
+        return reach * float(np.max(np.abs(column)))
+    return reach
 
 
 def _check_condition(fit: Fit, name: str, column: Real) -> None:
@@ -193,7 +201,9 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
     data, model = fit.measurement, fit.model
     measured = data.conditions.get(name)
     if name == "temperature":
-        warmest = data.reference_temperature - KELVIN if measured is None else float(measured.max())
+        warmest = data.reference_temperature - KELVIN
+        if measured is not None:
+            warmest = float(measured.max())
         if np.any(column < -KELVIN):
             raise DataError(f"temperature={column.min():g} is below the absolute zero of -273.15 degC")
         if np.any(column > warmest + FAR_KELVIN):
@@ -207,7 +217,9 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
             return  # what was measured is what is asked for, and the fit holds there without knowing it
         span = f"was {low:.4g} to {high:.4g}"
     effect = {"temperature": "arrhenius-shift or wlf-shift", "amplitude": "payne or friction"}.get(name)
-    hint = f", such as {effect}" if effect else ""
+    hint = ""
+    if effect:
+        hint = f", such as {effect}"
     raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
 
 
@@ -249,6 +261,7 @@ def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> 
 def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
     """Standard deviations (n,) of what depends on the search coordinates by `by_u` (n, p)."""
     lost = np.isinf(np.diag(covariance))
+    # Zero times infinity is no number: what is lost is taken out here and put back below.
     known = np.where(lost[:, None] | lost[None, :], 0.0, covariance)
     variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
     open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)

@@ -35,9 +35,12 @@ def words_of(geometry: Geometry) -> str:
 
 def _size(name: str, value: float) -> str:
     if isinstance(value, bool):
-        return "yes" if value else "no"
+        return {True: "yes", False: "no"}[value]
     unit = {"area": "m^2", "angle": "rad", "pads": "", "stress": "1/m^3", "strain": "1/rad"}.get(name, "m")
-    return f"{value!r} {unit}" if unit else f"{value:g}"
+    # A number of pads has no unit, and is no measured size that needs all its digits.
+    if not unit:
+        return f"{value:g}"
+    return f"{value!r} {unit}"
 
 
 def parse_geometry(text: str) -> Geometry:
@@ -53,7 +56,9 @@ def parse_geometry(text: str) -> Geometry:
     name, _, rest = " ".join(text.replace(":", " ", 1).split()).partition(" ")
     if name not in GEOMETRIES:
         near = get_close_matches(name, GEOMETRIES, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(GEOMETRIES)}"
+        hint = f"known are {', '.join(GEOMETRIES)}"
+        if near:
+            hint = f"did you mean {near[0]}?"
         raise OptionError(f"geometry '{name:.40}': {hint}; write for instance '{EXAMPLE}'")
     kind = GEOMETRIES[name]
     wanted = {field.name: field for field in fields(kind)}
@@ -65,10 +70,17 @@ def parse_geometry(text: str) -> Geometry:
             raise OptionError(f"geometry {name}: there is no '{key:.40}'; it has {', '.join(wanted)}")
         if size in given:
             raise OptionError(f"geometry {name}: '{key}' is given twice")
-        given[size] = _read(name, size, value) if size == key else 0.5 * _read(name, size, value)
+        given[size] = _read(name, size, value)
+        # It was given as a diameter.
+        if size != key:
+            given[size] *= 0.5
     missing = [key for key, field in wanted.items() if key not in given and field.default is MISSING]
-    if missing or _ITEM.sub("", rest).strip(" ,;"):
-        what = f"{' and '.join(missing)} missing" if missing else f"cannot read '{_ITEM.sub('', rest).strip():.40}'"
+    # What is left when all items are taken out is no NAME=VALUE.
+    unread = _ITEM.sub("", rest).strip()
+    if missing or unread.strip(" ,;"):
+        what = f"cannot read '{unread:.40}'"
+        if missing:
+            what = f"{' and '.join(missing)} missing"
         raise OptionError(f"geometry {name}: {what}; write for instance '{_example(kind)}'")
     return kind(**given)
 

@@ -104,11 +104,9 @@ def _column(measured: Rows, key: str) -> Real:
     if measured.repeat is not None:
         own["repeat"] = measured.repeat.astype(float)
     if key not in own:
-        there = [
-            *measured.conditions,
-            *measured.labels,
-            *(["repeat"] if measured.repeat is not None else []),
-        ]
+        there = [*measured.conditions, *measured.labels]
+        if measured.repeat is not None:
+            there.append("repeat")
         raise DataError(f"{measured.name} has no condition '{key}' (there are: {', '.join(there) or 'none'})")
     return own[key]
 
@@ -116,8 +114,11 @@ def _column(measured: Rows, key: str) -> Real:
 def _between(measured: Rows, key: str, value: str, column: Real) -> NDArray[np.bool_]:
     """Rows between two ends, either of which may be left open."""
     first, _, last = value.partition("..")
-    low = _number(measured, key, first) if first.strip() else -np.inf
-    high = _number(measured, key, last) if last.strip() else np.inf
+    low, high = -np.inf, np.inf
+    if first.strip():
+        low = _number(measured, key, first)
+    if last.strip():
+        high = _number(measured, key, last)
     slack = 1e-9 * float(np.max(np.abs(column)))  # a frequency in Hz was once rad/s, and ends are included
     rows: NDArray[np.bool_] = (column >= low - slack) & (column <= high + slack)
     if not rows.any():
@@ -140,13 +141,17 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     exact = [word for word in known if word.lower() == low]
     begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
     within = [word for word in known if low in word.lower()]
-    found = exact or begins or within
-    if len(found) != 1:
-        many = f"several values of {key} match '{value}'" if found else f"no {key} '{value}'"
-        raise DataError(f"{measured.name}: {many} (there are: {_listed(found or known)})")
-    return np.asarray(column == found[0])
+    # The surest first: a word that is written out means itself, though it may begin another one.
+    matches = exact or begins or within
+    if len(matches) != 1:
+        reason = f"no {key} '{value}'"
+        if matches:
+            reason = f"several values of {key} match '{value}'"
+        raise DataError(f"{measured.name}: {reason} (there are: {_listed(matches or known)})")
+    return np.asarray(column == matches[0])
 
 
 def _listed(values: list[str]) -> str:
-    shown = values if len(values) <= SHOWN else [*values[: SHOWN - 2], "...", values[-1]]
-    return ", ".join(shown)
+    if len(values) > SHOWN:
+        values = [*values[: SHOWN - 2], "...", values[-1]]
+    return ", ".join(values)

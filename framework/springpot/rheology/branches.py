@@ -61,18 +61,25 @@ class Branch:
 
     def respond(self, log_omega: Anywhere, depth: int = VALUE) -> Response:
         """The branch (n,), its derivative (p, n) by the parameters of the whole and its slope (n,)."""
-        where = -log_omega - 1j * np.pi if self.compliance else log_omega
+        where = log_omega
+        if self.compliance:
+            # s = 1/p, so that i exp(where) = 1 / (i exp(log_omega)).
+            where = -log_omega - 1j * np.pi
         at = replace(self.conditions, log_omega=where)  # type: ignore[arg-type]
-        found = self.node.respond(self.theta, at, depth)
-        by_theta = self.chain.T @ found.by_theta if depth >= GRADIENT else found.by_theta
+        response = self.node.respond(self.theta, at, depth)
+        by_theta = response.by_theta
+        if depth >= GRADIENT:
+            by_theta = self.chain.T @ by_theta
         if not self.compliance:
-            return Response(found.value, by_theta, found.by_log_omega)
-        value = 1.0 / found.value
+            return Response(response.value, by_theta, response.by_log_omega)
+        value = 1.0 / response.value
         if depth == VALUE:
             return Response(value)
         # d(1/K) = -dK / K^2, and ln p falls where ln s grows.
         square = value**2
-        return Response(value, -square * by_theta, square * found.by_log_omega if depth == FULL else value)
+        if depth < FULL:
+            return Response(value, -square * by_theta)
+        return Response(value, -square * by_theta, square * response.by_log_omega)
 
     @property
     def is_mass(self) -> bool:
@@ -88,8 +95,9 @@ class Branch:
 
     def mass(self) -> tuple[float, Real]:
         """The constant of a mass and its derivative (p,), read at s = i."""
-        found = self.respond(np.zeros(1), GRADIENT)
-        return -float(found.value[0].real), -found.by_theta[:, 0].real
+        # There s^2 = -1: minus the stiffness is the mass itself.
+        response = self.respond(np.zeros(1), GRADIENT)
+        return -float(response.value[0].real), -response.by_theta[:, 0].real
 
 
 def _innermost(node: Node) -> Node:
@@ -112,7 +120,9 @@ def branches(network: Node, theta: Real, conditions: Points, *, compliance: bool
     compliance : bool
         Take it apart in series instead, and let each branch give its compliance.
     """
-    kind = Series if compliance else Parallel
+    kind: type[Composition] = Parallel
+    if compliance:
+        kind = Series
     parts = _split(network, theta, np.eye(len(theta)), kind)
     return [Branch(node, own, chain, conditions, compliance) for node, own, chain in parts]
 

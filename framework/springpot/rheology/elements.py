@@ -38,7 +38,9 @@ def table_of(column: Real, row: T) -> T:
 
 def _phase(exponent: float) -> complex:
     """i^exponent, exact for whole exponents so that a mass has no loss and a dashpot no storage."""
-    return complex(1j ** int(exponent)) if exponent == int(exponent) else complex(np.exp(HALF_PI * exponent))
+    if exponent == int(exponent):
+        return complex(1j ** int(exponent))
+    return complex(np.exp(HALF_PI * exponent))
 
 
 @dataclass(frozen=True)

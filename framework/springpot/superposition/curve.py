@@ -247,18 +247,25 @@ def mastercurve(
     plain = Model("material", Continuum(), effects=(sideways,))
     # Shifts first: vertical factors could otherwise do what belongs to a shift (see `_lifted`).
     alone = fit(plain, measurement, weighing)
-    found = _lifted(alone, plain + upwards) if vertical else alone
-    rows = Rows.of(found)
+    best = alone
+    if vertical:
+        best = _lifted(alone, plain + upwards)
+    rows = Rows.of(best)
     fitted = factors_of(rows)
-    at, said = _reference(fitted, reference)
+    at, remarks = _reference(fitted, reference)
     factors = fitted.referred_to(at)
     connected = _connected(rows, at)
     determined = connected & (factors.reach_a < WIDE)
-    notes += [*said, *_undetermined(factors, connected, determined), *_vertical_range(factors), *_repeats(rows, own)]
+    notes += [
+        *remarks,
+        *_undetermined(factors, connected, determined),
+        *_vertical_range(factors),
+        *_repeats(rows, own),
+    ]
     laws = judged_laws(factors, determined, vertical)
     verdict = simplicity(rows, own.weighted_by(own.share))
     return MasterCurve(
-        found,
+        best,
         factors,
         _reduced(rows, fitted, at),
         vertical,
@@ -320,9 +327,9 @@ def _lifted(alone: Fit, model: Model) -> Fit:
     return fit(model, data, alone.objective, seeds_theta=[np.concatenate([own, np.ones(len(own))]), read_off])
 
 
-def _error(found: Fit) -> float:
-    data = found.measurement
-    off = np.abs(found.model.stiffness(found.theta, data.points) / data.stiffness - 1.0)
+def _error(fitted: Fit) -> float:
+    data = fitted.measurement
+    off = np.abs(fitted.model.stiffness(fitted.theta, data.points) / data.stiffness - 1.0)
     return float(np.sqrt(np.mean(off**2)))
 
 
@@ -333,7 +340,9 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     # Only at a measured level are the factors known to be one; between levels they would rest on a law.
     nearest = int(np.argmin(np.abs(factors.levels - wanted)))
     there = float(factors.levels[nearest])
-    room = 0.5 if factors.column == "temperature" else 1e-2 * max(abs(there), abs(wanted))
+    room = 1e-2 * max(abs(there), abs(wanted))
+    if factors.column == "temperature":
+        room = 0.5
     if abs(there - wanted) <= room:
         return nearest, []
     asked, used = level_text(factors.column, wanted), level_text(factors.column, there)
@@ -401,16 +410,21 @@ def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:
     factor, x = rows.reduced
     a, b = float(np.exp(fitted.log_a[reference])), float(np.exp(fitted.log_b[reference]))
     ratio = factor / b
-    column, kept = fitted.column, {}
+    conditions = {}
     for name, values in data.conditions.items():
         # Under its own name the column would make the curve look like sweeps at many levels again.
-        kept[f"measured {name}" if name == column else name] = values
+        if name == fitted.column:
+            name = f"measured {name}"
+        conditions[name] = values
+    sd = None
+    if data.sd is not None:
+        sd = data.sd / ratio
     return replace(
         data,
         omega=np.exp(x) / a,
         stiffness=data.stiffness / ratio,
-        sd=None if data.sd is None else data.sd / ratio,
-        conditions=kept,
+        sd=sd,
+        conditions=conditions,
         name=f"{data.name}, master curve",
         reference=None,
     )

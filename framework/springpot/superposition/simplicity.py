@@ -200,18 +200,23 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     places = [*_levels(rows, alone, error), *_storage_and_loss(rows, alone), *_branches(rows, alone)]
     places.sort(key=lambda place: -place.share)
     strange = _no_material(rows, alone)
-    found = [*strange, *(place for place in places if place.share > LEAST_SHARE)]
+    # A level that no material follows is no failure of superposition, and must not count as one.
     usual = judged & ~np.isin(rows.elements[0].shown, [each.place for each in strange])
-    usual = usual if np.any(usual) else judged
+    if not np.any(usual):
+        usual = judged
     shared, own = _mean(rows, error, usual), _mean(rows, alone.error, usual)
     added = float(np.sqrt(max(shared**2 - own**2, 0.0)))
-    verdict: Verdict = "nearly-simple" if shared <= NEARLY * own or added <= ADDED else "not-simple"
+    verdict: Verdict = "not-simple"
     if chance >= ALARM:
         verdict = "simple"
+    elif shared <= NEARLY * own or added <= ADDED:
+        verdict = "nearly-simple"
+    failures = strange
     # Where superposition holds, what is found among so many places is chance.
-    kept = [each for each in found if verdict != "simple" or each.kind == "no-material"]
+    if verdict != "simple":
+        failures = [*strange, *(place for place in places if place.share > LEAST_SHARE)]
     return Simplicity(
-        verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(kept)
+        verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(failures)
     )
 
 
@@ -250,15 +255,16 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
         part = measurement.subset(number == level, f"level {level}")
         if len(np.unique(part.omega)) < FEW:
             continue
-        found = fit(material, part, objective)
-        off = np.abs(found.model.stiffness(found.theta, part.points) / part.stiffness - 1.0)
-        cost[level], dof[level] = found.cost, found.dof
+        own = fit(material, part, objective)
+        off = np.abs(own.model.stiffness(own.theta, part.points) / part.stiffness - 1.0)
+        cost[level], dof[level] = own.cost, own.dof
         error[level] = float(np.sqrt(np.mean(off**2)))
     return Alone(cost, dof, error, repeat_scatter(measurement, number))
 
 
 def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
+    # Rounded, as a frequency that is set again comes back with other last digits.
     _, group = np.unique(np.column_stack([number, np.round(np.log(data.omega), 6)]), axis=0, return_inverse=True)
     group = group.ravel()
     count = np.bincount(group)
@@ -287,7 +293,7 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which no material at all comes as near as elsewhere."""
     judged = alone.judged
     usual = float(np.median(alone.error[judged]))
-    values, found = rows.elements[0].shown, []
+    values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(alone.strange).tolist():
         ratio = (alone.error[level] / usual) ** 2
         chance = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
@@ -297,30 +303,37 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
                 f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere {_percent(usual)}: "
                 "this is the instrument, the amplitude or the specimen, not superposition"
             )
-            found.append(Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says))
-    return sorted(found, key=lambda one: -one.size)
+            failures.append(Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says))
+    return sorted(failures, key=lambda one: -one.size)
 
 
 def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     """Levels that a material of their own follows and the common one does not."""
     excess, judged = alone.excess(rows), alone.judged
     whole = _total(excess)
-    values, found = rows.elements[0].shown, []
+    values, failures = rows.elements[0].shown, []
     for level in np.flatnonzero(judged & (error > NEARLY * alone.error)).tolist():
         count = 2.0 * float(np.sum(rows.number == level))
         ratio = (excess[level] + alone.dof[level]) / count
+        # All levels are looked at, and any one of them may look like this by chance.
         chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
         if chance < ALARM:
             off, own = _percent(error[level]), _percent(alone.error[level])
             share = float(excess[level]) / whole
             says = f"at {rows.named(level)} the curve is {off} off, a material of its own {own}{_of_all(share)}"
             size = float(error[level] / alone.error[level])
-            found.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
-    return found
+            failures.append(Failure("level", values[level], size, min(chance, 1.0), share, says))
+    return failures
 
 
 def _total(excess: Real) -> float:
     return max(float(np.sum(np.maximum(excess, 0.0))), 1.0)
+
+
+def _direction(size: float) -> str:
+    if size > 0:
+        return "more"
+    return "less"
 
 
 def _of_all(share: float) -> str:
@@ -334,14 +347,15 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     apart = 0.5 * (1j * slope.imag - slope.real)
     columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(int(rows.number.max()) + 1)])
     size, chance, share = _one_step(rows, alone, columns)
-    values, found = rows.elements[0].shown, []
+    values, failures = rows.elements[0].shown, []
     for i in np.flatnonzero(chance < ALARM).tolist():
+        shifted = float(size[i])
         says = (
-            f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(size[i]))))} "
-            f"{'more' if size[i] > 0 else 'less'} shift than the storage{_of_all(share[i])}"
+            f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(shifted))))} "
+            f"{_direction(shifted)} shift than the storage{_of_all(share[i])}"
         )
-        found.append(Failure("storage-and-loss", values[i], float(size[i]), float(chance[i]), float(share[i]), says))
-    return found
+        failures.append(Failure("storage-and-loss", values[i], shifted, float(chance[i]), float(share[i]), says))
+    return failures
 
 
 def _branches(rows: Rows, alone: Alone) -> list[Failure]:
@@ -361,18 +375,21 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
         if share[lines].sum(axis=0).max() > LEAST_BRANCH and _inside(each, x):
             columns.append(by_shift[lines].sum(axis=0))
             places.append(float(np.exp(-(each + 0.5) * BAND)))
+    # A branch shifts more or less than the others: one alone has none to differ from.
     if len(columns) < 2:
         return []
     size, chance, share = _one_step(rows, alone, np.array(columns))
-    found = []
+    failures = []
     for i in np.flatnonzero(chance < ALARM).tolist():
+        # The branch is a decade wide, and the place its middle.
         low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
+        shifted = float(size[i])
         says = (
-            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts {_percent(abs(float(size[i])))} "
-            f"{'more' if size[i] > 0 else 'less'} than the others{_of_all(share[i])}"
+            f"the branch of relaxation times {low:.1g} to {high:.1g} s shifts {_percent(abs(shifted))} "
+            f"{_direction(shifted)} than the others{_of_all(share[i])}"
         )
-        found.append(Failure("branch", places[i], float(size[i]), float(chance[i]), float(share[i]), says))
-    return found
+        failures.append(Failure("branch", places[i], shifted, float(chance[i]), float(share[i]), says))
+    return failures
 
 
 def _inside(band: int, x: Real) -> bool:

@@ -12,7 +12,10 @@ _LEVEL = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*"
 
 def unit_of(column: str) -> str:
     """Unit in which levels of a column are told; the data do not say that of others."""
-    return "degC" if column == "temperature" else ""
+    # Of other columns the data tell no unit.
+    if column != "temperature":
+        return ""
+    return "degC"
 
 
 def level_text(column: str, value: float) -> str:
@@ -45,4 +48,6 @@ def level_of(text: str, column: str = "temperature") -> float:
 
 
 def _example(column: str) -> str:
-    return "25degC" if column == "temperature" else "0.5"
+    if column == "temperature":
+        return "25degC"
+    return "0.5"
