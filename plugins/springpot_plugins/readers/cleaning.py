@@ -36,10 +36,12 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
         notes["note rows"] = f"{int((~keep).sum())} of {len(keep)} rows without a measured value were left out"
     roles = {role: rows_of(column, keep) for role, column in roles.items()}
     for role in [role for role in (*_WHOLE, "repeat") if role in roles]:
+        # A point was measured without its temperature too, so that the column goes and the row stays.
         if not _present(roles[role]).all():
             notes[f"note {role}"] = f"column '{roles[role].title}' has gaps and was left out"
             del roles[role]
     if ("storage_sd" in roles) != ("loss_sd" in roles):
+        # One of the two weighs nothing: an objective needs both.
         roles.pop("storage_sd", roles.pop("loss_sd", None))
     return roles, _named_apart([rows_of(column, keep) for column in others]), notes
 
@@ -55,6 +57,7 @@ def _without_thousands(column: Column) -> Column:
         column = replace(column, cells=["".join(cell.split()) for cell in column.cells])
     for sign, pattern in ((",", _THOUSANDS), (".", _POINTS)):
         marked = [cell for cell in column.cells if sign in cell]
+        # 1,234 alone may be a decimal comma: only a cell with both signs tells which is which.
         if marked and any({",", "."} <= set(cell) for cell in marked) and all(map(pattern.match, marked)):
             return replace(column, cells=[cell.replace(sign, "") for cell in column.cells])
     return column
@@ -80,8 +83,14 @@ def rows_of(column: Column, keep: NDArray[np.bool_]) -> Column:
         cells = [column.cells[i] for i in places]
         lines = [column.lines[i] for i in places]
     if any(cell in MISSING for cell in cells):
-        cells = ["" if cell.strip() in MISSING else cell for cell in cells]
+        cells = list(map(_without_sign_of_gap, cells))
     return replace(column, cells=cells, lines=lines)
+
+
+def _without_sign_of_gap(cell: str) -> str:
+    if cell.strip() in MISSING:
+        return ""
+    return cell
 
 
 def _named_apart(columns: list[Column]) -> list[Column]:
@@ -89,7 +98,9 @@ def _named_apart(columns: list[Column]) -> list[Column]:
     made: dict[str, Column] = {}
     for column in columns:
         words = re.sub(r"[\W_]+", "_", bare_name(column).lower()).strip("_")
-        stem = words if column.name in made and words else column.name
+        stem = column.name
+        if column.name in made and words:
+            stem = words
         name, number = stem, 2
         while name in made:
             name, number = f"{stem}_{number}", number + 1

@@ -73,14 +73,15 @@ def measurement_of(
         conditions, amplitude_unit = _conditions(roles)
     harmonics, others = _harmonics(others)
     for column in others:
+        # A misspelt temperature would otherwise become a condition that no effect knows.
         if advice := misspelt(column.name):
             raise column.error(f"the name {advice}")
     extra, labels, units = _further(others)
-    notes = {
-        **_doubts(roles),
-        **runs_together(extra, labels, frozenset({"step"} if "note parts" in provenance else ())),
-        **_negative_loss(stiffness),
-    }
+    known_labels = frozenset[str]()
+    if "note parts" in provenance:
+        # That note tells already that the steps are several runs.
+        known_labels = frozenset({"step"})
+    notes = {**_doubts(roles), **runs_together(extra, labels, known_labels), **_negative_loss(stiffness)}
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
     return Measurement(
@@ -121,7 +122,10 @@ def _omega(roles: Mapping[str, Column]) -> Real:
     if wrong.any():
         row = int(np.argmax(wrong))
         raise column.error(f"the frequency must be positive, got {values[row]:g}; leave out the row", row)
-    return values if unit == "rad/s" else values * FREQUENCY_UNITS[unit]
+    if unit == "rad/s":
+        # The same bits as in the file.
+        return values
+    return values * FREQUENCY_UNITS[unit]
 
 
 def _clock(roles: Mapping[str, Column]) -> str:

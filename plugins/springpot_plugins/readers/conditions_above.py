@@ -31,27 +31,35 @@ def with_conditions_above(blocks: Iterable[Block]) -> list[Block]:
 
 def conditions_above(block: Block) -> dict[str, str]:
     """Conditions by title: ``temperature [degC]`` and the number; only those with a known unit."""
-    there, found = block.roles, {}
+    taken = set(block.roles)
+    if taken & FREQUENCIES:
+        # A column of omega says the frequency as well.
+        taken |= FREQUENCIES
+    stated: dict[str, str] = {}
+    # Downwards, so that the line nearest to the table counts.
     for row in block.above[-_NEAR:]:
         conditions = _conditions_in([cell for cell in row if cell])
-        for role in {role for role, _, _ in conditions}:
-            taken = there & FREQUENCIES if role in FREQUENCIES else role in there
+        for role in {role for role, _, _ in conditions} - taken:
             values = {(unit, number) for each, unit, number in conditions if each == role}
             # Two temperatures in one line are those of two curves.
-            if not taken and len(values) == 1:
+            if len(values) == 1:
                 unit, number = values.pop()
-                found[f"{role} [{unit}]"] = number
-    return found
+                stated[f"{role} [{unit}]"] = number
+    return stated
 
 
 def _conditions_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
     """Role, unit and number of each condition in a line."""
-    found = []
+    conditions = []
     if len(cells) == 1 and (curve := curve_in_cell(cells[0].strip("#%/ "))).title:
         return [(curve.role, normal_unit(curve.title.partition(" ")[2]), curve.value)]
-    text = "".join(f"{cell} " if cell.endswith((":", "=")) else f"{cell}, " for cell in cells)
+    text = ""
+    for cell in cells:
+        # A key and its value may stand in two cells: "Temperature:" and "25 °C".
+        end = " " if cell.endswith((":", "=")) else ", "
+        text += cell + end
     for name, bracket, number, behind in _STATED.findall(text[:_LONGEST].removesuffix(", ")):
         role, unit = role_of(name), normal_unit(bracket or behind)
         if role in _ROLES and (bracket or behind) and unit in UNITS[str(role)]:
-            found.append((str(role), unit, number.replace(",", ".")))
-    return found
+            conditions.append((str(role), unit, number.replace(",", ".")))
+    return conditions

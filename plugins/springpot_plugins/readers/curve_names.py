@@ -68,7 +68,9 @@ def logarithm(title: str) -> tuple[str, str] | None:
     opened, inner = match[2].strip(" _"), match[3].strip()
     if opened:
         inner = _without_closing(inner, opened[0])
-    return (_BASES[word], inner) if inner else None
+    if not inner:
+        return None
+    return _BASES[word], inner
 
 
 def _without_closing(inner: str, opened: str) -> str:
@@ -86,8 +88,10 @@ def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
     """The condition of a number with a unit."""
     plain = unit.replace("º", "°").replace("℃", "°C").replace("°", "").replace("deg", "").strip()
     known = _UNITS.get(plain, plain)
-    name = "omega" if known == "rad/s" else "frequency"
-    if known.startswith("deg"):
+    name = "frequency"
+    if known == "rad/s":
+        name = "omega"
+    elif known.startswith("deg"):
         name = "temperature"
     value = text.replace("−", "-").replace(",", ".").lstrip("+")
     return CurveName(whole or f"{text} {unit}", f"{name} [{known}]", value, unit == "C" and "=" not in whole)
@@ -112,6 +116,7 @@ def curve_in_title(title: str) -> tuple[str, CurveName] | None:
 def curve_in_suffix(name: str) -> tuple[str, CurveName] | None:
     """A name without its last word, and this as the name of a curve: ``G'_A``; None for other names."""
     match = _PLAIN.match(name)
+    # "fit2" is a second fit, no second measurement.
     if match is None or re.sub(r"[\d.]+$", "", match[2].lower()) in _DERIVED:
         return None
     return match[1], CurveName(match[2])

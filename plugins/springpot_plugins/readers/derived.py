@@ -114,9 +114,12 @@ def _unlogged(cell: str, base: str) -> str:
 def _power(base: str, cell: str) -> str:
     number = value_of(cell)
     with np.errstate(all="ignore"):
-        value = float(np.exp(number) if base == "e" else np.power(10.0, number))
-    # A mere "inf" would pass for a gap; this is refused later, with its line.
-    return repr(value) if np.isfinite(value) else "infinity"
+        raised = np.exp(number) if base == "e" else np.power(10.0, number)
+    value = float(raised)
+    if not np.isfinite(value):
+        # A mere "inf" would pass for a gap; this is refused later, with its line.
+        return "infinity"
+    return repr(value)
 
 
 def value_of(cell: str) -> float:

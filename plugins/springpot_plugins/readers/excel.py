@@ -13,7 +13,7 @@ from springpot.measurement import Choice, Measurement, Part, Reader, budget_of
 
 from .blocks import Block, blocks_of
 from .conditions_above import with_conditions_above
-from .curve_names import curve_in_cell
+from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
 from .grid import Grid
 from .header_facts import facts_of, pairs_in
@@ -26,10 +26,14 @@ _MOST_ENTRIES = 10_000
 def recognises(head: bytes) -> float:
     """High for a zip archive of spreadsheets, or the compound file that old workbooks are."""
     if head.startswith(SIGNATURE):
+        # The projects of instruments are compound files as well.
         return 0.5
     if not head.startswith(b"PK\x03\x04"):
         return 0.0
-    return 0.95 if b"xl/" in head or b"[Content_Types].xml" in head else 0.3
+    if b"xl/" in head or b"[Content_Types].xml" in head:
+        return 0.95
+    # The names that would tell may lie beyond the head.
+    return 0.3
 
 
 def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list[tuple[str, str]]]:
@@ -42,13 +46,16 @@ def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list
     """
     with path.open("rb") as stream:
         is_old = stream.read(len(SIGNATURE)) == SIGNATURE
-    sheets = sheets_of(path) if is_old else _sheets(path)
+    read_sheets = sheets_of if is_old else _sheets
     made: list[Block] = []
     pairs: list[tuple[str, str]] = []
-    for title, grid in sheets:
+    for title, grid in read_sheets(path):
         blocks, below = blocks_of(grid, stacked=True)
-        pairs += pairs_in(row for block in blocks for row in block.above)
-        pairs += [] if blocks else pairs_in(below)
+        for block in blocks:
+            pairs += pairs_in(block.above)
+        if not blocks:
+            # A sheet of its own for instrument and sample.
+            pairs += pairs_in(below)
         made += _named(title, with_conditions_above(apart(blocks, choice)))
     return made, pairs
 
@@ -78,14 +85,17 @@ def _named(sheet: str, blocks: list[Block]) -> list[Block]:
     """Blocks called by their sheet, and numbered where it has several; ``40 °C`` as a name is a temperature."""
     curve = curve_in_cell(sheet)
     if curve.title:
-        condition = {curve.title: curve.value}
-        blocks = [
-            block if has_condition(curve, block.roles) else replace(block, constants={**condition, **block.constants})
-            for block in blocks
-        ]
+        blocks = [_with_condition(block, curve) for block in blocks]
     if len(blocks) == 1:
         return [replace(blocks[0], name=sheet)]
     return [replace(block, name=f"{sheet} {block.name or i}") for i, block in enumerate(blocks, 1)]
+
+
+def _with_condition(block: Block, curve: CurveName) -> Block:
+    """The block with what the sheet's name states; what the sheet itself says goes before it."""
+    if has_condition(curve, block.roles):
+        return block
+    return replace(block, constants={curve.title: curve.value, **block.constants})
 
 
 def _check_archive(path: Path) -> None:
@@ -97,6 +107,7 @@ def _check_archive(path: Path) -> None:
     if not any(entry.filename.startswith("xl/") for entry in entries):
         raise DataError("a zip archive without an Excel workbook; unpack it, or save it as .xlsx")
     size = sum(entry.file_size for entry in entries)
+    # Before anything is unpacked: a small archive may hold terabytes of zeros.
     if size > budget_of(path).memory or len(entries) > _MOST_ENTRIES:
         raise DataError(f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
 
@@ -120,6 +131,7 @@ def _text(value: Any) -> str:
     if value is None or isinstance(value, bool):
         return ""
     if isinstance(value, float):
+        # The shortest digits that read back as the same bits.
         return repr(value)
     if isinstance(value, datetime | date | time):
         return value.isoformat()

@@ -68,8 +68,12 @@ def flags_in(status: Column | None, storage: Real | None, loss: Real | None, ign
     DataError
         If no row is left.
     """
-    words = [] if status is None else [_words(cell) for cell in status.cells]
-    count = len(words) if storage is None else len(storage)
+    words = []
+    if status is not None:
+        words = [_words(cell) for cell in status.cells]
+    count = len(words)
+    if storage is not None:
+        count = len(storage)
     clipped = np.array([CLIPPED in each for each in words] or [False] * count, dtype=bool)
     if storage is not None and loss is not None:
         clipped |= _at_limit(storage, loss)
@@ -91,7 +95,10 @@ def _words(cell: str) -> set[str]:
 
 def _flag_note(words: Sequence[set[str]]) -> dict[str, str]:
     """How often each flag stands there that may mean a fault."""
-    count = Counter(word for each in words for word in sorted(each) if word.casefold() not in WAYS)
+    count = Counter[str]()
+    for each in words:
+        # Sorted, since a set has another order in each process and ties are told in the order of counting.
+        count.update(word for word in sorted(each) if word.casefold() not in WAYS)
     if not count:
         return {}
     shown = ", ".join(f"{word} ({number})" for word, number in count.most_common(6))

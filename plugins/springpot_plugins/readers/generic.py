@@ -82,10 +82,12 @@ def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, st
     if not blocks:
         return [_without_names(grid, choice)], []
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
+    # Numbers that would be lost without a word are an error; words below a table are remarks.
     if rest:
         shown = " ".join(rest[0])
         raise DataError(f"'{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
-    return with_conditions_above(apart(blocks, choice)), pairs_in([row for block in blocks for row in block.above])
+    above = [row for block in blocks for row in block.above]
+    return with_conditions_above(apart(blocks, choice)), pairs_in(above)
 
 
 def _without_names(grid: Grid, choice: Choice) -> Block:

@@ -65,17 +65,20 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for key, value in pairs:
-        known = _KEY_OF.get(fold(key)) if len(key) < 60 else None
+        if len(key) >= 60:
+            # A sentence, and no key.
+            continue
+        known = _KEY_OF.get(fold(key))
         value = " ".join(value.split())[:200]
-        parsed = quantity(value)
-        if (
-            known is not None
-            and value
-            and value not in ("-", "Anonymous")
-            and not (parsed and parsed[0] == 0 and parsed[1])
-        ):
+        if known is not None and not _is_unset(value):
             found.setdefault(known, value)
     return {**found, **as_modulus(found)}
+
+
+def _is_unset(value: str) -> bool:
+    """Whether a field was left as the program had it: empty, a dash, or nothing of a unit such as ``0 mm``."""
+    parsed = quantity(value)
+    return value in ("", "-", "Anonymous") or bool(parsed and parsed[0] == 0 and parsed[1])
 
 
 def pairs_in(rows: Iterable[list[str]]) -> list[tuple[str, str]]:

@@ -38,18 +38,24 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
     words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
     labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
     labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])
-    dropped = sorted({key for part in parts for key in part.conditions} - set(common))
+    dropped = sorted(set().union(*(part.conditions for part in parts)) - set(common))
     notes = {"note parts": note}
     if dropped:
         notes["note columns"] = f"not in every part, or in other units, left out: {', '.join(dropped)}"
     counted = [part.repeat for part in parts if part.repeat is not None]
+    repeat = None
+    if len(counted) == len(parts):
+        repeat = np.concatenate(counted)
+    if "amplitude" not in common:
+        # The unit of a column that was left out is none of the whole.
+        amplitude = "-"
     return Measurement(
         omega=np.concatenate([part.omega for part in parts]),
         stiffness=np.concatenate([part.stiffness for part in parts]),
         sd=_together(parts, lambda part: part.sd),
         conditions={key: np.concatenate([part.conditions[key] for part in parts]) for key in common},
-        repeat=None if len(counted) < len(parts) else np.concatenate(counted),
-        units=replace(parts[0].units, amplitude=amplitude if "amplitude" in common else "-"),
+        repeat=repeat,
+        units=replace(parts[0].units, amplitude=amplitude),
         name=name,
         provenance={**parts[0].provenance, **notes},
         labels=labels,
@@ -58,8 +64,10 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
 
 def _together(parts: Sequence[Measurement], column: Callable[[Measurement], Complex | None]) -> Complex | None:
     """A column that every part has, or none."""
-    found = [values for part in parts if (values := column(part)) is not None]
-    return np.concatenate(found) if len(found) == len(parts) else None
+    columns = [values for part in parts if (values := column(part)) is not None]
+    if len(columns) < len(parts):
+        return None
+    return np.concatenate(columns)
 
 
 def _has(part: Measurement, key: str, first: Measurement) -> bool:
@@ -72,8 +80,10 @@ def _has(part: Measurement, key: str, first: Measurement) -> bool:
 
 def _factor(unit: str, wanted: str) -> float | None:
     """From one unit to another; None where they measure different things."""
-    table = next((table for table in _ALIKE if unit in table and wanted in table), None)
-    return None if table is None else table[unit] / table[wanted]
+    for table in _ALIKE:
+        if unit in table and wanted in table:
+            return table[unit] / table[wanted]
+    return None
 
 
 def require_one_kind(parts: Sequence[Measurement], numbers: Mapping[str, int]) -> None:
@@ -99,7 +109,9 @@ def _in_unit(part: Measurement, wanted: str) -> Measurement:
         return part
     factor = _factor(unit, wanted)
     assert factor is not None, "all parts are of one kind"
-    sd = None if part.sd is None else part.sd * factor
+    sd = part.sd
+    if sd is not None:
+        sd = sd * factor
     return replace(part, stiffness=part.stiffness * factor, sd=sd, units=replace(part.units, stiffness=wanted))
 
 

@@ -49,11 +49,13 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
     BrokenFile
         If the file is broken or unpacks to more.
     """
+    # The last two bytes of the header are "MI" as the writing machine stores the number of these letters.
     order = ">" if content[126:128] == b"MI" else "<"
     found: dict[str, NDArray[np.float64]] = {}
     for element in _elements(memoryview(content)[_HEADER:], order, padded=False):
         if element.kind == _COMPRESSED:
             unpacked = _unpacked(element.data, most)
+            # What may be unpacked is counted over the whole file: many small bombs are one.
             most -= len(unpacked)
             inner = list(_elements(memoryview(unpacked), order))
         else:
@@ -66,6 +68,7 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
 
 def _unpacked(packed: memoryview, most: int) -> bytes:
     try:
+        # One byte more than may be shows that there is too much, without unpacking it.
         content = zlib.decompressobj().decompress(packed, max(most, 0) + 1)
     except zlib.error as error:
         raise BrokenFile(str(error)) from None
@@ -85,7 +88,11 @@ def _elements(data: memoryview, order: str, padded: bool = True) -> Iterator[_El
                 raise BrokenFile("a small element is too large")
         else:
             kind, start = first, place + 8
-            step = 8 + (size if not padded and kind == _COMPRESSED else -(-size // 8) * 8)
+            # Elements are filled up to whole eight bytes, compressed ones at the top of the file are not.
+            filled = -(-size // 8) * 8
+            if not padded and kind == _COMPRESSED:
+                filled = size
+            step = 8 + filled
         if start + size > len(data):
             raise BrokenFile("it is cut off")
         yield _Element(kind, data[start : start + size])

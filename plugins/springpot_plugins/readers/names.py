@@ -348,6 +348,7 @@ def role_of(name: str) -> str | None:
     name = name.strip()
     if "\\" in name or "$" in name:
         name = _LATEX.sub("", name[:200].replace("\\prime", "'").replace("\\ast", "*")).strip()
+    # Before accents and case are taken away, which tell some symbols apart.
     if name in EXACT:
         return EXACT[name]
     folded = fold(name)
@@ -355,7 +356,10 @@ def role_of(name: str) -> str | None:
         return _ROLE_OF[folded]
     if folded.endswith(_MEANS):
         stem = _ROLE_OF.get(folded.removesuffix("mean").removesuffix("avg"))
-        return stem if stem in AVERAGED else None
+        if stem not in AVERAGED:
+            # A mean force is one over a cycle, not over repeated measurements.
+            return None
+        return stem
     if _QUALIFIED.search(name):
         return _ROLE_OF.get(fold(_QUALIFIED.sub(" ", name)))
     # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.

@@ -40,7 +40,9 @@ def first_line(text: str) -> dict[str, str]:
 def recognises(head: bytes) -> float:
     """High for a first line of keys without the amplitude and frequency of a time signal."""
     header = first_line(head_text(head[:8000]))
-    return 0.0 if not header or header.keys() & CLOCKS else 0.95
+    if not header or header.keys() & CLOCKS:
+        return 0.0
+    return 0.95
 
 
 def table_of(text: str) -> tuple[list[list[str]], list[int], list[list[str]]]:
@@ -72,20 +74,27 @@ def _block(text: str, header: dict[str, str]) -> Block:
     rows, lines, above = table_of(text)
     width = min(len(row) for row in rows)
     rows = [row[:width] for row in rows]
-    named = next(
-        (i for i, cells in enumerate(above) if len(cells) >= 3 and heading(cells[1]).role == "storage"), None
-    )
-    below = headings_of(above[named], above[named + 1 :], width) if named is not None else ()
     headings = [*_FORMAT, *(Heading(str(i), f"column_{i}", None, None) for i in range(4, width + 1))]
-    for i, found in enumerate(below[:width]):
+    for i, own in enumerate(_own_headings(above, width)):
         if i >= len(_FORMAT):
-            headings[i] = found
-        elif found.unit is not None:
-            headings[i] = Heading(found.title, found.name, "omega" if i == 0 else _FORMAT[i].role, found.unit)
-    constants = {"temperature [degC]": header["T"]} if _is_number(header.get("T", "")) else {}
-    if any(h.role == "temperature" and h.unit for h in headings):
-        constants = {}
+            headings[i] = own
+        elif own.unit is not None:
+            # The format fixes what the first three are; a unit that is written goes before that of the format.
+            headings[i] = Heading(own.title, own.name, _FORMAT[i].role, own.unit)
+    constants = {}
+    has_temperatures = any(each.role == "temperature" and each.unit for each in headings)
+    # One T for all rows says less than a column of temperatures.
+    if _is_number(header.get("T", "")) and not has_temperatures:
+        constants["temperature [degC]"] = header["T"]
     return Block("", tuple(headings), rows, lines, constants=constants)
+
+
+def _own_headings(above: list[list[str]], width: int) -> tuple[Heading, ...]:
+    """The names between the first line and the numbers, which the format does not ask for."""
+    for i, cells in enumerate(above):
+        if len(cells) >= 3 and heading(cells[1]).role == "storage":
+            return headings_of(cells, above[i + 1 :], width)[:width]
+    return ()
 
 
 def _is_number(text: str) -> bool:

@@ -22,7 +22,9 @@ _FORMAT = ("time [s]", "strain [-]", "stress [Pa]")
 def recognises(head: bytes) -> float:
     """High for a first line with a frequency."""
     header = first_line(head_text(head[:8000]))
-    return 0.96 if header.keys() & CLOCKS else 0.0
+    if not header.keys() & CLOCKS:
+        return 0.0
+    return 0.96
 
 
 def signals(path: Path, choice: Choice) -> Signals:
@@ -38,22 +40,30 @@ def signals(path: Path, choice: Choice) -> Signals:
     titles = next((cells for cells in named if len(found_in(cells)) == 3), list(_FORMAT))
     units = next((cells for cells in named if sum(map(is_unit, cells)) >= 3), [])
     if not units:
-        titles = [title if channel_of(title)[1] else _with_unit(title) for title in titles]
+        titles = list(map(_with_unit, titles))
     places = places_of(titles, units, choice)
     width = max(places.columns) + 1
     values = []
     for row, line in zip(rows, lines, strict=True):
-        cells = [row[i].strip() if i < len(row) else "" for i in places.columns]
+        padded = [*row, *[""] * width]
         try:
-            values.append([np.nan if cell in MISSING else float(cell.replace(",", ".")) for cell in cells])
+            values.append([_number(padded[i].strip()) for i in places.columns])
         except ValueError:
             raise DataError(f"line {line}: no number in its first {width} columns") from None
     return signals_from(list(np.array(values, dtype=float).T), places, path, "RepTate LAOS")
 
 
+def _number(cell: str) -> float:
+    if cell in MISSING:
+        return np.nan
+    return float(cell.replace(",", "."))
+
+
 def _with_unit(title: str) -> str:
     """A name without a unit has that of the format."""
-    channel = channel_of(title)[0]
+    channel, unit, _ = channel_of(title)
+    if unit:
+        return title
     return next((known for known in _FORMAT if channel_of(known)[0] == channel), title)
 
 

@@ -68,8 +68,9 @@ def _valid(block: Block) -> Block:
 
 
 def _is_invalid(row: Sequence[str]) -> bool:
-    marked = [cell for cell in row[:2] if "(" in cell]
-    return any(word in cell.lower() for cell in marked for word in _INVALID)
+    # The word stands in parentheses beside the number of the point.
+    marked = "\n".join(cell.lower() for cell in row[:2] if "(" in cell)
+    return any(word in marked for word in _INVALID)
 
 
 READER = reader_of_blocks(

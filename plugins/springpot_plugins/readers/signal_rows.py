@@ -94,10 +94,12 @@ class Rows:
         if not filled:
             return np.empty((0, 3))
         if not self._is_timed:
-            separator = self.layout.separator
-            if separator != ",":
+            delimiter: str | None = self.layout.separator
+            if delimiter != ",":
                 filled = [raw.replace(",", ".") for raw in filled]
-            delimiter = None if separator == " " else separator
+            if delimiter == " ":
+                # As numpy says: white space of any length.
+                delimiter = None
             places = list(self.places.columns)
             try:
                 values: Real = np.loadtxt(
@@ -126,23 +128,32 @@ class Rows:
     def _cells(self, raw: str) -> list[str]:
         """The cells of the three channels; empty where the row has none."""
         bare = raw.rstrip("\r\n")
-        parts = bare.split() if self.layout.separator == " " else bare.split(self.layout.separator)
+        parts = bare.split(self.layout.separator)
+        if self.layout.separator == " ":
+            parts = bare.split()
         cells = [cell.strip().strip('"') for cell in parts]
-        return [cells[place] if place < len(cells) else "" for place in self.places.columns]
+        cells += [""] * (max(self.places.columns) + 1 - len(cells))
+        return [cells[place] for place in self.places.columns]
 
     def _is_behind(self, cells: list[str], raw: str) -> bool:
         """Whether a line is of words: no time in it, and at most one number where the channels are."""
         numbers = [is_number(cell) or seconds_of(cell) is not None for cell in cells]
+        # "nan" is no word, and a slip in one cell is an error rather than the end of the table.
         return not numbers[0] and sum(numbers) < 2 and bool(_LETTERS.search(re.sub("nan", "", raw, flags=re.I)))
 
     def _number(self, cell: str, channel: int, place: int, number: int) -> float:
         if cell in MISSING:
             return np.nan
         if channel == 0 and self._is_timed and (moment := seconds_of(cell)) is not None:
-            self._start = moment if self._start is None else self._start
+            # Counted from the first of the file, whatever piece it is in: else no digits are left for milliseconds.
+            if self._start is None:
+                self._start = moment
             return moment - self._start
+        plain = cell
+        if self.layout.separator != ",":
+            plain = cell.replace(",", ".")
         try:
-            return float(cell if self.layout.separator == "," else cell.replace(",", "."))
+            return float(plain)
         except ValueError:
             raise DataError(
                 f"line {number}, column '{self.layout.titles[place]}': '{cell:.30}' is no number"

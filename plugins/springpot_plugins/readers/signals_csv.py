@@ -38,8 +38,10 @@ def recognises(head: bytes) -> float:
     found = found_in(titles)
     if len(found) == len(UNITS):
         return 0.95
+    if "time" in found and len(found) == 2:
+        return 0.3
     # Any other table may be said to be signals.
-    return 0.3 if "time" in found and len(found) == 2 else 0.02 * (len(titles) > 2)
+    return 0.02 * (len(titles) > 2)
 
 
 def signals(path: Path, choice: Choice) -> Signals:

@@ -19,7 +19,7 @@ from .matfile import BrokenFile, arrays_in
 
 def recognises(head: bytes) -> float:
     """High for the first line of a MATLAB file."""
-    return 1.0 if head.startswith(b"MATLAB ") and len(head) > 127 else 0.0
+    return float(head.startswith(b"MATLAB ") and len(head) > 127)
 
 
 def signals(path: Path, choice: Choice) -> Signals:
@@ -68,7 +68,10 @@ def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.flo
         if flat.ndim == 1:
             found.setdefault(key, flat)
         elif flat.ndim == 2 and min(flat.shape) <= 64:
-            tall = flat if flat.shape[0] >= flat.shape[1] else flat.T
+            tall = flat
+            if flat.shape[0] < flat.shape[1]:
+                # Samples are more than channels, whichever way they were saved.
+                tall = flat.T
             found |= {f"{key}:{i}": tall[:, i - 1] for i in range(1, tall.shape[1] + 1)}
     return found
 

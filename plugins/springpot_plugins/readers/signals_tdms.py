@@ -21,7 +21,7 @@ _SAMPLE = 8
 
 def recognises(head: bytes) -> float:
     """High for the first four bytes of a TDMS segment."""
-    return 1.0 if head.startswith(b"TDSm") else 0.0
+    return float(head.startswith(b"TDSm"))
 
 
 def signals(path: Path, choice: Choice) -> Signals:
@@ -51,7 +51,9 @@ def signals(path: Path, choice: Choice) -> Signals:
 
 
 def _signals(file: Any, choice: Choice, path: Path) -> Signals:
-    channels = [channel for group in file.groups() for channel in group.channels() if len(channel)]
+    channels: list[Any] = []
+    for group in file.groups():
+        channels += filter(len, group.channels())
     most = budget_of(path).memory // _SAMPLE
     if any(not 0 <= len(channel) <= most for channel in channels):
         raise DataError("a channel claims more samples than the file can hold")

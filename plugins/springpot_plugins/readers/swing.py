@@ -35,4 +35,11 @@ def unit_of_amplitude(unit: str | None) -> str | None:
 
 def halved(cells: Sequence[str]) -> list[str]:
     """Half of each number."""
-    return [repr(value_of(cell) / 2) if is_number(cell) else cell for cell in cells]
+    return list(map(_half, cells))
+
+
+def _half(cell: str) -> str:
+    if not is_number(cell):
+        # A gap or a slip is told later, as it stands in the file.
+        return cell
+    return repr(value_of(cell) / 2)

@@ -24,7 +24,9 @@ def recognises(head: bytes) -> float:
     lines = head_text(head).splitlines()
     named = sum(1 for line in lines if _SIGNAL.match(line))
     announced = any(line.startswith(("Nsig", _START)) for line in lines)
-    return 0.97 if named > 1 and announced else 0.0
+    if named < 2 or not announced:
+        return 0.0
+    return 0.97
 
 
 def _blocks(path: Path) -> tuple[list[Block], list[list[str]]]:

@@ -69,7 +69,10 @@ def _wide(head: bytes) -> str | None:
 def head_text(head: bytes) -> str:
     """As much of a file's beginning as is text; empty for what is none."""
     encoding = encoding_of(head)
-    return "" if encoding is None else head.decode(encoding, errors="ignore")
+    if encoding is None:
+        return ""
+    # The head may end within a character.
+    return head.decode(encoding, errors="ignore")
 
 
 def text_of(path: Path) -> str:
@@ -87,6 +90,7 @@ def text_of(path: Path) -> str:
     if not data.strip():
         raise DataError("the file is empty")
     encoding = encoding_of(data[: 1 << 16])
+    # A beginning without accents is UTF-8 by any code: then the whole file tells.
     if encoding == "utf-8" and encoding_of(data) != "utf-8":
         encoding = encoding_of(data)
     if encoding is None:

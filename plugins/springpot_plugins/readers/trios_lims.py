@@ -17,7 +17,9 @@ def recognises(head: bytes) -> float:
     text = head_text(head)
     if "LIMS export format" in text[:500]:
         return 1.0
-    return 0.95 if "\nVariables\t" in text and "\nUnits\t" in text else 0.0
+    if "\nVariables\t" not in text or "\nUnits\t" not in text:
+        return 0.0
+    return 0.95
 
 
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
@@ -36,16 +38,16 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
 
 
 def _block(step: list[tuple[int, list[str]]]) -> Block | None:
-    said = {cells[0]: cells[1:] for _, cells in step if cells[0] in ("Step name", "Variables", "Units")}
-    titles = [title.strip() for title in said.get("Variables", [])]
+    header = {cells[0]: cells[1:] for _, cells in step if cells[0] in ("Step name", "Variables", "Units")}
+    titles = [title.strip() for title in header.get("Variables", [])]
     data = [(number, cells[1:]) for number, cells in step if cells[0] == "Data point"]
     if not titles or not data:
         return None
-    units = [*said.get("Units", []), *[""] * len(titles)]
+    units = [*header.get("Units", []), *[""] * len(titles)]
     headings = tuple(heading(title, unit) for title, unit in zip(titles, units, strict=False))
     width = len(titles)
     rows = [[*cells[:width], *[""] * (width - len(cells))] for _, cells in data]
-    return Block(" ".join(said.get("Step name", [])).strip(), headings, rows, [number for number, _ in data])
+    return Block(" ".join(header.get("Step name", [])).strip(), headings, rows, [number for number, _ in data])
 
 
 READER = reader_of_blocks(
