@@ -52,16 +52,18 @@ def artificial(
     """
     if model not in TRUTH:
         raise DataError(f"there are no artificial data of '{model}': the paper has {', '.join(TRUTH)}")
-    found = next(item for item in MODELS if item.base == model)
+    known = next(item for item in MODELS if item.base == model)
     omega = 2.0 * np.pi * FREQUENCIES
     exact = Measurement(
         omega,
-        found.stiffness(found.vector(TRUTH[model]), omega),
+        known.stiffness(known.vector(TRUTH[model]), omega),
         units=Units("kN/m", "mm"),
         name=f"artificial-{model}{_suffix(level, symmetric)}",
         provenance={"source": "computed, section 5.1", "model": model},
     )
-    return exact if level == 0 else with_noise(exact, level, np.random.default_rng(seed), symmetric=symmetric)
+    if level == 0:
+        return exact
+    return with_noise(exact, level, np.random.default_rng(seed), symmetric=symmetric)
 
 
 def _suffix(level: float, symmetric: bool) -> str:
@@ -72,8 +74,10 @@ def _suffix(level: float, symmetric: bool) -> str:
 
 
 def _dataset(model: str, level: float, symmetric: bool) -> DataSet:
-    kind = "both signs" if symmetric else "one-sided as printed"
-    noise = f"with {100 * level:g} % noise of eq. (53), {kind}, seed {SEED}" if level else "without noise"
+    noise = "without noise"
+    if level:
+        kind = "both signs" if symmetric else "one-sided as printed"
+        noise = f"with {100 * level:g} % noise of eq. (53), {kind}, seed {SEED}"
     return DataSet(
         f"artificial-{model}{_suffix(level, symmetric)}",
         f"computed from {model} at 14 frequencies from 0.5 to 13.5 Hz, {noise}",

@@ -22,7 +22,10 @@ INSTALL = "pip install 'springpot[download]'"
 
 def missing() -> str:
     """What keeps this machine from downloading, or nothing."""
-    return "" if find_spec("pooch") else f"it is downloaded by pooch, which is not installed: {INSTALL}"
+    # Looked for, not imported: the listing of all sets asks this, and must stay quick.
+    if find_spec("pooch"):
+        return ""
+    return f"it is downloaded by pooch, which is not installed: {INSTALL}"
 
 
 def file_name(url: str) -> str:
@@ -98,16 +101,20 @@ def fetched(name: str, url: str, sha256: str) -> Path:
         import pooch
     except ImportError:
         raise DataError(f"data set '{name}': {missing()}") from None
+    # What it would print of its progress belongs to no output of a command.
     pooch.get_logger().setLevel("ERROR")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        # Beside its place, so that it gets there by a link: whoever looks sees the whole file or none.
         with TemporaryDirectory(dir=path.parent, prefix=".download-") as draft:
             safely = pooch.HTTPDownloader(hooks={"response": _stay_safe})
             got = pooch.retrieve(url, f"sha256:{sha256}", fname=path.name, path=draft, downloader=safely)
             _put(Path(got), path)
     except FileExistsError:
+        # Somebody else was quicker: nothing is ever replaced.
         _require_room(name, path)
     except ValueError:
+        # Pooch says so of a wrong checksum.
         raise DataError(
             f"data set '{name}': what {url} holds is not what was published (its checksum differs); nothing was kept"
         ) from None
@@ -133,6 +140,7 @@ def _put(draft: Path, path: Path) -> None:
     try:
         os.link(draft, path)
     except FileExistsError:
+        # An OSError as well, but not for want of links.
         raise
     except OSError:
         # Not every file system has hard links.

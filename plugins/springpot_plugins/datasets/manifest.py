@@ -150,11 +150,15 @@ class Manifest:
     def _unavailable(self) -> str:
         if not self._missing:
             return ""
+        if self.download and not self._remote():
+            return ""
         if self.download:
-            return missing() if self._remote() else ""
+            return missing()
         if self.folder.is_dir():
             return f"{self._missing[0]} is missing"
-        origin = f"published at {self.values['origin']}; " if self.values.get("origin") else ""
+        origin = ""
+        if self.values.get("origin"):
+            origin = f"published at {self.values['origin']}; "
         return f"not here: {origin}name a directory that holds the folder {self.name} by SPRINGPOT_DATA"
 
     def load(self) -> Measurement:
@@ -171,10 +175,10 @@ class Manifest:
         else:
             parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]
         origin = {key: str(self.values[key]) for key in ("citation", "doi", "licence") if self.values.get(key)}
-        found = parts[0]
+        whole = parts[0]
         if len(parts) > 1:
-            found = joined(parts, list(self.files), self.name, f"{len(parts)} files together")
-        return replace(found, name=self.name, provenance={**origin, **found.provenance})
+            whole = joined(parts, list(self.files), self.name, f"{len(parts)} files together")
+        return replace(whole, name=self.name, provenance={**origin, **whole.provenance})
 
     def _opened(self, path: Path, constants: dict[str, float], described: bool) -> Measurement:
         """One file: by the columns that the manifest names, or by the reader of its format."""
@@ -187,6 +191,7 @@ class Manifest:
         def read(path: Path, choice: Choice) -> Measurement:
             return self._read(path, constants)
 
+        # As a reader of its own, so that the limits of time and memory of opening hold for it too.
         return open_measurement(path, (), [Reader(self.name, "the columns of a manifest", lambda head: 1.0, read)])
 
     def _read(self, path: Path, constants: dict[str, float]) -> Measurement:
@@ -221,10 +226,13 @@ def _constants(values: dict[str, float], table: Table) -> Iterable[Column]:
 def _with_constants(spec: str, values: dict[str, float]) -> str:
     """What a user would type to say the constants as well: ``FILE?temperature=20[degC]``."""
     titles = {title: name_and_unit(title) for title in values}
-    said = ",".join(f"{name}={values[title]!r}[{unit or '-'}]" for title, (name, unit) in titles.items())
-    if not said:
+    constants = ",".join(f"{name}={values[title]!r}[{unit or '-'}]" for title, (name, unit) in titles.items())
+    if not constants:
         return spec
-    return f"{spec},{said}" if "?" in spec else f"{spec}?{said}"
+    if "?" in spec:
+        # The manifest's own "open" has options already.
+        return f"{spec},{constants}"
+    return f"{spec}?{constants}"
 
 
 def read_manifest(text: str, folder: Path, path: str) -> Manifest:
@@ -239,8 +247,10 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         raise DataError(f"{path}: a manifest of more than {LARGEST >> 10} KiB")
     try:
         values = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"{path}: {'nested too deeply' if isinstance(error, RecursionError) else error}") from None
+    except RecursionError:
+        raise DataError(f"{path}: nested too deeply") from None
+    except ValueError as error:
+        raise DataError(f"{path}: {error}") from None
     columns = values.pop("columns", {})
     constants = values.pop("conditions", {})
     files = values.pop("files", {})
@@ -251,7 +261,10 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
         raise DataError(f"{path}: more than {MOST_COLUMNS} columns")
     mapped = {}
     for name, source in columns.items():
-        entry = {"from": source} if isinstance(source, str) else source
+        entry = source
+        if isinstance(source, str):
+            # The short form: role = "header".
+            entry = {"from": source}
         if not (isinstance(entry, dict) and "from" in entry and all(isinstance(v, str) for v in entry.values())):
             raise DataError(f"{path}: column '{name}' needs from = \"header\", and unit or extract as text")
         if "extract" in entry:
@@ -296,7 +309,9 @@ def _check_download(download: Any, values: dict[str, Any], path: str) -> None:
 
 def _titled(name: str, unit: str | None) -> str:
     """A column with its unit, where it has one."""
-    return f"{name} [{unit}]" if unit else name
+    if not unit:
+        return name
+    return f"{name} [{unit}]"
 
 
 def _is_number(value: object) -> bool:

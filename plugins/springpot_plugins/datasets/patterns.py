@@ -47,4 +47,7 @@ def checked(pattern: str) -> str:
 def picked(pattern: str, cell: str) -> str:
     """What the group of a checked pattern finds in a cell; nothing where it is not there."""
     match = re.search(pattern, cell[:LONGEST_CELL])
-    return match[1] if match and match[1] else ""
+    if match is None:
+        return ""
+    # A group that took no part in the match is None.
+    return match[1] or ""

@@ -65,9 +65,9 @@ def _computed(name: str, model: str, truth: dict[str, float], hertz: Real, unit:
     with np.errstate(divide="ignore", invalid="ignore"):
         stiffness = known.stiffness(known.vector(truth), omega)
     origin = {"source": f"reconstruction from {source}, not measured", "model": model, "grid": "chosen by us"}
-    return Measurement(
-        omega, stiffness, units=Units(unit, "mm" if "m" in unit else "-"), name=name, provenance=origin
-    )
+    # A stiffness moves by a length, a modulus by a strain.
+    moved = "mm" if "m" in unit else "-"
+    return Measurement(omega, stiffness, units=Units(unit, moved), name=name, provenance=origin)
 
 
 def _dataset(name: str, model: str, truth: dict[str, float], hertz: Real, unit: str, source: str) -> DataSet:

@@ -20,8 +20,10 @@ _AMPLITUDE = "caggioni_linear_polymer_amplitude_sweep"
 
 def _folder() -> Path | None:
     spec = find_spec("rheodata")
-    places = list(spec.submodule_search_locations or []) if spec else []
-    return Path(places[0]) / "datasets" if places else None
+    if spec is None or not spec.submodule_search_locations:
+        # Not installed, or another module of that name that is no package.
+        return None
+    return Path(spec.submodule_search_locations[0]) / "datasets"
 
 
 def _columns(identifier: str) -> dict[str, Real]:
@@ -39,10 +41,12 @@ def _columns(identifier: str) -> dict[str, Real]:
 def _load(identifier: str) -> Measurement:
     columns = _columns(identifier)
     n = len(columns["Gp_Pa"])
-    sweep = identifier == _AMPLITUDE
     # The amplitude sweep was made at 1 rad/s, the frequency sweep at 0.5 % strain (dataset.yaml of the package).
-    omega = np.ones(n) if sweep else columns["omega_rad/s"]
-    strain = columns["strain_pct"] if sweep else np.full(n, 0.5)
+    omega, strain = np.ones(n), np.full(n, 0.5)
+    if identifier == _AMPLITUDE:
+        strain = columns["strain_pct"]
+    else:
+        omega = columns["omega_rad/s"]
     return Measurement(
         omega,
         columns["Gp_Pa"] + 1j * columns["Gpp_Pa"],
@@ -64,7 +68,9 @@ def datasets() -> list[DataSet]:
         (_FREQUENCY, f"{fluid}, 0.1 to 100 rad/s at 0.5 % strain", 31, ("linear range",)),
         (_AMPLITUDE, f"{fluid}, 0.1 to 1000 % strain at 1 rad/s", 41, ("linear up to about 10 % strain",)),
     )
-    missing = "" if find_spec("rheodata") else f"rheopy-rheodata is not installed; {INSTALL}"
+    missing = ""
+    if not find_spec("rheodata"):
+        missing = f"rheopy-rheodata is not installed; {INSTALL}"
     return [
         DataSet(
             _name(identifier),
