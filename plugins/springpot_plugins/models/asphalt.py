@@ -36,12 +36,16 @@ SAYEGH = "Sayegh (1967), 2nd Int. Conf. Structural Design of Asphalt Pavements; 
 def _branch_elements(theta: Real, with_dashpot: bool) -> Real:
     k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
     parts = [k, k * tau**alpha / delta, alpha, k * tau**beta, beta]
-    return columns(*parts, theta[..., 5] * k * tau) if with_dashpot else columns(*parts)
+    if with_dashpot:
+        parts.append(theta[..., 5] * k * tau)
+    return columns(*parts)
 
 
 def _branch_jacobian(theta: Real, with_dashpot: bool) -> Real:
     k, delta, tau, alpha, beta = np.moveaxis(theta[..., :5], -1, 0)
-    nu = theta[..., 5] if with_dashpot else np.zeros_like(k)
+    nu = np.zeros_like(k)
+    if with_dashpot:
+        nu = theta[..., 5]
     one, log_tau = np.ones_like(k), np.log(tau)
     c1, c2 = k * tau**alpha / delta, k * tau**beta
     full = rows(
@@ -52,7 +56,10 @@ def _branch_jacobian(theta: Real, with_dashpot: bool) -> Real:
         columns(0.0, 0.0, 0.0, 0.0, one, 0.0),
         columns(nu * tau, 0.0, nu * k, 0.0, 0.0, k * tau),
     )
-    return full if with_dashpot else full[..., :5, :5]
+    if with_dashpot:
+        return full
+    # The dashpot is the last element, and its factor the last parameter.
+    return full[..., :5, :5]
 
 
 def _branch(with_dashpot: bool) -> Node:

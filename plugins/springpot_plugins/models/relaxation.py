@@ -69,7 +69,10 @@ class HavriliakNegami(Node):
         by_log_z = gam * faded * z / (1.0 + z)
         parts = [shape, alpha * by_log_z / tau, by_log_z * (log_time + HALF_PI), faded * log_sum]
         by_theta = np.stack(np.broadcast_arrays(*parts), axis=-2)
-        return Response(value, by_theta, alpha * by_log_z if depth == FULL else value)
+        if depth < FULL:
+            # Nobody asks for the slope then; the value fills its place.
+            return Response(value, by_theta, value)
+        return Response(value, by_theta, alpha * by_log_z)
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,9 @@ class PowerLawRelaxation(Node):
             return Response(value)
         by_log_z = k * alpha * np.exp(log_time + HALF_PI) * square
         by_theta = np.stack(np.broadcast_arrays(shape, by_log_z / tau, -k * (mean + alpha * spread)), axis=-2)
-        return Response(value, by_theta, by_log_z if depth == FULL else value)
+        if depth < FULL:
+            return Response(value, by_theta, value)
+        return Response(value, by_theta, by_log_z)
 
 
 def _straight(log_time: Real, alpha: Real, slopes: bool) -> tuple[Complex, Complex, Complex]:
@@ -128,6 +133,7 @@ def _turned(
     log_time: NDArray[np.complexfloating[Any, Any]], alpha: Real, slopes: bool
 ) -> tuple[Complex, Complex, Complex]:
     """The same at any z: x runs along a ray on the other side of -z."""
+    # One path serves both halves of the plane, for I of a conjugate z is the conjugate of I.
     below = log_time.imag + HALF_PI.imag < 0.0
     z = np.exp(log_time + HALF_PI)
     pole = 1.0 / (np.where(below, z.conj(), z)[..., None] + _TURNED_RATE)

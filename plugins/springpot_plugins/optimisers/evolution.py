@@ -70,6 +70,7 @@ class CmaEs(Optimiser):
             "randn": lambda *shape: rng.standard_normal(shape),
             "seed": np.nan,
             "maxiter": UNENDING,
+            # No words, and no files of its own in the user's folder.
             "verbose": -9,
             "verb_log": 0,
         }
@@ -119,7 +120,9 @@ class DifferentialEvolution(Optimiser):
         cube = Cube(problem)
 
         def columns(u: Real) -> Real | float:
-            return cube.batch(u.T) if u.ndim == 2 else cube(u)
+            if u.ndim == 1:
+                return cube(u)
+            return cube.batch(u.T)
 
         def attempt() -> None:
             differential_evolution(
@@ -130,8 +133,11 @@ class DifferentialEvolution(Optimiser):
                 mutation=self.mutation,
                 recombination=self.recombination,
                 maxiter=UNENDING,
+                # It ends only where all of a generation have one value, and starts anew.
                 tol=0.0,
+                # A descent by another method at the end would be counted as this one's merit.
                 polish=False,
+                # A whole generation in one call knows no better point of the same generation.
                 updating="deferred",
                 vectorized=True,
                 rng=rng,

@@ -50,7 +50,11 @@ class LeastSquares(Optimiser):
         scales = [self.logarithmic and p.scale == "log" and p.lower >= 0 for p in problem.problem.space.parameters]
         misfit = _Misfit(problem, np.array(scales))
         lower, upper = misfit.inner(problem.lower), misfit.inner(problem.upper)
-        bounds = (-np.inf, np.inf) if self.method == "lm" else (lower, upper)
+        bounds: tuple[Real | float, Real | float] = (lower, upper)
+        scale: Real | float = upper - lower
+        if self.method == "lm":
+            # MINPACK knows no box.
+            bounds, scale = (-np.inf, np.inf), 1.0
 
         def descend() -> None:
             start = problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower)
@@ -63,7 +67,8 @@ class LeastSquares(Optimiser):
                 ftol=self.tolerance,
                 xtol=self.tolerance,
                 gtol=self.tolerance,
-                x_scale=1.0 if self.method == "lm" else upper - lower,
+                x_scale=scale,
+                # Never reached: the recorder ends the run when the budget is spent.
                 max_nfev=budget,
             )
 
@@ -84,6 +89,7 @@ class _Misfit:
         return np.log(x, out=np.array(x), where=self.logarithmic)
 
     def _outer(self, y: Real) -> Real:
+        # exp(230) is 1e100, whose square is still a number: without a box a step may lead anywhere.
         return np.exp(np.minimum(y, 230.0), out=np.array(y), where=self.logarithmic)
 
     def residuals(self, y: Real) -> Real:
@@ -98,5 +104,6 @@ class _Misfit:
         if not np.array_equal(y, self._at):
             x = self._outer(y)
             residual, jacobian = self.problem.residuals(x)
+            # By ln x a derivative is x times that by x. A copy of y, since the library may change its own.
             self._at, self._found = y.copy(), (residual, jacobian * np.where(self.logarithmic, x, 1.0))
         return self._found

@@ -52,6 +52,7 @@ class Solver:
         if self._fault is not None:
             return inf
         try:
+            # NLopt hands an empty array to be filled where its method takes no derivatives.
             if not slope.size:
                 return self._cube(u)
             value, slope[:] = self._cube.gradient(u)
@@ -180,9 +181,14 @@ class Mlsl(Optimiser):
         """Search until the recorder ends it."""
         cube = Cube(problem)
         _seed(rng)
-        kind = "GN" if self.descent == "bobyqa" else "GD"
-        solver = Solver(f"{kind}_MLSL" + ("_LDS" if self.low_discrepancy else ""), cube, self.sample)
-        local = Solver("LN_BOBYQA" if self.descent == "bobyqa" else "LD_LBFGS", cube, tolerance=self.tolerance)
+        # NLopt's names say by N or D whether a method takes derivatives.
+        whole, descent = "GN_MLSL", "LN_BOBYQA"
+        if self.descent == "lbfgs":
+            whole, descent = "GD_MLSL", "LD_LBFGS"
+        if self.low_discrepancy:
+            whole += "_LDS"
+        solver = Solver(whole, cube, self.sample)
+        local = Solver(descent, cube, tolerance=self.tolerance)
         solver.native.set_local_optimizer(local.native)
         keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
 

@@ -67,7 +67,7 @@ class PaperSwarm(BatchedOptimiser):
     def __post_init__(self) -> None:
         self._require("particles", self.particles >= 1, "at least 1")
         self._require("instances", self.instances >= 1, "at least 1")
-        size = self.particles if self.neighbourhood == "global" else self.neighbourhood
+        size = _known_to_each(self.particles, self.neighbourhood)
         self._require("neighbourhood", 1 <= size <= self.particles, '"global" or from 1 to the number of particles')
         self._require("individuality", self.individuality >= 0, "at least 0")
         self._require("sociality", self.sociality >= 0, "at least 0")
@@ -235,9 +235,17 @@ def _numbers(
         yield from np.multiply(turned, weights[:, None, None, None], order="C")
 
 
+def _known_to_each(particles: int, neighbourhood: int | Literal["global"]) -> int:
+    """How many particles each one knows."""
+    if neighbourhood == "global":
+        return particles
+    return neighbourhood
+
+
 def _ring(particles: int, neighbourhood: int | Literal["global"]) -> Indices:
     """Indices (size, particles) of those each particle knows, itself first."""
-    size = particles if neighbourhood == "global" else neighbourhood
+    size = _known_to_each(particles, neighbourhood)
+    # Itself first, then its neighbours as they are further away.
     offsets = np.array(sorted(range(-(size // 2), size - size // 2), key=abs))
     known: Indices = (np.arange(particles) + offsets[:, None]) % particles
     return known

@@ -59,7 +59,12 @@ class Unified(Optimiser):
         options |= dict.fromkeys(self.limits, UNENDING)
         if self.seeded:
             options["seed"] = integer(rng)
-        mark = optimagic.mark.least_squares if self.squares else optimagic.mark.scalar
+        mark = optimagic.mark.scalar
+        if self.squares:
+            mark = optimagic.mark.least_squares
+        jacobian = None
+        if self.card.gradient:
+            jacobian = mark(misfit.slope)
         dimension = misfit.cube.dimension
         try:
             optimagic.minimize(
@@ -67,8 +72,9 @@ class Unified(Optimiser):
                 params=rng.random(dimension),
                 algorithm=self.algorithm,
                 algo_options=options,
-                jac=mark(misfit.slope) if self.card.gradient else None,
+                jac=jacobian,
                 bounds=optimagic.Bounds(lower=np.zeros(dimension), upper=np.ones(dimension)),
+                # The recorder keeps the history, and has checked the problem.
                 collect_history=False,
                 skip_checks=True,
             )
@@ -127,7 +133,9 @@ class _Misfit:
             problem = self.cube.problem
             residuals, jacobian = problem.residuals(self.cube.place(u))
             return residuals, jacobian * (problem.upper - problem.lower)
-        return self.cube.gradient(u) if self._graded else (self.cube(u), None)
+        if self._graded:
+            return self.cube.gradient(u)
+        return self.cube(u), None
 
 
 @contextmanager
@@ -162,6 +170,7 @@ def members() -> Mapping[str, type[Optimiser]]:
     made = {}
     for name, algorithm in sorted(AVAILABLE_ALGORITHMS.items()):
         about: Any = algorithm.algo_info
+        # A problem has no second derivatives to offer.
         if about.solver_type.value in ("scalar", "least_squares") and not about.needs_hess:
             kind = _made(name, algorithm)
             made[kind.name] = kind

@@ -14,15 +14,20 @@ def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
     """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back."""
     when, sizes = loading.jumps
     smooth = loading.smooth
-    knots = np.concatenate([when, when + tau, smooth.time if smooth is not None else when[:0]])
-    time = np.unique(knots)
+    corners = [when, when + tau]
+    if smooth is not None:
+        corners.append(smooth.time)
+    time = np.unique(np.concatenate(corners))
     share = np.clip((time[:, None] - when) / tau, 0.0, 1.0)
-    rest = np.interp(time, smooth.time, smooth.value) if smooth is not None else 0.0
+    rest: Real | float = 0.0
+    if smooth is not None:
+        rest = np.interp(time, smooth.time, smooth.value)
     bent = Loading(time, rest + share @ sizes)
     ends = np.stack([when, when + tau, when + tau], axis=1).ravel()
     back = np.stack([0.0 * sizes, -sizes / tau, 0.0 * sizes], axis=1).ravel()
     order = np.argsort(ends, kind="stable")
     if len(when) == 1:
+        # Ramps of several steps may overlap, those of one do not.
         return bent, (Loading(ends[order], back[order]),)
     return bent, (_summed(when, -sizes / tau, tau),)
 

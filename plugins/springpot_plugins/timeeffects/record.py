@@ -36,7 +36,10 @@ def clipped(record: Record, response: Any, limit: Any) -> Answered:
 
 def tired(record: Record, response: Any, damage: Any) -> Answered:
     """The response of a specimen that loses a share of its stiffness with every cycle."""
-    way = -record.cycles if record.control == "displacement" else record.cycles
+    way = record.cycles
+    if record.control == "displacement":
+        # Less stiff, it answers an imposed displacement with less force, an imposed force with more displacement.
+        way = -record.cycles
     left = np.exp(damage * way)
     return Answered(response * left, (response * left * way,), left)
 

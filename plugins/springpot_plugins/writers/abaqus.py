@@ -60,7 +60,9 @@ def _at_frequencies(handoff: Handoff) -> list[str]:
     low, high = np.log10(handoff.prony.band)
     omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
     law = power_law_of(omega, handoff)
-    spring = handoff.prony.equilibrium if law is None else law.spring
+    spring = handoff.prony.equilibrium
+    if law is not None:
+        spring = law.spring
     lines = [
         "** for direct steady-state dynamics; moduli are long-term",
         f"*MATERIAL, NAME={handoff.name.upper()}_FREQUENCY",
@@ -74,6 +76,7 @@ def _at_frequencies(handoff: Handoff) -> list[str]:
     relative = handoff.stiffness(omega) / spring
     lines.append("*VISCOELASTIC, FREQUENCY=TABULAR")
     for f, real, imaginary in zip(omega / (2.0 * np.pi), relative.real, relative.imag, strict=True):
+        # The real part of g* is what the loss is over the spring, the imaginary part what the storage lacks of it.
         g = f"{imaginary:.9g}, {1.0 - real:.9g}"
         lines.append(f"{g}, {g}, {f:.9g}")
     return lines
@@ -84,6 +87,7 @@ def power_law_of(omega: Real, handoff: Handoff) -> PowerLaw | None:
     if handoff.exact is None:
         return None
     k = handoff.stiffness(omega)
+    # A spring alone, or one that an effect turns active: there is no logarithm of its loss.
     if np.any(k.imag <= 0.0):
         return None
     slopes = np.diff(np.log(k.imag)) / np.diff(np.log(omega))

@@ -20,11 +20,12 @@ def to_comsol(handoff: Handoff) -> str:
     numbers = {name: _VALUE.match(value) for name, value in handoff.parameters.items()}
     for name, match in numbers.items():
         assert match is not None
-        said = match[2]
+        unit_text = match[2]
         for other, theirs in numbers.items():
+            assert theirs is not None
             # The power of time of a springpot is the value of its order.
-            said = re.sub(rf"\^{re.escape(other)}(?![\w.])", f"^{theirs[1]}" if theirs else "", said)
-        lines.append(f'{_name(name)} {match[1]}{_unit(said)} "{name} of {handoff.model}"')
+            unit_text = re.sub(rf"\^{re.escape(other)}(?![\w.])", f"^{theirs[1]}", unit_text)
+        lines.append(f'{_name(name)} {match[1]}{_unit(unit_text)} "{name} of {handoff.model}"')
     lines.append(f'G_inf {prony.equilibrium:.9g}{unit} "long-term stiffness or modulus"')
     if prony.viscosity:
         lines.append(f'eta {prony.viscosity:.9g}{_unit(f"{handoff.unit} s".strip())} "dashpot beside the branches"')
@@ -42,7 +43,9 @@ def _name(text: str) -> str:
 def _unit(text: str) -> str:
     """``kN s^0.5/m`` as ``[kN*s^0.5/m]``; nothing for a pure number."""
     bare = text.strip()
-    return "" if bare in ("", "-") else f"[{bare.replace(' ', '*')}]"
+    if bare in ("", "-"):
+        return ""
+    return f"[{bare.replace(' ', '*')}]"
 
 
 WRITER = Writer("comsol", to_comsol, "COMSOL: a parameter file of the fractional model and its branches", ".txt")

@@ -169,6 +169,7 @@ def description_of(handoff: Handoff) -> str:
     """modelDescription.xml."""
     count = len(handoff.prony.times)
     name = quoteattr(handoff.name)
+    # It tells which description belongs to which library (FMI 2.0); the same model has the same.
     guid = hashlib.sha256(source_of(handoff).encode()).hexdigest()[:32]
     files = '<SourceFiles><File name="unit.c"/></SourceFiles>'
     variables = [
@@ -192,6 +193,9 @@ def description_of(handoff: Handoff) -> str:
     derivatives = "".join(
         f'<Unknown index="{rate}" dependencies="1 {state}"/>' for rate, state in zip(rates, states, strict=True)
     )
+    if count:
+        # The schema takes no empty list.
+        derivatives = f"<Derivatives>{derivatives}</Derivatives>"
     initial = "".join(f'<Unknown index="{i}" dependencies="1"/>' for i in (2, *states, *rates))
     return "\n".join(
         [
@@ -205,8 +209,7 @@ def description_of(handoff: Handoff) -> str:
             *variables,
             "</ModelVariables>",
             f'<ModelStructure><Outputs><Unknown index="2" dependencies="{needs}"/></Outputs>'
-            + (f"<Derivatives>{derivatives}</Derivatives>" if count else "")
-            + f"<InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>",
+            f"{derivatives}<InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>",
             "</fmiModelDescription>",
         ]
     )

@@ -24,14 +24,22 @@ def field(number: float) -> str:
     for digits in range(7, 0, -1):
         text = f"{number:.{digits}g}"
         if "e" in text:
+            # 1.5e-05 as 1.5-5: the sign tells where the exponent begins, and saves two signs.
             mantissa, exponent = text.split("e")
-            text = f"{mantissa if '.' in mantissa else mantissa + '.'}{int(exponent):+d}"
-        elif "." not in text:
-            text += "."
-        text = text.removeprefix("0") if text.startswith("0.") and len(text) > WIDTH else text
+            text = f"{_with_point(mantissa)}{int(exponent):+d}"
+        text = _with_point(text)
+        if text.startswith("0.") and len(text) > WIDTH:
+            text = text.removeprefix("0")
         if len(text) <= WIDTH:
             return text
     return f"{number:.1e}"
+
+
+def _with_point(text: str) -> str:
+    """A number that Nastran does not take for a whole one."""
+    if "." in text:
+        return text
+    return text + "."
 
 
 def _table(number: int, x: list[float], y: list[float]) -> list[str]:
