@@ -70,13 +70,18 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
     from springpot.measurement import parse_geometry, through
     from springpot.registry import open_measurement
 
-    interface = None if geometry is None else parse_geometry(geometry)
+    interface = None
+    # First: a geometry that is mistyped is told before a large file has been read.
+    if geometry is not None:
+        interface = parse_geometry(geometry)
     measured = open_measurement(data)
     if not quiet:
         for key, value in measured.provenance.items():
             if key.startswith("note "):
                 note_to_stderr(measured.name, value)
-    return measured if interface is None else through(measured, interface)
+    if interface is None:
+        return measured
+    return through(measured, interface)
 
 
 def note_to_stderr(name: str, note: str) -> None:
@@ -84,7 +89,9 @@ def note_to_stderr(name: str, note: str) -> None:
     from springpot.report.text import wrapped
 
     line = f"note: {name}: {note}"
-    print(wrapped(line, window()) if sys.stderr.isatty() else line, file=sys.stderr)
+    if sys.stderr.isatty():
+        line = wrapped(line, window())
+    print(line, file=sys.stderr)
 
 
 def known_options(command: F) -> F:
@@ -132,6 +139,7 @@ def quoted(text: str) -> str:
 def own_stdout(quiet: bool = False) -> Iterator[None]:
     """Let whatever foreign code prints go to standard error, or nowhere: standard output is the command's own."""
     sys.stdout.flush()
+    # Compiled code writes to the file descriptor, past `sys.stdout`.
     kept = os.dup(1)
     other = os.open(os.devnull, os.O_WRONLY) if quiet else os.dup(2)
     os.dup2(other, 1)

@@ -45,7 +45,9 @@ def command(out: Path, as_json: bool) -> int:
     for i, chapter in enumerate(chapters, 1):
         heading = f"{i}. {chapter.title}"
         if not as_json:
-            print(f"{'' if i == 1 else chr(10)}{heading}\n{'=' * len(heading)}", flush=True)
+            if i > 1:
+                print()
+            print(f"{heading}\n{'=' * len(heading)}", flush=True)
         text, code = _told(chapter, out)
         if not as_json:
             print(text, end="", flush=True)

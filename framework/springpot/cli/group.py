@@ -43,8 +43,10 @@ class LazyGroup(click.Group):
             If there is none, with the nearest.
         """
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            hint = f"known are {', '.join(COMMANDS)}"
             near = get_close_matches(args[0], COMMANDS, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COMMANDS)}"
+            if near:
+                hint = f"did you mean {near[0]}?"
             raise click.UsageError(f"unknown command '{args[0]}': {hint}", ctx)
         return super().resolve_command(ctx, args)
 
@@ -74,7 +76,10 @@ def run(arguments: list[str]) -> int:
             answer: Any = springpot.invoke(context)
     except click.exceptions.Exit as leave:
         return leave.exit_code
-    return answer if isinstance(answer, int) else 0
+    # Most commands return nothing: they are done, or have raised.
+    if not isinstance(answer, int):
+        return 0
+    return answer
 
 
 @contextmanager

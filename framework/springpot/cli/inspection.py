@@ -49,8 +49,13 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
     from springpot.measurement.runs import runs_of
 
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
-    said = {key: value for key, value in measurement.provenance.items() if not key.startswith("unit ")}
-    units |= {key[5:]: value for key, value in measurement.provenance.items() if key.startswith("unit ")}
+    provenance = {}
+    for key, value in measurement.provenance.items():
+        # Readers keep the unit of a further condition there.
+        if key.startswith("unit "):
+            units[key.removeprefix("unit ")] = value
+        else:
+            provenance[key] = value
     return {
         "schema": "springpot.inspection/1",
         "data": measurement.name,
@@ -63,18 +68,20 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
         "labels": {name: list(dict.fromkeys(map(str, column))) for name, column in measurement.labels.items()},
         "sweeps": [_sweep(measurement, run) for run in runs_of(measurement)],
         "parts": _listed(parts),
-        "provenance": said,
+        "provenance": provenance,
     }
 
 
 def _sweep(measurement: Measurement, run: Run) -> dict[str, Any]:
-    amplitude = measurement.conditions.get("amplitude")
+    amplitude = None
+    if "amplitude" in measurement.conditions:
+        amplitude = _range(measurement.conditions["amplitude"][run.rows], measurement.units.amplitude)
     return {
         "conditions": run.name,
         "points": len(run.rows),
         **run.conditions,
         "frequency": _range(measurement.frequency[run.rows], "Hz"),
-        "amplitude": None if amplitude is None else _range(amplitude[run.rows], measurement.units.amplitude),
+        "amplitude": amplitude,
     }
 
 
@@ -88,6 +95,8 @@ def _listed(parts: Sequence[Part]) -> list[dict[str, Any]]:
 def _range(column: Real, unit: str) -> dict[str, Any]:
     import numpy as np
 
-    there = column[np.isfinite(column)]
-    lowest, highest = (float(there.min()), float(there.max())) if len(there) else (float("nan"), float("nan"))
+    known = column[np.isfinite(column)]
+    lowest = highest = float("nan")
+    if len(known):
+        lowest, highest = float(known.min()), float(known.max())
     return {"from": lowest, "to": highest, "unit": unit}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -81,7 +81,9 @@ def _require_one(studies: tuple[Path, ...], baseline: Path | None) -> None:
 
 def _show(gates: list[Gate]) -> None:
     for gate in gates:
-        lines: list[Any] = [*(f"worse: {line}" for line in gate.regressions), *(f"note: {n}" for n in gate.notes)]
-        print(*lines, sep="\n", end="\n" if lines else "")
-        told = "nothing got worse" if gate.passed else f"{len(gate.regressions)} got worse"
-        print(f"{gate.baseline}: {gate.cells} comparisons, {told}")
+        for line in gate.regressions:
+            print(f"worse: {line}")
+        for note in gate.notes:
+            print(f"note: {note}")
+        outcome = "nothing got worse" if gate.passed else f"{len(gate.regressions)} got worse"
+        print(f"{gate.baseline}: {gate.cells} comparisons, {outcome}")

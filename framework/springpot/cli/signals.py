@@ -42,7 +42,9 @@ def command(
 
     if output is not None:
         require_writable(output)
-    omega = None if frequency is None else 2.0 * pi * frequency
+    omega = None
+    if frequency is not None:
+        omega = 2.0 * pi * frequency
     measured = signals_to_measurement(files, omega=omega, n_harmonics=harmonics, window=window)
     if output is not None:
         write_measurement(measured, output)

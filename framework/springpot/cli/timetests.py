@@ -246,8 +246,9 @@ def _asked(spec: str, temperature: float | None) -> Test:
         return opened(spec)
     if len(in_time) > 1:
         raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
-    test = in_time[0]
-    return test if temperature is None else replace(test, temperature=temperature, warmth=None)
+    if temperature is None:
+        return in_time[0]
+    return replace(in_time[0], temperature=temperature, warmth=None)
 
 
 def _table_text(predicted: TestPrediction) -> str:

@@ -78,7 +78,9 @@ def beside_mark(axes: Axes, place: tuple[float, float], words: str) -> None:
 
 
 def _ratio(step: Step) -> str:
-    return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor" if step.noise_floor > 0 else "no noise"
+    if not step.noise_floor > 0:
+        return "no noise"
+    return f"{plain(step.relative_rms / step.noise_floor, 2)} × floor"
 
 
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:

@@ -161,15 +161,20 @@ def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bo
     views.residual(row[0], scene)
     for side in (-100.0, 100.0):
         row[0].axhline(side * error.material_floor, zorder=2.5, **DASHES)
-    name = f"{_cut(scene.fits[0].name)}\n" if named else ""
-    row[0].set_title(f"{name}error {percent(error.relative_rms)}, material floor {percent(error.material_floor)}")
+    title = f"error {percent(error.relative_rms)}, material floor {percent(error.material_floor)}"
+    # The headline names a single model.
+    if named:
+        title = f"{_cut(scene.fits[0].name)}\n{title}"
+    row[0].set_title(title)
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)
         axes.set_title(f"{plane.name} plane")
 
 
 def _cut(text: str) -> str:
-    text = text if len(text) <= TITLE else f"{text[: TITLE - 1]}…"
+    if len(text) > TITLE:
+        text = f"{text[: TITLE - 1]}…"
+    # A dollar sign would begin a formula.
     return text.replace("$", r"\$")
 
 
@@ -184,4 +189,6 @@ def set_aside(measurement: Measurement, kept: Measurement) -> Measurement | None
     known = set(zip(kept.omega.tolist(), kept.stiffness.tolist(), strict=True))
     points = zip(used.omega.tolist(), used.stiffness.tolist(), strict=True)
     rows = [i for i, point in enumerate(points) if point not in known]
-    return used.subset(np.array(rows)) if rows else None
+    if not rows:
+        return None
+    return used.subset(np.array(rows))

@@ -29,10 +29,14 @@ def figure(picture: Html, caption: str) -> Html:
 def diagram(ranking: Ranking) -> Html:
     """Critical differences of a ranking."""
     order = np.argsort(ranking.means, kind="stable")
-    rows = [
-        Ranked(ranking.labels[i], ranking.ranks[i].value, ranking.ranks[i].low, ranking.ranks[i].high) for i in order
-    ]
-    bars = cliques(ranking.means, ranking.p) if ranking.decided else [(0, len(rows) - 1)]
+    rows = []
+    for i in order:
+        rank = ranking.ranks[i]
+        rows.append(Ranked(ranking.labels[i], rank.value, rank.low, rank.high))
+    # Where too few trials decide nothing, one bar joins all.
+    bars = [(0, len(rows) - 1)]
+    if ranking.decided:
+        bars = cliques(ranking.means, ranking.p)
     return figure(
         critical_differences(rows, bars, f"mean ranks at {ranking.budget} evaluations"),
         f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, 95 % interval; a bar at the "
@@ -111,14 +115,15 @@ def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
     top = max((s.curve[1][np.isfinite(s.curve[1])].max(initial=1.0) for s in race.cells), default=1.0)
     y = Scale("excess, median", target, max(10.0 * target, float(top)), logarithmic=True)
     yield _curves(findings, race, pens, [s.curve for s in race.cells], y, "Excess with quartiles")
-    clean = [s.clean for s in race.cells]
-    known = [found for found in clean if found is not None]
+    clean = [scores.clean for scores in race.cells]
+    known = [curve for curve in clean if curve is not None]
     if known:
-        values = np.concatenate([found[1] for found in known])
+        values = np.concatenate([curve[1] for curve in known])
         values = values[np.isfinite(values) & (values > 0)]
         y = Scale("noise-free objective, median", float(values.min()), float(values.max()), logarithmic=True)
+        # Curves go by the place of their optimiser: one that has none keeps its place, and no line is drawn.
         empty = np.full((3, len(findings.scale.grid)), np.inf)
-        filled = [empty if found is None else found for found in clean]
+        filled = [empty if curve is None else curve for curve in clean]
         yield _curves(findings, race, pens, filled, y, "The same points against the data without their noise")
 
 
@@ -126,10 +131,12 @@ def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], 
     x = Scale("evaluations", 1.0, float(findings.scale.budget), logarithmic=True)
     grid = findings.scale.grid.astype(float)
     best = sorted(range(len(curves)), key=lambda i: _area(race.cells[i], findings.scale.target))
-    lines = [
-        Line(race.labels[i], grid, curves[i][1], pens[race.labels[i]], curves[i][[0, 2]] if n < BANDS else None)
-        for n, i in enumerate(best)
-    ]
+    lines = []
+    for n, i in enumerate(best):
+        label, band = race.labels[i], None
+        if n < BANDS:
+            band = curves[i][[0, 2]]
+        lines.append(Line(label, grid, curves[i][1], pens[label], band))
     return figure(plot(lines, x, y, f"{caption}, {race.problem.model} on {race.problem.dataset}"), f"{caption}")
 
 
@@ -153,10 +160,13 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
                 name = f"{label}, {race.problem.model} on {race.problem.dataset}"
                 places.setdefault(label, []).append((spent, min(max(excess, target), 1.0), name))
     middle = {label: np.median([(x, y) for x, y, _ in found], axis=0) for label, found in places.items()}
-    dots = [Dot(name, x, y, pens[label]) for label, found in places.items() for x, y, name in found]
+    dots = []
+    for label, of_problems in places.items():
+        dots += [Dot(name, x, y, pens[label]) for x, y, name in of_problems]
     for label, (x, y) in middle.items():
         beaten = any(a <= x and b <= y and (a, b) != (x, y) for a, b in middle.values())
-        dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, "" if beaten else label))
+        written = "" if beaten else label
+        dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written))
     times = np.array([dot.x for dot in dots])
     across = Scale("time of a trial, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True)
     caption = (

@@ -58,7 +58,10 @@ class Table:
         padded = []
         for header, cell, wanted in zip(self.headers, cells, widths, strict=True):
             space = " " * (wanted - width(cell))
-            padded.append(space + cell if header in self.right else cell + space)
+            if header in self.right:
+                padded.append(space + cell)
+            else:
+                padded.append(cell + space)
         return "  ".join(padded).rstrip()
 
     def show(self) -> None:
@@ -73,6 +76,7 @@ class Table:
 
         ruled = Ruled(box=box.SIMPLE_HEAD, pad_edge=False)
         for header in self.headers:
+            # `Text`, since in a plain string rich would take [kPa] for markup.
             ruled.add_column(Text(plain(header)), justify="right" if header in self.right else "left")
         for row in self.rows:
             ruled.add_row(*(Text(plain(cell)) for cell in row))
@@ -88,12 +92,16 @@ def _columns_of(letter: str) -> int:
     """Columns of one letter: an accent stands on the letter before it, an ideograph is as wide as two."""
     if combining(letter):
         return 0
-    return 2 if east_asian_width(letter) in "WF" else 1
+    if east_asian_width(letter) in "WF":
+        return 2
+    return 1
 
 
 def cut(text: str, most: int) -> str:
     """At most so many letters of a name."""
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+    if len(text) <= most:
+        return text
+    return f"{text[: most - 1]}…"
 
 
 def indented(text: str, by: str = "  ") -> str:

@@ -88,7 +88,9 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
 
 def _colours_of_residuals(fits: Sequence[TimeIdentification]) -> Sequence[str]:
     """Those of the models where there are several, else one that is no curve's."""
-    return COLOURS if len(fits) > 1 else COLOURS[1:]
+    if len(fits) > 1:
+        return COLOURS
+    return COLOURS[1:]
 
 
 def _curve_times(test: TimeTest) -> tuple[Real, Real]:

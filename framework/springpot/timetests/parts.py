@@ -27,13 +27,11 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex, Model, Real
 
-from .predicted import TOLERANCE
+from .predicted import ROOM, TOLERANCE
 from .recorded import recorded
 from .start import apparent
 
 Test: TypeAlias = TimeTest | Measurement
-ROOM = 293.15
-"""Temperature in kelvin of a room, 20 degC; where no test tells its own, no shift depends on it."""
 COARSE = 60
 """Samples of a test with which the search begins; all of them end it."""
 

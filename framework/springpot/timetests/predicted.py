@@ -11,6 +11,8 @@ from .warming import warming
 
 TOLERANCE = 1e-6
 """Relative error of K for which the spectrum is read: a thousandth of the best transducer's noise."""
+ROOM = 293.15
+"""Temperature in kelvin of a room, 20 degC, where no test tells its own: then no shift depends on it."""
 
 
 def predicted(
@@ -50,19 +52,22 @@ def predicted(
     """
     if test.warmth is not None and "temperature" in model.needs:
         return warming(model, theta, test, reference, at, tolerance)
+    if at is None:
+        at = test.time
     inside = specimen(model, theta, test, reference, tolerance)
-    return answer(inside, test.loading, test.time if at is None else at, test.control)
+    return answer(inside, test.loading, at, test.control)
 
 
 def specimen(
     model: Model, theta: Real, test: TimeTest, reference: float | None, tolerance: float = TOLERANCE
 ) -> InTime:
     """A model with its parameters at the temperature of a test."""
-    kelvin = test.kelvin
-    away = kelvin if reference is None else reference
-    return model.in_time(
-        theta, temperature=kelvin, reference_temperature=293.15 if away is None else away, tolerance=tolerance
-    )
+    if reference is None:
+        reference = test.kelvin
+    # A model that no temperature moves takes any reference.
+    if reference is None:
+        reference = ROOM
+    return model.in_time(theta, temperature=test.kelvin, reference_temperature=reference, tolerance=tolerance)
 
 
 def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
@@ -72,8 +77,9 @@ def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     if len(when):
         since = t[:, None] - when
         after = since >= 0.0
+        step_answer = inside.relaxation if control == "displacement" else inside.creep
         # All jumps at once: the spectrum of the material is read once.
-        one = (inside.relaxation if control == "displacement" else inside.creep)(since[after])
+        one = step_answer(since[after])
         rows, which = np.nonzero(after)
         np.add.at(value, rows, sizes[which] * one.value)
         np.add.at(by_theta, rows, sizes[which, None] * one.by_theta)

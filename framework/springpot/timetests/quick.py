@@ -69,7 +69,9 @@ class UnfollowedError(ModelError):
 
 def points_at(omega: Real, kelvin: float | None, reference: float) -> Points:
     """Points at one temperature in kelvin."""
-    temperature = None if kelvin is None else np.full(len(omega), kelvin)
+    temperature = None
+    if kelvin is not None:
+        temperature = np.full(len(omega), kelvin)
     return Points(np.log(omega), None, temperature, reference)
 
 
@@ -120,7 +122,9 @@ class QuickPart(InTimePart):
     def reach(self) -> tuple[float, float]:
         """Angular frequencies between which the record tells something."""
         slow, fast = self.test.seen
-        return slow, SHARP * fast if self.test.control == "displacement" else fast
+        if self.test.control == "displacement":
+            fast *= SHARP
+        return slow, fast
 
     @cached_property
     def omega(self) -> Real:
@@ -134,7 +138,10 @@ class QuickPart(InTimePart):
     def share(self) -> Real:
         """By which K, or 1/K under a force, is weighed at each frequency."""
         size = np.exp(np.interp(np.log(self.omega[:-2]), np.log(self.size[0]), np.log(self.size[1])))
-        return 1.0 / size if self.test.control == "displacement" else size
+        # Each frequency counts by its relative miss: of K here, of 1/K under a force.
+        if self.test.control == "displacement":
+            return 1.0 / size
+        return size
 
     @cached_property
     def answers(self) -> Real:
@@ -184,8 +191,8 @@ class QuickPart(InTimePart):
             far, omega = change[:, -2:], self.omega[-2:]
             with np.errstate(all="ignore"):
                 pace = np.stack([far[:, 1].imag / far[:, 0].imag / 10.0, far[:, 1].real / far[:, 0].real / 100.0])
-            found = np.stack([far[:, 0].imag / omega[0], -far[:, 0].real / omega[0] ** 2])
-            ends = np.where(np.abs(pace - 1.0) < CLOSE, found, 0.0)
+            dashpot_and_mass = np.stack([far[:, 0].imag / omega[0], -far[:, 0].real / omega[0] ** 2])
+            ends = np.where(np.abs(pace - 1.0) < CLOSE, dashpot_and_mass, 0.0)
             s = 1j * self.omega[:-2]
             here = here - ends[0][:, None] * s - ends[1][:, None] * s**2
         wanted = here * self.share
@@ -225,9 +232,9 @@ class QuickPart(InTimePart):
 
     def residual(self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise."""
-        found = self.recorded(model, theta, reference)
-        missed = np.where(self.seen, found.value - self.test.response[self.rows], 0.0)
-        return Residual(missed * self.weight, found.by_theta * self.weight[:, None])
+        answer = self.recorded(model, theta, reference)
+        missed = np.where(self.seen, answer.value - self.test.response[self.rows], 0.0)
+        return Residual(missed * self.weight, answer.by_theta * self.weight[:, None])
 
     def recorded(self, model: Model | Timed, theta: Real, reference: float) -> Traced:
         """What the test records of a model, nearly.

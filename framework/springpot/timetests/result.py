@@ -33,7 +33,10 @@ def sampled_scatter(residual: Real, part: Part) -> float:
     For a first-order autoregression with the correlation r of neighbours that is (1 + r) / (1 - r)
     (Bayley & Hammersley 1946, doi:10.2307/2983560).
     """
-    rows = residual if hasattr(part.test, "response") else residual[: len(residual) // 2]
+    rows = residual
+    # Of a sweep K' comes first and then K'': its neighbours are told by K' alone.
+    if not hasattr(part.test, "response"):
+        rows = residual[: len(residual) // 2]
     power = float(np.mean(rows**2))
     if len(rows) < 4 or power == 0.0:
         return float(np.mean(residual**2))
@@ -201,43 +204,47 @@ class TimeIdentification:
     def printed(self) -> list[tuple[float, str]]:
         """Factor and unit in which each parameter is printed."""
         values = dict(zip(self.model.names, self.theta.tolist(), strict=True))
-        found = []
+        factors = []
         for parameter in self.model.parameters:
-            time = parameter.unit.time
-            found.append(self.units.of(parameter.unit, values.get(time) if isinstance(time, str) else None))
-        return found
+            order = None
+            # The unit of a springpot holds a power of s, which another parameter tells.
+            if isinstance(parameter.unit.time, str):
+                order = values.get(parameter.unit.time)
+            factors.append(self.units.of(parameter.unit, order))
+        return factors
 
     @cached_property
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Each parameter with value, interval and unit, as printed; lines of a spectrum are left to it."""
         low, high = self.interval
-        rows = {
-            name: {
-                "value": _finite(value * factor),
-                "low": _finite(below * factor),
-                "high": _finite(above * factor),
-                "unit": unit,
-            }
-            for name, value, below, above, (factor, unit) in zip(
-                self.model.names, self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True
-            )
-        }
-        return {parameter.name: rows[parameter.name] for parameter in self.model.parameters if not parameter.detail}
+        values = zip(self.theta.tolist(), low.tolist(), high.tolist(), self.printed, strict=True)
+        rows = {}
+        for parameter, (value, below, above, (factor, unit)) in zip(self.model.parameters, values, strict=True):
+            if not parameter.detail:
+                rows[parameter.name] = {
+                    "value": _finite(value * factor),
+                    "low": _finite(below * factor),
+                    "high": _finite(above * factor),
+                    "unit": unit,
+                }
+        return rows
 
     @property
     def ended(self) -> str:
         """How the search ended, in a word."""
-        return self.status or ("converged" if self.converged else "not converged")
+        if self.status:
+            return self.status
+        return "converged" if self.converged else "not converged"
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What the numbers do not say, the gravest first."""
-        said = list(self.said)
+        notes = list(self.said)
         if not self.converged:
-            said.append("the search did not come to rest: the parameters may be improved by more data")
+            notes.append("the search did not come to rest: the parameters may be improved by more data")
         for test in self.tests:
             if not test.agrees:
-                said.append(
+                notes.append(
                     f"{test.name} does not agree with the other tests: {test.ratio:.2g} x its noise floor with "
                     f"common parameters, {test.alone:.2g} x with its own"
                 )
@@ -246,10 +253,10 @@ class TimeIdentification:
             if parameter.detail:
                 continue
             if value in (parameter.lower, parameter.upper):
-                said.append(f"{parameter.name} ends at its bound {value:g}")
+                notes.append(f"{parameter.name} ends at its bound {value:g}")
             elif not np.isfinite(above) or (parameter.scale == "log" and above > LOOSE * max(below, 1e-300)):
-                said.append(f"{parameter.name} is hardly determined by these tests")
-        return tuple(said)
+                notes.append(f"{parameter.name} is hardly determined by these tests")
+        return tuple(notes)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, schema ``springpot.identification-in-time/1``; an interval without an end has None."""
@@ -291,9 +298,14 @@ class TimeIdentification:
 
 
 def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    # JSON has neither inf nor nan.
+    if not np.isfinite(value):
+        return None
+    return float(value)
 
 
 def _rates(model: Model) -> dict[str, Any]:
     """Those of the lines of any material; of another model nothing."""
-    return {"rates": list(model.material.rates)} if isinstance(model.material, Continuum) else {}
+    if not isinstance(model.material, Continuum):
+        return {}
+    return {"rates": list(model.material.rates)}

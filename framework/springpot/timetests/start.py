@@ -38,15 +38,14 @@ def start_of(model: Model, made: Sequence[Measurement | None], sweeps: Sequence[
     list of ndarray, shape (p,)
         Starts, best first; none where no sweep can be made.
     """
-    together = [each for each in (*made, *(_bare(sweep) for sweep in sweeps)) if each is not None]
-    starts = []
-    for data in [_stacked(together)] if together else []:
-        try:
-            starts.append(fit(model, data).theta)
-        except SpringpotError:
-            # A model with a condition that a sweep made of time lacks begins at its typical values instead.
-            continue
-    return starts
+    together = [each for each in made if each is not None] + [_bare(sweep) for sweep in sweeps]
+    if not together:
+        return []
+    try:
+        return [fit(model, _stacked(together)).theta]
+    except SpringpotError:
+        # A model with a condition that a sweep made of time lacks begins at its typical values instead.
+        return []
 
 
 def apparent(test: TimeTest, sd: Real) -> Measurement | None:
@@ -63,9 +62,9 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     longest = max(test.duration, 3.0 * shortest)
     decades = np.log10(longest / shortest) + 2.0
     times = np.geomspace(0.3 * shortest, 3.0 * longest, max(3, int(PER_DECADE * decades)))
-    columns = (
-        np.delete(answers_of(test.loading, test.control, times, test.time), 2, axis=1)[picked] / sd[picked, None]
-    )
+    answers = answers_of(test.loading, test.control, times, test.time)
+    # Without the mass, which is no part of such a sum.
+    columns = np.delete(answers, 2, axis=1)[picked] / sd[picked, None]
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     try:
@@ -95,9 +94,10 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
     Under a force they are compliances, and a mass has no part in them. With a `mix` (3 + m, c) of amounts the answer
     is that of the c mixtures (n, c), which takes less time than each alone.
     """
-    whole = np.eye(3 + len(times)) if mix is None else mix
-    one = whole[3:]
-    faded: Modes = np.zeros((len(t), whole.shape[1]))
+    if mix is None:
+        mix = np.eye(3 + len(times))
+    one = mix[3:]
+    faded: Modes = np.zeros((len(t), mix.shape[1]))
     followed, moving, pushed = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
     for when, size in zip(*loading.jumps, strict=True):
         since = np.maximum(t - when, 0.0)
@@ -118,10 +118,12 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
         else:
             moving += np.gradient(imposed, grid)[place]
             pushed += _bent(imposed, grid)[place]
+    modes = faded
     # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.
-    modes = faded if control == "displacement" else np.outer(followed, one.sum(axis=0)) - faded
-    found: Real = np.column_stack([followed, moving, pushed]) @ whole[:3] + modes.real
-    return found
+    if control != "displacement":
+        modes = np.outer(followed, one.sum(axis=0)) - faded
+    answers: Real = np.column_stack([followed, moving, pushed]) @ mix[:3] + modes.real
+    return answers
 
 
 def _bent(x: Real, t: Real) -> Real:

@@ -75,8 +75,11 @@ class Scales:
         if sized == (0, 0) and unit.time in (1, -1):
             return [float(t) ** int(unit.time) for t in np.geomspace(self.shortest, self.longest, TIMES)]
         if sized in ((0, 1), (1, 1)) and unit.time == 0:
-            whole = self.reach * (self.stiffness if unit.stiffness else 1.0)
-            return [share * whole for share in SHARES]
+            largest = self.reach
+            # A threshold of force: what the specimen answers to its largest displacement.
+            if unit.stiffness:
+                largest = self.reach * self.stiffness
+            return [share * largest for share in SHARES]
         return [self.typical(parameter)]
 
 
