@@ -62,7 +62,10 @@ def _show(found: Comparison, data: str, figure: Path | None) -> None:
     from springpot.report.ranking import ranked_text
 
     best = found.best
-    print(ranked_text(found, window()) if isinstance(found, Ranking) else comparison_text(found, window()))
+    if isinstance(found, Ranking):
+        print(ranked_text(found, window()))
+    else:
+        print(comparison_text(found, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
     command = "diagnose" if best.fails or best.unclear else "identify"

@@ -26,8 +26,10 @@ def names_of(word: str) -> Completer:
 def model_expression(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Completes the last part of an expression: a model, or behind ``+`` an effect."""
     before, plus, last = incomplete.rpartition("+")
-    names = _beginning(_names("effect" if plus else "model"), last.strip())
-    return [CompletionItem(f"{before.strip()} + {name}" if plus else name) for name in names]
+    if not plus:
+        return [CompletionItem(name) for name in _beginning(_names("model"), last.strip())]
+    # The shell replaces the whole word: what was typed before comes back with each offer.
+    return [CompletionItem(f"{before.strip()} + {name}") for name in _beginning(_names("effect"), last.strip())]
 
 
 def data(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -92,6 +92,7 @@ def command(
         timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
         return 0
     measurement = opened(data, geometry)
+    # None leaves the choice to the evidence.
     wanted = None if auto else [plugins().effect(name) for name in accept]
     judged = None if expression is None else for_sweeps(expression)
     again = again_with(data, model, accept, auto, seed, geometry, options)
@@ -135,6 +136,7 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
     """The command to go on with: one effect more where one is named, or else the parameters of what was reached."""
     if ladder.diagnosis.best is None:
         return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
+    # What was dropped again, marked by a hyphen, is not asked for a second time.
     named = [step.accepted for step in ladder.steps if step.accepted and not step.accepted.startswith("-")]
     accept = " ".join(f"--accept {quoted(name)}" for name in [*named, ladder.diagnosis.best.effect])
     judged = ""

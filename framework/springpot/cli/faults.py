@@ -23,7 +23,10 @@ def exit_code(action: Callable[[], int]) -> int:
     """
     with plain_streams():
         code = _exit_code(action)
-    return INTERRUPTED if _was_interrupted() else code
+    # Some library may have swallowed the KeyboardInterrupt; the handler remembers it.
+    if _was_interrupted():
+        return INTERRUPTED
+    return code
 
 
 def _was_interrupted() -> bool:
@@ -34,6 +37,7 @@ def _was_interrupted() -> bool:
 def _exit_code(action: Callable[[], int]) -> int:
     try:
         code = action()
+        # Here, where a reader that has gone is still noticed as such.
         sys.stdout.flush()
         return code
     except SpringpotError as error:
@@ -74,7 +78,9 @@ def _fault(error: Exception) -> int:
 
         traceback.print_exception(error)
         return FAULT
-    text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    text = type(error).__name__
+    if str(error):
+        text += f": {error}"
     return _say(
         f"a fault in springpot or one of its plugins, not in your input: {text} "
         f"(please report it with the traceback that {TRACEBACK}=1 shows)",

@@ -105,7 +105,8 @@ def command(
             raise click.UsageError(advice, click.get_current_context())
         return _each(data, judged, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
-    found = _fitted(joined(measured) if len(measured) > 1 else measured[0], judged, arguments)
+    together = joined(measured) if len(measured) > 1 else measured[0]
+    found = _fitted(together, judged, arguments)
     if figure is not None:
         found.plot(figure)
     if as_csv:

@@ -54,7 +54,9 @@ def command(
     from springpot.benchmark.paper import captioned, for_paper
 
     if write or report:
-        paths = write_tables(study, [kind], out) if write else []
+        paths = []
+        if write:
+            paths += write_tables(study, [kind], out)
         if report:
             from springpot.report.study import write_study_report
 
@@ -79,8 +81,9 @@ def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
 
     if wanted is not None and wanted not in TABLES:
         raise StudyError(f"unknown table '{wanted}': {study} has {', '.join(TABLES)}")
+    names = list(TABLES) if wanted is None else [wanted]
     with Store(store_path(study, out)) as store:
-        return dict(study_tables(store, TABLES if wanted is None else [wanted]))
+        return dict(study_tables(store, names))
 
 
 def _plain(name: str, table: Table) -> dict[str, Any]:

@@ -38,6 +38,7 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
         raise OptionError("--geometry is for sweeps: convert tests in time to stress and strain in their file")
     tests: list[Test] = []
     for spec, in_time in zip(data, found, strict=True):
+        # What is no test in time among tests in time is a sweep of the same specimen.
         tests += in_time or [opened(spec)]
         for test in in_time:
             for key, value in test.provenance.items():
@@ -148,7 +149,9 @@ def _show_diagnosis(found: TimeDiagnosis, data: Sequence[str], model: str | None
 
     print(diagnosed_in_time_text(found, window()))
     if found.missing:
-        judged = "" if model is None else f" --model {quoted(model)}"
+        judged = ""
+        if model is not None:
+            judged = f" --model {quoted(model)}"
         print(f"\nnext: springpot discover {' '.join(map(quoted, data))}{judged} --accept {quoted(found.missing[0])}")
 
 

@@ -133,7 +133,9 @@ def finished(figure: Figure, path: str | Path | None) -> Figure | Path:
     OutputError
         If matplotlib is missing or the file cannot be written.
     """
-    return figure if path is None else save(figure, path)
+    if path is None:
+        return figure
+    return save(figure, path)
 
 
 def save(figure: Figure, path: str | Path) -> Path:
@@ -146,5 +148,6 @@ def save(figure: Figure, path: str | Path) -> Path:
     """
     path = check_figure_path(path)
     kind = path.suffix.lower()[1:]
+    # With a date in it the same figure would give other bytes each day.
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
     return write_with(path, lambda file: figure.savefig(file, format=kind, dpi=160, metadata=undated))

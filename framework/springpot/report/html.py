@@ -141,6 +141,7 @@ def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:
     aside = set_aside(measurement, ladder.steps[-1].case.search.base.data.raw)
     if aside is None:
         return []
+    # A subset does not remember its rows; both are copies of the same floats, so that equal means the same point.
     points = set(zip(aside.omega.tolist(), aside.stiffness.tolist(), strict=True))
     measured = zip(measurement.omega.tolist(), measurement.stiffness.tolist(), strict=True)
     return [row for row, point in enumerate(measured) if point in points]
@@ -209,9 +210,10 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
     yield tag("div", picture, class_="alone")
     rows = []
     for i, step in enumerate(ladder.steps):
+        name = accepted_name(step) if step.accepted else "start"
         row = (
             str(i),
-            accepted_name(step) if step.accepted else "start",
+            name,
             beside_floor(step.predicted_error, step.noise_floor, sign="×"),
             percent(step.relative_rms),
             over_floor(step.relative_rms, step.noise_floor, 3),
@@ -228,7 +230,10 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
 def _places(ladder: Ladder) -> Iterator[Html]:
     """Where the first and the last model fail, as their diagnoses say: bands, single points and what swings."""
     yield tag("h2", "Where the model fails")
-    shown = [ladder.steps[0]] if len(ladder.steps) == 1 else [ladder.steps[0], ladder.steps[-1]]
+    shown = [ladder.steps[0]]
+    # Where nothing was accepted the first step is the last one too.
+    if len(ladder.steps) > 1:
+        shown.append(ladder.steps[-1])
     for step in shown:
         diagnosis = step.case.diagnosis
         yield tag("h3", step.model.name)
@@ -249,7 +254,10 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
     )
     for i, step in enumerate(ladder.steps):
         parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step)]
-        yield tag("details", *parts, open="") if i == 0 or i + 1 == len(ladder.steps) else tag("details", *parts)
+        if i == 0 or i + 1 == len(ladder.steps):
+            yield tag("details", *parts, open="")
+        else:
+            yield tag("details", *parts)
 
 
 def _ranking(step: Step) -> Iterator[Html]:
@@ -285,13 +293,15 @@ def _classes(ladder: Ladder) -> Iterator[Html]:
     """What an accepted effect stands for, and which of those still open look alike."""
     yield tag("h2", "What these data cannot tell apart")
     doubtful = [step for step in ladder.steps[1:] if len(step.alike) > 1]
-    lines = [
-        f"{accepted_name(step)} was accepted; as well it might be {' or '.join(_others(step))}." for step in doubtful
-    ]
+    lines = []
+    for step in doubtful:
+        others = " or ".join(_others(step))
+        lines.append(f"{accepted_name(step)} was accepted; as well it might be {others}.")
+    # Of an adequate model no effect is open any more, alike or not.
     if ladder.verdict != "adequate":
-        lines += [
-            f"Still open and alike: {', '.join(names)}." for names in ladder.diagnosis.classes if len(names) > 1
-        ]
+        for names in ladder.diagnosis.classes:
+            if len(names) > 1:
+                lines.append(f"Still open and alike: {', '.join(names)}.")
     if lines:
         yield tag("p", "These effects change the data alike. Only another experiment separates them.")
         yield tag("ul", *(tag("li", line) for line in lines))
@@ -315,7 +325,10 @@ def _next(ladder: Ladder) -> Iterator[Html]:
             return
         diagnosis = doubtful[-1]
     advice = diagnosis.next_experiment
-    yield tag("p", f"{_capital(advice.says)}." if advice else "No further measurement is known that would help.")
+    if advice is None:
+        yield tag("p", "No further measurement is known that would help.")
+    else:
+        yield tag("p", f"{_capital(advice.says)}.")
 
 
 def _models(ladder: Ladder) -> Iterator[Html]:

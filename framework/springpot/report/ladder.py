@@ -108,7 +108,10 @@ def _names(axes: Axes, steps: tuple[Step, ...]) -> None:
 def _name(step: Step) -> str:
     if step.accepted is None:
         return step.model.base
-    return f"− {step.accepted[1:]}" if step.accepted.startswith("-") else f"+ {step.accepted}"
+    # A leading hyphen marks an effect that was dropped again.
+    if step.accepted.startswith("-"):
+        return f"− {step.accepted[1:]}"
+    return f"+ {step.accepted}"
 
 
 def broken(name: str) -> str:

@@ -53,7 +53,13 @@ def mastercurve_text(found: MasterCurve, width: int = 120) -> str:
     if len(rest.failures) > MOST_SAID:
         lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
     lines += [f"note: {note}" for note in found.notes]
-    return "\n".join(line if "\n---" in line else wrapped(line, width) for line in lines)
+    broken = []
+    for line in lines:
+        # A table has its own widths; what is told in sentences is broken at words.
+        if "\n---" not in line:
+            line = wrapped(line, width)
+        broken.append(line)
+    return "\n".join(broken)
 
 
 def _factor(found: MasterCurve, letter: str) -> str:
@@ -110,7 +116,9 @@ def _laws(found: MasterCurve) -> Table:
         most = level_text(found.factors.column, law.worst)
         # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
-        factor = _factor(found, "b" if law.law.vertical else "a")
+        factor = _factor(found, "a")
+        if law.law.vertical:
+            factor = _factor(found, "b")
         rows.append([law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict])
     return Table(headers, rows, frozenset({"off by", "chance"}))
 

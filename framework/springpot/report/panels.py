@@ -92,10 +92,8 @@ def keys(scene: Scene) -> Html:
         tag("span", tag("i", style=f"background:{colour}"), label, class_="key")
         for colour, label in zip(colours, labels, strict=True)
     ]
-    drawn = f" {scene.drawn}, evenly spread; errors are those of all." if scene.drawn else ""
-    aside = (
-        ""
-        if scene.aside is None
-        else " Open diamonds: single points that were set aside; no model was fitted to them."
-    )
-    return joined([tag("p", text, drawn, aside, class_="quiet"), tag("p", *swatches)])
+    if scene.drawn:
+        text += f" {scene.drawn}, evenly spread; errors are those of all."
+    if scene.aside is not None:
+        text += " Open diamonds: single points that were set aside; no model was fitted to them."
+    return joined([tag("p", text, class_="quiet"), tag("p", *swatches)])

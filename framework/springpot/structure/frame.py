@@ -101,14 +101,18 @@ class Damper:
     @property
     def kelvin(self) -> float | None:
         """Its temperature in kelvin."""
-        return None if self.temperature is None else self.temperature + 273.15
+        if self.temperature is None:
+            return None
+        return self.temperature + 273.15
 
     def stiffness(self, s: Complex) -> tuple[Complex, Complex]:
         """K and dK/ds in N/m at s (n,) in 1/s, which may be complex, for all dampers of this kind together.
 
         What is not linear is left out.
         """
-        kelvin = None if self.kelvin is None else np.full(len(s), self.kelvin)
+        kelvin = None
+        if self.kelvin is not None:
+            kelvin = np.full(len(s), self.kelvin)
         turned: Any = np.log(s) - QUARTER
         at = Points(turned, None, kelvin, self.reference)
         found = self.linear.network.respond(self.linear_theta, at, FULL)

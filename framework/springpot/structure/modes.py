@@ -79,7 +79,8 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
     for _ in range(ITERATIONS):
         at = np.array([s])
         whole, plain = frame.dynamic(at), bare.dynamic(at)
-        value, slope = ((1.0 - share) * a[0] + share * b[0] for a, b in zip(plain, whole, strict=True))
+        value = (1.0 - share) * plain[0][0] + share * whole[0][0]
+        slope = (1.0 - share) * plain[1][0] + share * whole[1][0]
         # Bordered: the shape keeps its size while both move.
         system = np.block([[value, (slope @ shape)[:, None]], [held[None, :], np.zeros((1, 1))]])
         right = np.append(-value @ shape, 0.0)

@@ -152,6 +152,7 @@ class Motion:
     def energy(self) -> dict[str, Real]:
         """Energies in J against time (t,): put in by the ground, taken by the dampers, by the frame's own damping."""
         step = self.record.step
+        # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
         rates = self.frame.drift_of(self.velocity)
@@ -302,6 +303,7 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
         stiffness += (part.spring + part.weights.sum()) * square
         damping += part.dashpot * square
         matrix[n : 2 * n, part.states] = np.outer(inverse * part.row, part.weights)
+        # The way of a branch follows the drift at the branch's own rate; what it lags behind is its force.
         matrix[part.states, :n] = np.outer(part.rates, part.row)
         matrix[part.states, part.states] = -np.diag(part.rates)
     matrix[:n, n : 2 * n] = np.eye(n)
@@ -322,6 +324,7 @@ def _exponential(matrix: Real, step: float) -> Real:
 def _held_straight(matrix: Real, step: float) -> tuple[Real, Real]:
     """Integrals of exp(A (h - t)) over the step, of a load that is one, and of one that rises from nothing to one."""
     size = len(matrix)
+    # One exponential of a block matrix holds both integrals (Van Loan 1978, doi:10.1109/TAC.1978.1101743).
     whole = np.zeros((3 * size, 3 * size))
     whole[:size, :size] = matrix * step
     whole[:size, size : 2 * size] = np.eye(size) * step
@@ -371,6 +374,8 @@ def simulate(frame: Frame, record: Record, rng: np.random.Generator, draws: int 
     draws : int
         How many.
     """
-    known = any(damper.covariance is not None for damper in frame.dampers)
-    peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws if known else 0)]
+    # Where no damper is uncertain, each draw would be the same motion again.
+    if all(damper.covariance is None for damper in frame.dampers):
+        draws = 0
+    peaks = [motion_of(frame.drawn(rng), record).peak_drift for _ in range(draws)]
     return Simulation(motion_of(frame, record), modes_of(frame), np.array(peaks).reshape(-1, len(frame)))

@@ -260,7 +260,7 @@ def _nearly(
             # The exact response takes long: it is spent only where more than noise is left to explain.
             if promises[0].drop < COSTLY * best or not before.misfit:
                 continue
-            parts = [part.exact if isinstance(part, QuickPart) else part for part in quick]
+            parts = [_exact(part) for part in quick]
             try:
                 u, _ = search.near(parts, starts[:STARTS])
                 left = Left.by(model, search.theta(u), base.reference, parts)
@@ -271,6 +271,12 @@ def _nearly(
             continue
         tried.append(Tried(effect, model, search.theta(u), left, 0.0))
     return tried
+
+
+def _exact(part: Part) -> Part:
+    if isinstance(part, QuickPart):
+        return part.exact
+    return part
 
 
 def _exactly(

@@ -45,10 +45,12 @@ class Left:
         """What a model with these parameters leaves of these tests."""
         plain = [part.with_scale(1.0) for part in parts]
         residuals = [part.residual(model, theta, reference).value for part in plain]
-        scatters = [
-            scatter_of(value) if isinstance(part, InTimePart) else _of_sweep(value, part.test)
-            for value, part in zip(residuals, parts, strict=True)
-        ]
+        scatters = []
+        for value, part in zip(residuals, parts, strict=True):
+            if isinstance(part, InTimePart):
+                scatters.append(scatter_of(value))
+            else:
+                scatters.append(_of_sweep(value, part.test))
         return cls(len(theta), tuple(residuals), tuple(scatters))
 
     @property

@@ -183,7 +183,9 @@ class _Search:
                 cost = float(value @ value)
         except SpringpotError:
             return np.inf
-        return cost if np.isfinite(cost) else np.inf
+        if not np.isfinite(cost):
+            return np.inf
+        return cost
 
     def _residual(self, weights: Real, u: Real) -> tuple[Real, Real]:
         self.evaluations += 1
@@ -216,8 +218,11 @@ class _Search:
         names = [parameter.name for parameter in self.model.parameters[self.count :]]
         for i in range(self.first_of_tests, len(u)):
             effect, others = by_u[:, i], np.delete(by_u, i, axis=1)
-            visible = VISIBLE * float(np.linalg.norm(signal)) / max(float(np.linalg.norm(effect)), 1e-300)
-            change = effect * (FACTOR if self.coordinates.log[i] else visible)
+            amount = FACTOR
+            # What may be of either sign has no logarithm, and may be nothing: it moves by what could be seen.
+            if not self.coordinates.log[i]:
+                amount = VISIBLE * float(np.linalg.norm(signal)) / max(float(np.linalg.norm(effect)), 1e-300)
+            change = effect * amount
             least = _left(by_weights, others, by_weights @ weights - value)
             for moved in (change, -change):
                 if _left(by_weights, others, by_weights @ weights - value - moved) - least < SEEN:
@@ -231,7 +236,9 @@ class _Search:
         weights, u, cost = place
         target = by_weights @ weights - value
         wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
-        move = np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0] if len(u) else u
+        move: Real = u
+        if len(u):
+            move = np.asarray(np.linalg.lstsq(by_u, target - by_weights @ wanted, rcond=1e-8)[0], dtype=float)
         move = np.clip(move, -LONGEST, LONGEST)
         share = 1.0
         while share > SHORTEST:
@@ -273,7 +280,9 @@ def _seen(part: Part) -> tuple[float, float]:
     if isinstance(part, InTimePart):
         slowest, fastest = part.test.seen
         # Within a step of a record the motion is straight, and that tells of what relaxes in it.
-        return slowest, fastest if part.test.kind in ("relaxation", "creep") else WITHIN * fastest
+        if part.test.kind not in ("relaxation", "creep"):
+            fastest *= WITHIN
+        return slowest, fastest
     return float(part.test.omega.min()), float(part.test.omega.max())
 
 
@@ -283,4 +292,6 @@ def _typical(part: Part) -> float:
         return float(np.exp(np.mean(np.log(part.test.magnitude))))
     test = part.test
     imposed, answered = float(np.abs(test.loading.value).max()), float(np.abs(test.response).max())
-    return answered / imposed if test.control == "displacement" else imposed / max(answered, 1e-300)
+    if test.control == "displacement":
+        return answered / imposed
+    return imposed / max(answered, 1e-300)

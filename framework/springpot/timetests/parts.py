@@ -110,7 +110,10 @@ class InTimePart:
 
     def with_scale(self, scale: float) -> InTimePart:
         """The same with larger noise."""
-        return self if scale == self.scale else replace(self, scale=scale)
+        # The same object keeps what it has worked out, such as its noise.
+        if scale == self.scale:
+            return self
+        return replace(self, scale=scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +156,9 @@ class SweepPart:
 
     def with_scale(self, scale: float) -> SweepPart:
         """The same with larger noise."""
-        return self if scale == self.scale else replace(self, scale=scale)
+        if scale == self.scale:
+            return self
+        return replace(self, scale=scale)
 
 
 Part: TypeAlias = InTimePart | SweepPart

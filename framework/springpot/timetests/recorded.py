@@ -123,14 +123,16 @@ def _answered(
     """What the specimen answers: derivatives by its own parameters, then by those of loading and of clock."""
     loading, slopes = reached(mine, theta, test, t)
     clock = Clock(at_stage(mine, Stage.CLOCK), theta, test.start)
-    turned = clock.turned(loading, t) if clock.effects else loading
-    here = clock.at(t) if clock.effects else t
+    turned, here = loading, t
+    # A clock that nothing turns is left out: it would only add a knot to the loading for each sample.
+    if clock.effects:
+        turned, here = clock.turned(loading, t), clock.at(t)
+        slopes = [clock.turned(slope, t) for slope in slopes]
     found = answer(inside, turned, here, test.control)
     columns = [found.by_theta]
     for slope in slopes:
-        moved = clock.turned(slope, t) if clock.effects else slope
         column = _by_loading(
-            lambda imposed: answer(inside, imposed, here, test.control).value, inside.linear, turned, moved
+            lambda imposed: answer(inside, imposed, here, test.control).value, inside.linear, turned, slope
         )
         # At the very corner of a ramp the slope of a springpot's answer is endless; no other sample is touched.
         columns.append(np.where(np.isfinite(column), column, 0.0)[:, None])
@@ -219,10 +221,11 @@ class Clock:
         here, slopes = np.maximum(since, 0.0), np.zeros((len(t), 0))
         for effect, place in self.effects:
             turned, own = effect.law(here, *self.theta[place])
-            # An inner clock's slopes run at the pace of the outer one.
-            pace = _pace(effect, here, self.theta[place]) if slopes.shape[1] else 1.0
             columns = np.column_stack([np.broadcast_to(column, t.shape) for column in own])
-            slopes = np.column_stack([slopes * np.reshape(pace, (-1, 1)), columns])
+            # An inner clock's slopes run at the pace of the outer one.
+            if slopes.shape[1]:
+                slopes = slopes * _pace(effect, here, self.theta[place])[:, None]
+            slopes = np.column_stack([slopes, columns])
             here = turned
         return self.start + np.where(after, here, since), np.where(after[:, None], slopes, 0.0)
 

@@ -104,6 +104,7 @@ def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
     """
     if not excluded:
         return measurement
+    # They ascend: the last is the largest.
     if excluded[-1] >= len(measurement):
         raise DataError(f"{measurement.name} has {len(measurement)} points; there is no point {excluded[-1]} in it")
     if len(excluded) == len(measurement):

@@ -161,6 +161,7 @@ class Desk:
             self._kept.move_to_end(key)
             yield self._kept[key]
             return
+        # Without a key nobody else can ask for the same.
         name = key or f"only {id(arguments)}"
         running = self._running.get(name)
         if running is None:
@@ -168,6 +169,7 @@ class Desk:
             running.work = asyncio.create_task(self._work(name, running, task, arguments, lane, key))
         mine: asyncio.Queue[Line] = asyncio.Queue()
         running.listeners.append(mine)
+        # Who joins late sees the stage that was reached, and not nothing until the next one.
         if running.last:
             mine.put_nowait(running.last)
         try:
@@ -203,6 +205,7 @@ class Desk:
 
     def _keep(self, key: str, line: Line) -> None:
         self._kept[key] = line
+        # The newest stays, however large: it was asked for just now.
         while len(self._kept) > 1 and sum(map(len, self._kept.values())) > KEPT:
             self._kept.popitem(last=False)
 

@@ -41,15 +41,17 @@ def hand_of(model: Model, given: object) -> Hand:
     """
     hand = Hand({})
     for name in model.names:
-        said = given.get(name) if isinstance(given, Mapping) else None
-        if not isinstance(said, Mapping):
+        entry = given.get(name) if isinstance(given, Mapping) else None
+        if not isinstance(entry, Mapping):
             raise ModelError(f"{model.name}: the parameter {name} has no value")
-        value = _number(said.get("value"), np.nan)
-        ends = _number(said.get("lower"), -np.inf), _number(said.get("upper"), np.inf)
+        value = _number(entry.get("value"), np.nan)
+        ends = _number(entry.get("lower"), -np.inf), _number(entry.get("upper"), np.inf)
+        # Written this way round, a value that is no number is refused too.
         if not ends[0] <= value <= ends[1]:
             raise ModelError(f"{name} = {value:.4g} is not within {ends[0]:.4g} to {ends[1]:.4g}; move one of them")
         hand.values[name] = value
-        if said.get("fixed"):
+        # A parameter that stays needs no ends.
+        if entry.get("fixed"):
             hand.fix[name] = value
         elif np.isfinite(ends).any():
             hand.bounds[name] = ends
@@ -67,14 +69,15 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
     theta = np.array([hand.values[p.name] / measurement.units.of(p.unit)[0] for p in model.parameters])
     for parameter, value in zip(model.parameters, theta, strict=True):
         if not parameter.lower <= value <= parameter.upper:
-            told = f"{parameter.lower:.4g} to {parameter.upper:.4g}"
+            ends = f"{parameter.lower:.4g} to {parameter.upper:.4g}"
             raise ModelError(
-                f"{parameter.name} = {value:.4g} is not within {told}, outside of which there is no model"
+                f"{parameter.name} = {value:.4g} is not within {ends}, outside of which there is no model"
             )
     return theta
 
 
 def _number(value: object, otherwise: float) -> float:
+    # True is an int to Python.
     if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
         return float(value)
     return otherwise

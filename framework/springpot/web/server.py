@@ -45,6 +45,7 @@ class Streamed(Response):
         step: asyncio.Task[Line] | None = None
         try:
             while not gone.done():
+                # One that a sign of life outran is waited for again, not asked for twice.
                 step = step or asyncio.ensure_future(anext(stream))
                 await asyncio.wait({step, gone}, timeout=BEAT, return_when=asyncio.FIRST_COMPLETED)
                 if gone.done():
@@ -168,10 +169,13 @@ class Server:
             raise DataError("these data are no longer here: drop the file again")
         arguments = {"state": state.to_dict(), "text": data["text"]}
         for name in EXTRA.get(task, ()):
-            arguments[name] = given.get(name) or ({} if name != "kind" else "")
+            nothing: Any = "" if name == "kind" else {}
+            arguments[name] = given.get(name) or nothing
         if task in ("leave", "again"):
             arguments |= {"source": data["source"], "joined": data["joined"]}
-        key = f"{task} {state.key}" if task in KEPT else ""
+        key = ""
+        if task in KEPT:
+            key = f"{task} {state.key}"
         return self._stream(task, arguments, LANES[task], key)
 
     def _stream(
@@ -179,7 +183,9 @@ class Server:
     ) -> Response:
         def lines() -> Answer:
             asked = self._desk.ask(task, arguments, lane, key)
-            return self._remembered(asked) if remember else asked
+            if remember:
+                return self._remembered(asked)
+            return asked
 
         return Streamed(lines)
 
@@ -192,6 +198,7 @@ class Server:
                     known = {key: result[key] for key in ("text", "source", "joined")}
                     self._texts[result["digest"]] = known
                     while len(self._texts) > MOST_DATA:
+                        # A dictionary keeps its order: the first one came first.
                         del self._texts[next(iter(self._texts))]
             yield line
 

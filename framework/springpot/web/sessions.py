@@ -40,6 +40,7 @@ def session_of(content: bytes) -> dict[str, Any]:
         text = data["text"]
         if not isinstance(text, str):
             raise ValueError("its data are no text")
+        # What the file says of it is not believed: states go by the data that are really there.
         digest = digest_of(text)
         branches = [_branch(branch, digest) for branch in list(given["branches"])[:MOST_BRANCHES]]
         if not branches:

@@ -72,6 +72,7 @@ class State:
     @property
     def key(self) -> str:
         """The same for the same state, and for no other."""
+        # Sorted, so that equal states have equal texts.
         text = json.dumps(self.to_dict(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -101,6 +102,7 @@ def _text(value: object) -> str:
 
 
 def _number(value: object) -> int:
+    # True is an int to Python.
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < LARGEST_SEED:
         raise ValueError(f"{str(value)[:40]!r} is no whole number from 0 on")
     return value

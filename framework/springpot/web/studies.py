@@ -29,8 +29,11 @@ def _progress(name: str, path: Path) -> dict[str, Any]:
     try:
         with Store(path) as store:
             cells = store.cells()
-            ended = [trial.status for _, trials in store.trials() for trial in trials]
+            ended = []
+            for _, trials in store.trials():
+                ended += [trial.status for trial in trials]
             facts = store.facts()
+    # One store that cannot be read must not hide the others.
     except SpringpotError as error:
         return {"name": name, "says": str(error)}
     failed = sum(status.failed for status in ended)
@@ -80,4 +83,6 @@ def _plain(table: Table) -> dict[str, Any]:
 def _cell(entry: Any) -> str:
     if hasattr(entry, "low"):
         return f"{entry.value:.4g} [{entry.low:.4g}, {entry.high:.4g}]"
-    return f"{entry:.4g}" if isinstance(entry, float) else str(entry)
+    if isinstance(entry, float):
+        return f"{entry:.4g}"
+    return str(entry)

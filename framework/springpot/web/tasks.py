@@ -139,7 +139,9 @@ def _relative(spec: str) -> str:
     path = Path(spec)
     if not path.is_absolute():
         return spec
-    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path.name)
+    if path.is_relative_to(Path.cwd()):
+        return str(path.relative_to(Path.cwd()))
+    return path.name
 
 
 def again(told: Told, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
@@ -172,6 +174,12 @@ def _understood(
     units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
     columns += [(name, units.get(name, ""), column) for name, column in measurement.conditions.items()]
     runs = list(runs_of(measurement))
+    # A single sweep is all of the data: there is nothing to choose.
+    if len(runs) == 1:
+        runs = []
+    repeats = 0
+    if measurement.repeat is not None:
+        repeats = len(np.unique(measurement.repeat))
     return {
         "digest": digest_of(text),
         "text": text,
@@ -182,9 +190,9 @@ def _understood(
             {"name": name, "unit": unit, "from": float(np.nanmin(column)), "to": float(np.nanmax(column))}
             for name, unit, column in columns
         ],
-        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]] if len(runs) > 1 else [],
+        "runs": [{"name": run.name, "rows": run.rows.tolist()} for run in runs[:MOST_RUNS]],
         "levels": _levels(measurement),
-        "repeats": 0 if measurement.repeat is None else len(np.unique(measurement.repeat)),
+        "repeats": repeats,
         "deviations": measurement.sd is not None,
         "parts": [{"number": i, "name": p.name, "usable": p.usable} for i, p in enumerate(parts, 1)],
         "provenance": {key: str(value) for key, value in measurement.provenance.items()},
@@ -194,7 +202,7 @@ def _understood(
 def _levels(measurement: Measurement) -> list[dict[str, Any]]:
     """Rows of each level of temperature and amplitude, where there are several."""
     units = {"temperature": "°C", "amplitude": measurement.units.amplitude}
-    found = []
+    levels = []
     for name in set(units) & set(measurement.conditions):
         numbers, column = measurement.levels(name), measurement.conditions[name]
         if not 1 < numbers.max() + 1 <= 40:
@@ -202,8 +210,8 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
         for number in range(int(numbers.max()) + 1):
             rows = np.flatnonzero(numbers == number)
             label = f"{name} {np.mean(column[rows]):.4g} {units[name]}"
-            found.append({"name": label, "rows": rows.tolist()})
-    return found
+            levels.append({"name": label, "rows": rows.tolist()})
+    return levels
 
 
 def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -228,6 +236,7 @@ def held(told: Told, state: Mapping[str, Any], text: str, hands: Mapping[str, An
     told(f"fitting {model.name} within the hand's bounds")
     hand = hand_of(model, hands)
     used = kept(measurement, asked.excluded)
+    # What is fixed is no parameter of the model any more.
     start = {name: value for name, value in hand.values.items() if name not in hand.fix}
     fit = identify(used, model, fix=hand.fix, bounds=hand.bounds, start=start)
     values = hand.fix | {
@@ -295,7 +304,9 @@ def raced(told: Told, name: str = "", report: bool = False) -> dict[str, Any]:
     """The studies here, or one of them with its tables, or its report as a file."""
     if not name:
         return {"studies": studies()}
-    return report_of(name) if report else study(name)
+    if report:
+        return report_of(name)
+    return study(name)
 
 
 TASKS: dict[str, Callable[..., dict[str, Any]]] = {
