@@ -26,6 +26,7 @@ SEEN = {"by_battery": True, "certain": True}
         ({"repeats": True}, "unexplained"),
         ({"exceeds": True}, "inconclusive"),
         ({"exceeds": True, "together": True}, "unexplained"),
+        ({"exceeds": True, "unknown": True, "gain": CLEAR, "named": True}, "unexplained"),
         (SEEN | {"gain": CLEAR, "named": True}, "effect-missing"),
         (SEEN | {"gain": CLEAR, "named": True, "outliers": True}, "effect-missing"),
         (SEEN | {"gain": CLEAR, "named": True, "left": True}, "unexplained"),

@@ -100,10 +100,11 @@ class Rule(NamedTuple):
 RULES = (
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
     Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
+    Rule("more than the noise, by neighbours", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
+    Rule("more than the noise, of a kind", lambda f: not f.alarm and f.exceeds and f.unknown, "unexplained"),
     Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
-    Rule("neighbours stand out together", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
     Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
