@@ -109,8 +109,10 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     first, labels = alike[0], race.labels
     success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
     assert success is not None
+    best_name = None
     # Where no run reached a finite value there is nothing to choose by.
-    best_name = labels[first] if np.isfinite(reached).any() else None
+    if np.isfinite(reached).any():
+        best_name = labels[first]
     next_name = advantage = None
     if worse:
         next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
@@ -212,21 +214,26 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = len(labels) * (len(labels) - 1) // 2
-    unit = "problems" if can_tell(len(races), pairs) else "repetitions"
-    if unit == "problems":
-        blocks = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+    if can_tell(len(races), pairs):
+        unit = "problems"
+        blocks = judged = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+        within = rankdata(blocks, axis=1)
     else:
+        unit = "repetitions"
         blocks = np.concatenate([r.T for r in reached])
-    within = rankdata(blocks, axis=1)
+        # Repetitions of several problems: costs of different problems have no common scale, ranks have.
+        within = judged = rankdata(blocks, axis=1)
+    statistic = p_all = np.nan
     # Friedman's test takes three or more.
-    statistic, p_all = friedman(blocks) if len(labels) > 2 and len(blocks) > 1 else (np.nan, np.nan)
+    if len(labels) > 2 and len(blocks) > 1:
+        statistic, p_all = friedman(blocks)
     rng = np.random.default_rng(stream_of(0, "ranking", scope, scale.marks[mark]))
     return Ranking(
         scope,
         scale.marks[mark],
         labels,
         tuple(mean_interval(within, rng)),
-        wilcoxon_holm(within if unit == "repetitions" else blocks),
+        wilcoxon_holm(judged),
         reached,
         statistic,
         p_all,

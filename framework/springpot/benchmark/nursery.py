@@ -46,7 +46,10 @@ class Nursery:
         if os.environ.get(INSIDE):
             raise StudyError("a study that is started by its own script needs: if __name__ == '__main__': around it")
         # What an optimiser prints is no part of the command's own output.
-        printed, complaints = (subprocess.DEVNULL, subprocess.DEVNULL) if parcel.quiet else (2, None)
+        printed = 2
+        complaints: int | None = None
+        if parcel.quiet:
+            printed = complaints = subprocess.DEVNULL
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
@@ -80,7 +83,11 @@ class Nursery:
     def cause(self) -> str:
         """How it ended."""
         code = self._process.wait()
-        return cause_of(-code if code < 0 else code << 8)
+        # A wait status: the signal in its low byte, the exit code in the one above.
+        status = code << 8
+        if code < 0:
+            status = -code
+        return cause_of(status)
 
     def close(self) -> None:
         """End it and all that it has forked."""
@@ -129,9 +136,11 @@ def main(fd: int) -> None:
     except (EOFError, OSError, pickle.UnpicklingError):
         return
     except (Exception, SystemExit) as error:
-        told = str(error) if isinstance(error, SpringpotError) else f"{type(error).__name__}: {error}"
+        reason = f"{type(error).__name__}: {error}"
+        if isinstance(error, SpringpotError):
+            reason = str(error)
         with suppress(OSError):
-            channel.send((BROKEN, 0, told))
+            channel.send((BROKEN, 0, reason))
         return
     with suppress(OSError):
         channel.send((READY, 0, ""))

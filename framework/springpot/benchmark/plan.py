@@ -198,9 +198,11 @@ class Plan:
                 for first in range(0, self.repetitions, BLOCK):
                     block = tuple(range(first, min(first + BLOCK, self.repetitions)))
                     missing = tuple(r for r in block if r not in done)
+                    # One run of an optimiser without randomness stands for all: it is told of all of them anew.
+                    if missing and not optimiser.card.stochastic:
+                        missing = block
                     if missing:
-                        # One run of an optimiser without randomness stands for all: it is told of all of them anew.
-                        yield Task(cell.index, missing if optimiser.card.stochastic else block)
+                        yield Task(cell.index, missing)
             else:
                 yield from (Task(cell.index, (r,)) for r in range(self.repetitions) if r not in done)
 
@@ -212,7 +214,9 @@ def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
 
 def cell_digest(case: Case, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
     """Digest of a cell: the problem, the optimiser with its options, the budget and the seed."""
-    stop_text = None if stop == -np.inf else float(stop)
+    stop_text = None
+    if stop != -np.inf:
+        stop_text = float(stop)
     return digest_of(case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text)
 
 
@@ -231,7 +235,10 @@ def options_of(optimiser: Optimiser) -> dict[str, Any]:
 
 def _plain(value: Any, where: str) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
-        return value.value if isinstance(value, Enum) else value
+        # A word of an enumeration may be a string as well.
+        if isinstance(value, Enum):
+            return value.value
+        return value
     if isinstance(value, Enum):
         return _plain(value.value, where)
     if isinstance(value, np.ndarray | np.generic):

@@ -65,8 +65,10 @@ class Lines:
     def _print(self) -> None:
         done, failed = self._told = self._state
         self._last = monotonic()
-        fault = f", {failed} failed" if failed else ""
-        line = f"{self._name}: {done} of {self._total} trials{fault}, {self._last - self._start:.0f} s"
+        trials = f"{done} of {self._total} trials"
+        if failed:
+            trials += f", {failed} failed"
+        line = f"{self._name}: {trials}, {self._last - self._start:.0f} s"
         print(line, file=self._stream, flush=True)
 
 
@@ -96,7 +98,10 @@ class Bar:
 
     def update(self, done: int, failed: int) -> None:
         """Move the bar."""
-        self._bar.update(self._task, completed=done, fault=f"{failed} failed" if failed else "")
+        fault = ""
+        if failed:
+            fault = f"{failed} failed"
+        self._bar.update(self._task, completed=done, fault=fault)
 
     def close(self) -> None:
         """Leave the bar as it is."""
@@ -105,4 +110,6 @@ class Bar:
 
 def make_progress(name: str, total: int) -> Progress:
     """A bar where standard error is a terminal, lines elsewhere."""
-    return Bar(name, total) if sys.stderr.isatty() else Lines(name, total)
+    if sys.stderr.isatty():
+        return Bar(name, total)
+    return Lines(name, total)

@@ -52,7 +52,9 @@ class TrialRow(TrialResult):
     @property
     def theta_text(self) -> str | None:
         """Its parameters as JSON, None if it failed."""
-        return json.dumps(self.theta) if self.theta else None
+        if not self.theta:
+            return None
+        return json.dumps(self.theta)
 
     def improvements(self) -> tuple[NDArray[np.int64], Real]:
         """Evaluation numbers (n,) and objectives (n,) of the improvements."""
@@ -66,7 +68,9 @@ class TrialRow(TrialResult):
         if self.recommended is None:
             return None
         evaluations, values = self.improvements()
-        return evaluations, unpack_values(self.recommended) if self.recommended else values
+        if self.recommended:
+            values = unpack_values(self.recommended)
+        return evaluations, values
 
     def oracle_trace(self) -> tuple[NDArray[np.int64], Real] | None:
         """Evaluation numbers (n,) and values (n,) of the best noise-free objective among all that was evaluated.
@@ -75,4 +79,7 @@ class TrialRow(TrialResult):
         """
         if self.seen is None:
             return None
-        return unpack(self.seen) if self.seen else self.improvements()
+        # Of exact data it is kept empty: there the objective itself has no noise.
+        if not self.seen:
+            return self.improvements()
+        return unpack(self.seen)

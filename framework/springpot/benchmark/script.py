@@ -53,10 +53,18 @@ def _one_line(path: Path, error: BaseException) -> str:
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines.append(error.lineno)
-    line = lines[-1] if lines else 1
-    told = error.msg if isinstance(error, SyntaxError) else str(error)
-    kind = "" if isinstance(error, SpringpotError) else f"{type(error).__name__}: "
-    return f"{path}, line {line}: {kind}{' '.join(told.split())}"
+    line: int | None = 1
+    # The last of the script's own lines: the user can mend that one, and not the library it calls.
+    if lines:
+        line = lines[-1]
+    message = str(error)
+    if isinstance(error, SyntaxError):
+        # Its text would name the file and the line once more.
+        message = error.msg
+    message = " ".join(message.split())
+    if not isinstance(error, SpringpotError):
+        message = f"{type(error).__name__}: {message}"
+    return f"{path}, line {line}: {message}"
 
 
 def load_study(path: str | Path) -> Study:

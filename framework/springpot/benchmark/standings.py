@@ -50,7 +50,9 @@ def rank_table(name: str, found: Sequence[Ranking]) -> Table:
     rows: list[tuple[Entry, ...]] = []
     for ranking in found:
         for i in np.argsort(ranking.means, kind="stable"):
-            alike = ", ".join(ranking.alike(int(i))) if ranking.decided else "too few blocks to tell"
+            alike = "too few blocks to tell"
+            if ranking.decided:
+                alike = ", ".join(ranking.alike(int(i)))
             rows.append(
                 (ranking.scope, ranking.budget, ranking.labels[i], ranking.ranks[i], alike or None,
                  f"{ranking.blocks} {ranking.unit}", _or_none(ranking.p_all))
@@ -73,7 +75,9 @@ def pair_table(name: str, found: Sequence[Ranking]) -> Table:
         for place, i in enumerate(order):
             for j in order[place + 1 :]:
                 p = float(ranking.p[i, j])
-                verdict = "yes" if p <= LEVEL else "no"
+                verdict = "no"
+                if p <= LEVEL:
+                    verdict = "yes"
                 rows.append(
                     (ranking.budget, ranking.labels[i], ranking.labels[j], float(ranking.chances[i, j]), p, verdict)
                 )
@@ -127,4 +131,6 @@ def progress_table(name: str, scores: Sequence[CellScores], scale: Scale) -> Tab
 
 
 def _or_none(value: float) -> float | None:
-    return None if np.isnan(value) else value
+    if np.isnan(value):
+        return None
+    return value

@@ -133,17 +133,22 @@ def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
 
 
 def _each(summary: CellSummary) -> float | None:
-    return 1e6 * summary.seconds / summary.evaluations if summary.seconds and summary.evaluations else None
+    if not summary.seconds or not summary.evaluations:
+        return None
+    return 1e6 * summary.seconds / summary.evaluations
 
 
 def failure_table(name: str, summaries: Sequence[CellSummary]) -> Table:
     """How often and why trials failed."""
-    rows = [
-        (*_who(s.cell), status, reason, count)
-        for s in summaries
-        for (status, reason), count in sorted(s.reasons.items())
-    ]
-    return Table(f"{name}: failures", (*_WHO, "status", "reason", "trials"), rows, "" if rows else "No trial failed.")
+    rows = []
+    for summary in summaries:
+        for (status, reason), count in sorted(summary.reasons.items()):
+            rows.append((*_who(summary.cell), status, reason, count))
+    note = ""
+    # An empty table alone could as well be one that was never filled.
+    if not rows:
+        note = "No trial failed."
+    return Table(f"{name}: failures", (*_WHO, "status", "reason", "trials"), rows, note)
 
 
 def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
@@ -165,5 +170,7 @@ def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
         return store_path(load_study(path), out)
     if path.suffix == ".sqlite":
         return path
-    folder = path if path.is_dir() else out / path
+    folder = out / path
+    if path.is_dir():
+        folder = path
     return folder / f"{folder.name}.sqlite"

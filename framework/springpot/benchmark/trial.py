@@ -198,13 +198,16 @@ class Bench:
         model = parse_model(case.model)
         self.problem = Problem.of(model, source.measurement, case.objective, source.stiffness_scale)
         clean = noise_free(source)
-        self.clean = None if clean is None else replace(self.problem, measurement=clean)
+        self.clean: Problem | None = None
+        if clean is not None:
+            self.clean = replace(self.problem, measurement=clean)
         # Exact data differ from computed ones by rounding only; their objective is its own oracle.
         self.noisy = clean is not None and not np.allclose(
             clean.stiffness, source.measurement.stiffness, rtol=1e-9, atol=0.0
         )
-        fits = truth_fits(source, model.name, model.names)
-        self.truth: Real | None = model.vector(dict(source.truth)) if fits else None
+        self.truth: Real | None = None
+        if truth_fits(source, model.name, model.names):
+            self.truth = model.vector(dict(source.truth))
 
     @cached_property
     def witness(self) -> Witness:
@@ -284,4 +287,6 @@ def _status(done: Run) -> tuple[Status, str]:
         return Status.MEMORY, reason
     if not done.failed:
         return Status(name), ""
-    return (Status.INVALID if reason.startswith("no finite") else Status.ERROR), reason
+    if reason.startswith("no finite"):
+        return Status.INVALID, reason
+    return Status.ERROR, reason

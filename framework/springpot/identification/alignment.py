@@ -60,13 +60,18 @@ class _Curve:
 def _slope(x: Real, y: Real) -> Real:
     away = x - x.mean()
     spread = float(away @ away)
-    return np.asarray(y @ away / spread if spread > 0.0 else np.zeros(2), dtype=np.float64)
+    # All at one frequency: no line has a slope there.
+    if not spread > 0.0:
+        return np.zeros(2)
+    return np.asarray(y @ away / spread, dtype=np.float64)
 
 
 def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, float]:
     """The ln a and ln b for which `other` at omega is b times `one` at a omega."""
     low, high = one.x[0] - other.x[-1] - GAP, one.x[-1] - other.x[0] + GAP
-    grid = np.arange(low, high + STEP, STEP) if moves else np.zeros(1)
+    grid = np.zeros(1)
+    if moves:
+        grid = np.arange(low, high + STEP, STEP)
     forth, forth_sd = one.predict(other.x + grid[:, None])
     back, back_sd = other.predict(one.x - grid[:, None])
     error = np.concatenate([other.y[:, None, :] - forth, back - one.y[:, None, :]], axis=-1)
@@ -115,7 +120,11 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
     guesses: dict[str, float] = {}
     for prefix, element in own:
         k = columns.index(element.column)
-        here = log_factors[starts[k] : starts[k + 1], 0 if element.logarithmic else 1]
+        # The first column is of ln a, the second of ln b.
+        column = 0
+        if not element.logarithmic:
+            column = 1
+        here = log_factors[starts[k] : starts[k + 1], column]
         here = np.exp(here - here[element.reference])
         names = (f"{prefix}.{parameter.name}" for parameter in element.parameters)
         guesses |= dict(zip(names, here[list(element.free)].tolist(), strict=True))
@@ -133,7 +142,8 @@ def superposed(model: Model, measurement: Measurement) -> tuple[Model, Measureme
             omega = omega * np.exp(value)
             continue
         stiffness = stiffness / value
-        sd = None if sd is None else sd / value
+        if sd is not None:
+            sd = sd / value
     rest = replace(model, effects=tuple(effect for effect in model.effects if not effect.by_levels))
     return rest, replace(measurement, omega=omega, stiffness=stiffness, sd=sd), guesses
 

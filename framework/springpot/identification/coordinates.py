@@ -162,5 +162,7 @@ def _size(parameter: Parameter) -> tuple[float, float, float, float]:
         return parameter.upper - parameter.lower, 0.0, 0.0, 0.0
     unit = parameter.unit
     # A power of time that is itself a parameter is dealt with where its value is known: see `pairs`.
-    time = 0.0 if isinstance(unit.time, str) else float(unit.time)
+    time = 0.0
+    if not isinstance(unit.time, str):
+        time = float(unit.time)
     return parameter.typical, float(unit.stiffness), time, float(unit.amplitude)

@@ -41,7 +41,9 @@ def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random
     if found.failed:
         return found
     wrong = contradiction(found, problem, budget)
-    return _failure(optimiser, problem, wrong) if wrong else found
+    if wrong:
+        return _failure(optimiser, problem, wrong)
+    return found
 
 
 def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:

@@ -130,8 +130,9 @@ class _Search:
         self.points = measurement.points
         self.own = tuple(model.parameters[i] for i in own_parameters(model))
         self.scale = float(np.exp(np.mean(np.log(measurement.magnitude))))
-        amplitude = self.points.amplitude
-        typical = 1.0 if amplitude is None else float(np.mean(amplitude))
+        typical = 1.0
+        if self.points.amplitude is not None:
+            typical = float(np.mean(self.points.amplitude))
         log_omega = float(np.mean(self.points.log_omega))
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
@@ -174,7 +175,8 @@ class _Search:
 
     def solve(self, u: Real, log_rates: Real | None = None) -> _Trial:
         """The best spectrum for the effects' parameters `u`; of infinite cost where K is no number."""
-        log_rates = self.lattice(self.theta_of(u)) if log_rates is None else log_rates
+        if log_rates is None:
+            log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
         # Where K is not linear in the weights it matters where one begins: all share |K| evenly.
         best = trial = _Trial(u, log_rates, np.full(count, self.scale / count), np.inf)
@@ -340,13 +342,15 @@ def fit_spectrum(
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
-    search.evaluations += coarse.evaluations if coarse is not search else 0
+        search.evaluations += coarse.evaluations
     return search.result(search.refined(best), converged)
 
 
 def _settings(search: _Search, measurement: Measurement) -> Real:
     """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
-    known = aligned(search.model, measurement) if any(e.by_levels for e in search.model.effects) else {}
+    known: dict[str, float] = {}
+    if any(effect.by_levels for effect in search.model.effects):
+        known = aligned(search.model, measurement)
     scanned = np.array([parameter.name not in known for parameter in search.own])
     count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
     found = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))

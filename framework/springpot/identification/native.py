@@ -222,7 +222,8 @@ def fit(
     require_conditions(model, measurement)
     model = model.bound_to(measurement.points)
     require_enough(model, measurement)
-    objective = default_objective(measurement) if objective is None else objective
+    if objective is None:
+        objective = default_objective(measurement)
     if is_material(model):
         return _fit_material(model, measurement, objective, starts, seeds_theta)
     task = _task(model, measurement, objective)
@@ -262,7 +263,9 @@ def _solved(
     """Solutions from all starts, and the evaluations spent; of many points a few show the way."""
     size = task.coordinates.size[0]
     seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
-    offset = 0.0 if rng is None else _offset(rng)  # drawn for any model, that the generator goes on alike
+    offset = 0.0
+    if rng is not None:
+        offset = _offset(rng)  # drawn for any model, that the generator goes on alike
     coarse = task.thin(COARSE_POINTS)
     if task.model.constrained:
         # Every start is given, and gains cannot be projected out of a model that holds some of them.
@@ -323,15 +326,15 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
     quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=effort.negligible)
     evaluations += quick.evaluations
-    settled = _agreed(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
-    if settled or float(quick.cost.min()) > effort.hopeless:
+    agreed = _agreed(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
+    if agreed or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
     # What was reached goes along, so that the longer way cannot end higher.
     best = quick.u[np.argsort(quick.cost)[:1]]
     v = task.shaped(np.concatenate([best, seeds]))
-    valley = task.solve_shapes(
-        (np.concatenate([v, shapes[0]]) if starts else v)[None], flat=max(effort.negligible, 1e-10)
-    )
+    if starts:
+        v = np.concatenate([v, shapes[0]])
+    valley = task.solve_shapes(v[None], flat=max(effort.negligible, 1e-10))
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
     last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6, flat=effort.negligible)
     return last, evaluations + valley.evaluations + last.evaluations
@@ -431,7 +434,9 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
     rows, first, width, iterations = np.arange(len(v)), 0, 1, 15
     while len(rows) and first < v.shape[1]:
         # Most data sets are done with their best start: only the others get more starts, and more steps for each.
-        part = task if len(rows) == len(v) else task.rows(rows)
+        part = task
+        if len(rows) < len(v):
+            part = task.rows(rows)
         trials = v[rows, first : first + width]
         if first:
             trials = np.concatenate([best[rows, None], trials], axis=1)

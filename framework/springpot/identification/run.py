@@ -98,7 +98,7 @@ def run(
     OptionError
         If the budget is not positive.
     """
-    ledger = Ledger(problem, _checked(budget), target, [] if diary else None)
+    ledger = Ledger(problem, _checked(budget), target, _pages(diary))
     recorder = Recorder.of(ledger)
     seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
     return _outcome(optimiser.name, ledger, seconds, fault)
@@ -120,7 +120,7 @@ def run_batch(
         return [run(optimiser, problem, budget, rngs[0], target, diary)] * len(rngs)
     if not isinstance(optimiser, BatchedOptimiser) or not rngs:
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
-    ledgers = [Ledger(problem, _checked(budget), target, [] if diary else None) for _ in rngs]
+    ledgers = [Ledger(problem, _checked(budget), target, _pages(diary)) for _ in rngs]
     group = RecorderGroup.of(ledgers)
     seconds, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
     share = seconds / len(ledgers)
@@ -149,10 +149,20 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
     return perf_counter() - start, fault
 
 
+def _pages(diary: bool) -> Diary | None:
+    """An empty diary to be written, if one is to be kept: one of its own for each run."""
+    if not diary:
+        return None
+    return []
+
+
 def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | None) -> Run:
     space = ledger.problem.space
     found = ledger.best_x.size > 0
-    x = space.repaired(ledger.best_x) if found else np.full(ledger.problem.dimension, np.nan)
+    x = np.full(ledger.problem.dimension, np.nan)
+    if found:
+        # The box is searched without regard to the order kinf > k0: what is told has it restored.
+        x = space.repaired(ledger.best_x)
     return Run(
         name,
         _status(ledger, fault),
@@ -179,4 +189,6 @@ def _status(ledger: Ledger, fault: BaseException | None) -> str:
         return f"failed: no finite value in {ledger.evaluations} evaluations"
     if ledger.met:
         return "target"
-    return "budget" if ledger.spent else "converged"
+    if ledger.spent:
+        return "budget"
+    return "converged"

@@ -104,5 +104,8 @@ def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
     if isinstance(unit.time, str):
         return inf, -inf
     natural = window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude
-    reach = 10.0 ** ((_reach(parameter, window) if not unit.stiffness else 1.0 + BEYOND) - BEYOND)
+    decades = 1.0 + BEYOND
+    if not unit.stiffness:
+        decades = _reach(parameter, window)
+    reach = 10.0 ** (decades - BEYOND)
     return natural * parameter.typical / reach, natural * parameter.typical * reach

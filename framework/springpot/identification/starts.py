@@ -199,6 +199,14 @@ def _ranked(misfit: Real, neighbours: NDArray[np.intp], keep: int) -> NDArray[np
     if keep > 1 and neighbours.shape[1]:
         # The misfit is a share of the data: ten more puts a shape behind all that beat their neighbours.
         key = misfit + np.where(misfit <= misfit[:, neighbours].min(axis=-1), 0.0, 10.0)
-    best = np.argpartition(key, keep - 1, axis=1)[:, :keep] if keep < key.shape[1] else np.argsort(key, axis=1)
+    best = _lowest(key, keep)
     order = np.argsort(np.take_along_axis(key, best, axis=1), axis=1, kind="stable")
     return np.take_along_axis(best, order, axis=1)
+
+
+def _lowest(key: Real, keep: int) -> NDArray[np.intp]:
+    """Columns (B, keep) of the lowest keys, in any order."""
+    if keep >= key.shape[1]:
+        return np.argsort(key, axis=1)
+    # The few best need not wait until all the others are in order too.
+    return np.argpartition(key, keep - 1, axis=1)[:, :keep]

@@ -39,17 +39,30 @@ class Value:
         return self.low <= 0.0 or self.high < LOST * self.low
 
     def __str__(self) -> str:
-        unit = "" if self.unit == "-" else f" {self.unit}"
+        words = [f"{self.value:.4g}"]
+        if not self.fixed:
+            words.append(f"[{self.low:.4g}, {self.high:.4g}]")
+        if self.unit != "-":
+            words.append(self.unit)
         if self.fixed:
-            return f"{self.value:.4g}{unit} (fixed)"
-        return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]{unit}"
+            words.append("(fixed)")
+        return " ".join(words)
 
     def to_dict(self) -> dict[str, float | str | bool | None]:
         """As in the schemas, where an interval without an end has None."""
-        ends = {"value": finite(self.value), "low": finite(self.low), "high": finite(self.high), "unit": self.unit}
-        return {**ends, "fixed": True} if self.fixed else dict(ends)
+        entries: dict[str, float | str | bool | None] = {
+            "value": finite(self.value),
+            "low": finite(self.low),
+            "high": finite(self.high),
+            "unit": self.unit,
+        }
+        if self.fixed:
+            entries["fixed"] = True
+        return entries
 
 
 def finite(value: float) -> float | None:
     """The number, or None where it is none that JSON has."""
-    return float(value) if isfinite(value) else None
+    if not isfinite(value):
+        return None
+    return float(value)

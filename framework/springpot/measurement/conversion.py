@@ -57,9 +57,10 @@ class Conversion:
 
     def amplitude(self, values: Real) -> Real:
         """Amplitudes (n,) of the other side."""
-        other = np.divide if self.by is np.multiply else np.multiply
-        result: Real = other(values, self.reach)
-        return result
+        # A modulus is the greater the smaller its strain: amplitudes go the other way.
+        if self.by is np.multiply:
+            return np.asarray(np.divide(values, self.reach))
+        return np.asarray(np.multiply(values, self.reach))
 
 
 def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
@@ -84,7 +85,9 @@ def to_stiffness(measured: Rows, geometry: Geometry, unit: str | None, amplitude
     units = measured.units
     if units.stiffness not in PRESSURE_UNITS:
         raise _misfit(measured, geometry, PRESSURE_UNITS)
-    usual, usual_amplitude = ("N m/rad", "rad") if geometry.turns else ("N/m", "m")
+    usual, usual_amplitude = "N/m", "m"
+    if geometry.turns:
+        usual, usual_amplitude = "N m/rad", "rad"
     unit = known_unit(unit or usual, table, "a stiffness")
     amplitude = known_unit(amplitude or usual_amplitude, reach, "an amplitude")
     factor = _factor(geometry, unit, table, units.stiffness)
@@ -109,7 +112,9 @@ def _factor(geometry: Geometry, stiffness: str, table: dict[str, float], modulus
 
 
 def _misfit(measured: Rows, geometry: Geometry, table: Mapping[str, float]) -> DataError:
-    what = "torque and angle" if geometry.turns else "force and displacement"
+    what = "force and displacement"
+    if geometry.turns:
+        what = "torque and angle"
     return DataError(
         f"{measured.name}: {geometry.name} relates {what} to stress and strain; storage and loss are in "
         f"{measured.units.stiffness}, where {_some(table)} would serve"
@@ -121,4 +126,6 @@ def _some(table: Mapping[str, float]) -> str:
 
 
 def _shown(unit: str) -> str:
-    return "a plain number" if unit == "-" else unit
+    if unit == "-":
+        return "a plain number"
+    return unit

@@ -38,7 +38,9 @@ def is_file(text: str) -> bool:
 
 def short(text: str) -> str:
     """At most 80 signs of a name, for errors."""
-    return text if len(text) <= 80 else f"{text[:40]}...{text[-30:]}"
+    if len(text) <= 80:
+        return text
+    return f"{text[:40]}...{text[-30:]}"
 
 
 def file_and_choice(text: str) -> tuple[str, Choice]:
@@ -53,10 +55,12 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     """
     if is_file(text):
         return text, Choice()
-    name, mark, said = text.rpartition("?")
-    if not mark:
-        name, said = text, ""
-    columns = columns_of(said, text) if mark else {}
+    name, mark, answers = text.rpartition("?")
+    columns: dict[str, str] = {}
+    if mark:
+        columns = columns_of(answers, text)
+    else:
+        name = text
     if is_file(name):
         return name, Choice("", columns)
     stem, mark, part = name.rpartition("#")
@@ -101,7 +105,9 @@ def _stated_temperature(stem: str) -> tuple[str, str, str] | None:
         if unit != "K" or float(number) >= COLDEST_KELVIN:
             return match[0], number, unit
     match = _NAMED.search(stem)
-    return (match[0], match[1].replace(",", "."), "degC") if match else None
+    if match is None:
+        return None
+    return match[0], match[1].replace(",", "."), "degC"
 
 
 def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:

@@ -108,7 +108,10 @@ class Effect:
         """Value of the first parameter (0 or infinity) at which the grown model is the old one."""
         if self.absent_at is not None:
             return self.absent_at
-        return inf if self.plane == "compliance" else 0.0
+        # In series it is what yields nothing, such as a spring without limit, that is not there.
+        if self.plane == "compliance":
+            return inf
+        return 0.0
 
     @property
     def needs(self) -> frozenset[str]:
@@ -172,10 +175,13 @@ class Effect:
             Zero for a linear element; None where the effect makes a harmonic that no formula here predicts.
         """
         predict = getattr(self.element, "third_harmonic", None)
-        found: Complex | None = None if predict is None else predict(theta, at)
-        if found is None and "amplitude" not in self.needs:
+        harmonic: Complex | None = None
+        if predict is not None:
+            harmonic = predict(theta, at)
+        # What knows no amplitude is linear, and makes none.
+        if harmonic is None and "amplitude" not in self.needs:
             return np.zeros((*theta.shape[:-1], at.log_omega.shape[-1]), dtype=complex)
-        return found
+        return harmonic
 
     def third_harmonic_range(self, theta: Real, at: Points) -> tuple[Complex, Real]:
         """Where the third harmonic that the effect adds to the force must lie, as a circle around what is predicted.
@@ -201,4 +207,6 @@ class Effect:
         if centre is not None and (beside or not np.any(centre)):
             return centre, np.zeros(shape)
         bound = getattr(self.element, "third_harmonic_at_most", lambda *_: None)(theta, at)
-        return np.zeros(shape, dtype=complex), np.full(shape, inf) if bound is None else bound
+        if bound is None:
+            bound = np.full(shape, inf)
+        return np.zeros(shape, dtype=complex), bound

@@ -66,7 +66,9 @@ class KnownMass(Node):
         nothing = np.zeros((*theta.shape[:-1], 0, value.shape[-1]), dtype=np.complex128)
         if depth == VALUE:
             return Response(value)
-        return Response(value, nothing, 2.0 * value) if depth == FULL else Response(value, nothing)
+        if depth == FULL:
+            return Response(value, nothing, 2.0 * value)
+        return Response(value, nothing)
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,9 @@ class Handoff:
 
     def stiffness(self, omega: Real) -> Complex:
         """K (n,) at omega (n,) in rad/s: that of the model itself where it is known, else that of the series."""
-        return self.prony.stiffness(omega) if self.exact is None else self.exact(omega)
+        if self.exact is None:
+            return self.prony.stiffness(omega)
+        return self.exact(omega)
 
     def heading(self) -> list[str]:
         """What it is, in lines of plain text: model, parameters, band, error, unit, long-term and instantaneous."""

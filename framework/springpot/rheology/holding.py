@@ -67,8 +67,10 @@ class Held(Mapped):
     def third_harmonic(self, theta: Real, at: Points) -> Complex | None:
         """That of the inner node, where it knows one."""
         predict = getattr(self.node, "third_harmonic", None)
-        found: Complex | None = None if predict is None else predict(self.forward(theta), at)
-        return found
+        if predict is None:
+            return None
+        harmonic: Complex | None = predict(self.forward(theta), at)
+        return harmonic
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +136,9 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
 
 def released(node: Node) -> Node:
     """The node with all its parameters free, within the bounds of physics."""
-    return node.node if isinstance(node, Held) else node
+    if isinstance(node, Held):
+        return node.node
+    return node
 
 
 def held_values(node: Node) -> dict[str, float]:

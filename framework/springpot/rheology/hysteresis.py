@@ -187,13 +187,18 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
     pull = [((u + r) @ RULE.weight)[..., None] for u, r in zip(unloading, regular, strict=True)]
     tip_by_n = (found.depth * odds - np.log(tip)) / n
     drive = (2.0 + 0.0 * a, -(pull[1] + pull[0] * tip_by_n), -pull[2])
+    # By the reach, n and the turn: what each moves by itself, beside what follows from the tip.
+    tip_alone = (0.0, tip_by_n, 0.0)
+    start_alone = (1.0 - found.cosine, 0.0, 0.0)
     slopes = []
     for i, own in enumerate(drive):
-        log_tip = odds * own / (1.0 + odds * pull[0]) + (tip_by_n if i == 1 else 0.0)
-        u, r, h = (part[0] * log_tip + (part[i] if i else 0.0) for part in (unloading, regular, by_hand))
+        log_tip = odds * own / (1.0 + odds * pull[0]) + tip_alone[i]
+        alone = [(0.0, *part[1:])[i] for part in (unloading, regular, by_hand)]
+        by_tip = [part[0] * log_tip for part in (unloading, regular, by_hand)]
+        u, r, h = (moved + still for moved, still in zip(by_tip, alone, strict=True))
         whole = (u @ RULE.weight)[..., None]
         way = np.stack([u @ RULE.beyond.T, whole + h + r @ RULE.up_to.T], axis=-2)
-        way = (way - (1.0 - found.cosine if i == 0 else 0.0)) / a[..., None]
+        way = (way - start_alone[i]) / a[..., None]
         sine = np.divide(found.cosine * way, found.sine, where=found.sine != 0.0, out=np.zeros_like(way))
         moved = log_tip[..., None] * (found.sine + 1j * found.cosine) + sine - 1j * way
         slopes.append(2.0 / (np.pi * reach) * np.sum(found.share * moved, axis=(-2, -1)))

@@ -55,7 +55,8 @@ def levels_of(column: str, values: Real) -> NDArray[np.int64]:
     first = 0
     for i in range(1, len(distinct)):
         apart = distinct[i] - distinct[i - 1] > room[i] or distinct[i] - distinct[first] > 2.0 * room[i]
-        first = i if apart else first
+        if apart:
+            first = i
         number[i] = number[i - 1] + apart
     return number[which.ravel()]
 
@@ -120,9 +121,10 @@ class Levels(Node):
     @property
     def shown(self) -> tuple[float, ...]:
         """The levels as users write them: temperatures in degC."""
-        zero = KELVIN if self.column == "temperature" else 0.0
-        # Ten digits: 253.15 - 273.15 is not -20 to the last bit.
-        return tuple(float(f"{value - zero:.10g}") if abs(value - zero) > 1e-9 else 0.0 for value in self.values)
+        zero = 0.0
+        if self.column == "temperature":
+            zero = KELVIN
+        return tuple(_as_written(value - zero) for value in self.values)
 
     @cached_property
     def free(self) -> tuple[int, ...]:
@@ -163,13 +165,18 @@ class Levels(Node):
         shape = np.broadcast_shapes((*theta.shape[:-1], 1), at.log_omega.shape)
         if not self.free:
             at.need(self.column)
-            neutral = np.full(shape, 0.0 if self.logarithmic else 1.0, dtype=np.complex128)
+            # A factor of one, or its logarithm.
+            neutral = np.ones(shape, dtype=np.complex128)
+            if self.logarithmic:
+                neutral = np.zeros(shape, dtype=np.complex128)
             nothing = np.zeros((*shape[:-1], 0, shape[-1]), dtype=np.complex128)
             return Response(neutral, nothing, np.zeros_like(neutral))
         shares = self.shares(at)
         log_factor = np.matmul(np.log(theta), shares)
         by_theta = shares / theta[..., :, None]
-        value = log_factor if self.logarithmic else np.exp(log_factor)
+        value = log_factor
+        if not self.logarithmic:
+            value = np.exp(log_factor)
         value = np.broadcast_to(value, shape).astype(np.complex128)
         if depth == VALUE:
             return Response(value)
@@ -189,3 +196,10 @@ def free_factors(column: str = "temperature") -> Levels:
 def free_vertical_factors(column: str = "temperature") -> Levels:
     """Vertical factors b of the stiffness, one for each level of a column, for `chain`."""
     return Levels(column, "b", False)
+
+
+def _as_written(value: float) -> float:
+    # Ten digits: 253.15 - 273.15 is not -20 to the last bit, and what is left of 273.15 - 273.15 is zero.
+    if not abs(value) > 1e-9:
+        return 0.0
+    return float(f"{value:.10g}")

@@ -89,8 +89,12 @@ class Points:
         array([298.15, 298.15])
         """
         rate = np.atleast_1d(np.asarray(omega, dtype=float))
-        kelvin = None if temperature is None else _column(temperature, rate) + KELVIN
-        reach = None if amplitude is None else _column(amplitude, rate)
+        kelvin: Real | None = None
+        reach: Real | None = None
+        if temperature is not None:
+            kelvin = _column(temperature, rate) + KELVIN
+        if amplitude is not None:
+            reach = _column(amplitude, rate)
         return cls(np.log(rate), reach, kelvin, reference + KELVIN)
 
     @property
@@ -123,7 +127,9 @@ class Points:
             If the measurement has no such column.
         """
         own = {"amplitude": self.amplitude, "temperature": self.temperature}
-        column = own[condition] if condition in own else self.columns.get(condition)
+        column = self.columns.get(condition)
+        if condition in own:
+            column = own[condition]
         if column is None:
             raise ValueError(f"the model needs the column '{condition}', which these data do not have")
         return column

@@ -116,8 +116,13 @@ def _root(branch: Branch, low: Real, power: int) -> Real:
     u = 0.5 * (low + high)
     for _ in range(60):
         found = branch.respond(u + HALF_PI, FULL)
-        value = found.value.real if power == 1 else 1.0 / found.value.real
-        positive = value > 0.0 if power == -1 else value < 0.0
+        value = found.value.real
+        if power != 1:
+            value = 1.0 / value
+        # Beyond a zero K is negative; beyond a pole of K its inverse is positive.
+        positive = value < 0.0
+        if power == -1:
+            positive = value > 0.0
         low, high = np.where(positive, low, u), np.where(positive, u, high)
         slope = power * found.by_log_omega.real / found.value.real
         newton = u - 1.0 / slope
@@ -139,7 +144,9 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
     nearest = (far[1:-1] <= far[:-2]) & (far[1:-1] <= far[2:]) & (far[1:-1] < 2.0 * NARROW)
     u = edge.u[1:-1][nearest] + step[1:-1][nearest]
     change = np.zeros_like(u)
-    for _ in range(12 if len(u) else 0):
+    if not len(u):
+        return u
+    for _ in range(12):
         found = branch.respond(u + HALF_PI, FULL)
         # At the pole itself, to the last digit, K is infinite: there is nothing left to change.
         change = np.nan_to_num(found.value / found.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)

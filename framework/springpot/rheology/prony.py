@@ -93,7 +93,9 @@ def prony_of(
     """
     if terms is not None and not 1 <= terms <= MOST:
         raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")
-    wanted = 0.005 if tolerance is None else tolerance
+    wanted = tolerance
+    if wanted is None:
+        wanted = 0.005
     if terms is None and not 0.0 < wanted < 1.0:
         raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
     low, high = np.log(spectrum.band)
@@ -102,7 +104,9 @@ def prony_of(
     # A classical model is its own series: then nothing is fitted that is already known.
     exact = _exact(spectrum, dashpot)
     if terms is not None:
-        return exact if exact and len(exact.times) <= terms else _fitted(grid, target, terms, dashpot, spectrum.band)
+        if exact and len(exact.times) <= terms:
+            return exact
+        return _fitted(grid, target, terms, dashpot, spectrum.band)
     least, better = np.inf, 0
     # From one term up: a solver carries every term through all its steps.
     for count in range(1, MOST + 1):
@@ -159,7 +163,9 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
         largest = float(error.max())
         if best is None or largest < best.error:
             order = np.argsort(-u)
-            viscosity = float(amounts[1]) if dashpot else 0.0
+            viscosity = 0.0
+            if dashpot:
+                viscosity = float(amounts[1])
             weights = amounts[-count:][order]
             best = Prony(float(amounts[0]), viscosity, weights, np.exp(-u[order]), band, largest)
         # Lawson: weights grow where the error is largest, so that least squares tend to the least largest error.
@@ -173,7 +179,9 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
 
 def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
     """K of each unit amount: spring, dashpot and terms."""
-    head = [np.ones_like(s), s] if dashpot else [np.ones_like(s)]
+    head = [np.ones_like(s)]
+    if dashpot:
+        head.append(s)
     columns: Complex = np.column_stack([*head, s[:, None] / (s[:, None] + np.exp(u))])
     return columns
 

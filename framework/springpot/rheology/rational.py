@@ -126,11 +126,14 @@ class Rational:
         spring, dashpot = self.ends
         poles = np.sort(self.rates)
         low, high = poles[:-1], poles[1:]
-        first, last = (poles[0], poles[-1]) if len(poles) else (np.inf, 0.0)
+        if not len(poles):
+            # A spring beside a dashpot: k - c r is zero once. One of them alone never is.
+            if spring > 0.0 and dashpot > 0.0:
+                return np.array([spring / dashpot])
+            return np.zeros(0)
+        first, last = poles[0], poles[-1]
         slope = dashpot + 2.0 * (self.weights / self.rates).sum()
         height = spring + 2.0 * self.weights.sum()
-        if not len(poles):
-            return np.array([spring / dashpot]) if spring > 0.0 and dashpot > 0.0 else np.zeros(0)
         if spring > 0.0:
             # K(-r) is positive there: up to half the first rate it is no less than spring - slope r.
             low, high = np.append(0.99 * min(0.5 * first, spring / slope), low), np.append(first, high)
@@ -205,7 +208,10 @@ def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | 
     whole = parts[0]
     for part in parts[1:]:
         whole = whole.beside(part)
-    return whole.inverse() if in_series else whole
+    # What was added up were compliances.
+    if in_series:
+        return whole.inverse()
+    return whole
 
 
 def _carried(node: Shift | Chain, theta: Real, chain: Real, conditions: Points) -> Rational | None:
@@ -219,4 +225,6 @@ def _carried(node: Shift | Chain, theta: Real, chain: Real, conditions: Points) 
         return None
     slope = law.by_theta[:, 0].real @ chain[second]
     value = float(law.value[0].real)
-    return inner.slowed(value, slope) if isinstance(node, Shift) else inner.times(value, slope)
+    if isinstance(node, Shift):
+        return inner.slowed(value, slope)
+    return inner.times(value, slope)
