@@ -31,13 +31,13 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     from springpot.errors import OptionError
     from springpot.registry import open_in_time
 
-    found = [open_in_time(spec) for spec in data]
-    if not any(found):
+    of_each = [open_in_time(spec) for spec in data]
+    if not any(of_each):
         return None
     if geometry is not None:
         raise OptionError("--geometry is for sweeps: convert tests in time to stress and strain in their file")
     tests: list[Test] = []
-    for spec, in_time in zip(data, found, strict=True):
+    for spec, in_time in zip(data, of_each, strict=True):
         # What is no test in time among tests in time is a sweep of the same specimen.
         tests += in_time or [opened(spec)]
         for test in in_time:

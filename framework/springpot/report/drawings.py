@@ -91,8 +91,10 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     order = result.frequency.argsort(kind="stable")
     x = result.frequency[order]
     parts = ((result.storage, result.low.real, result.high.real), (result.loss, result.low.imag, result.high.imag))
+    # Of one or two points a line alone is not seen.
+    marker = "o" if len(result) < 3 else ""
     for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
-        axes.plot(x, value[order], color=colour, label=label, marker="o" if len(result) < 3 else "")
+        axes.plot(x, value[order], color=colour, label=label, marker=marker)
         axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
     if x[0] > 0.0 and len(x) > 1:
         logarithmic(axes, "x")

@@ -193,6 +193,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
 def _splits(ladder: Ladder) -> list[str]:
     """What the material floor says of the first model, and of the last where that is another."""
     diagnoses = [step.case.diagnosis for step in (ladder.steps[0], ladder.steps[-1])]
+    # Where nothing was accepted both are one, which is told once.
     return list(dict.fromkeys(f"{one.model.name}: {one.split}" for one in diagnoses if one.split))
 
 
@@ -333,6 +334,7 @@ def _next(ladder: Ladder) -> Iterator[Html]:
 
 def _models(ladder: Ladder) -> Iterator[Html]:
     yield tag("h2", "The model")
+    # By name, since both are one where nothing was accepted.
     steps = {step.model.name: step for step in (ladder.steps[0], ladder.steps[-1])}
     for name, step in steps.items():
         yield tag("h3", name)

@@ -85,6 +85,7 @@ def _levels(found: MasterCurve) -> Table:
     for level in found.levels:
         a, a_between = with_interval(level.a, level.a_low, level.a_high)
         b, b_between = with_interval(level.b, level.b_low, level.b_high)
+        # Factors at the reference are one by definition: an interval would look like a measurement.
         if level.value == found.reference:
             a, a_between, b, b_between = "1", "reference", "1", ""
         elif not level.determined:
@@ -92,6 +93,7 @@ def _levels(found: MasterCurve) -> Table:
         name = level_text(found.factors.column, level.value).removesuffix(" degC")
         name = name.removeprefix(f"{found.factors.column} ")
         rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])
+    # Otherwise all of them would be one.
     if not found.vertical:
         headers = [*headers[:3], *headers[5:]]
         rows = [[*row[:3], *row[5:]] for row in rows]
@@ -169,6 +171,7 @@ def _draw_curve(figure: Any, found: MasterCurve) -> None:
         (left, data.storage, curve.real, "storage"),
         (right, data.loss, curve.imag, "loss"),
     ):
+        # On a logarithmic axis nothing else has a place.
         shown = points > 0
         axes.plot(
             omega, np.where(line > 0, line, np.nan), "-", color=INK, linewidth=1.0, zorder=2, label="any material"
@@ -204,6 +207,7 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     for law, colour in zip(laws, COLOURS, strict=False):
         label = labels.get(law.law.name, law.law.name)
         axes.plot(fine, np.exp(_along(law, fine, found)), "-", color=colour, linewidth=1.2, label=label, zorder=2)
+    # matplotlib refuses a bar of negative length, such as rounding may make.
     bars = np.maximum(np.array([value - low, high - value]), 0.0)
     axes.errorbar(
         x[known], value[known], bars[:, known], fmt="o", color=INK, markersize=4.0, linewidth=1.0, capsize=2.0

@@ -261,6 +261,7 @@ def _line(line: Line, x: Scale, y: Scale) -> Iterator[Html]:
 
 def _steps(across: Real, down: Real) -> str:
     """Corners of a step line, without those at which nothing changes."""
+    # Less does not show in the one decimal that is written.
     turns = np.flatnonzero(np.abs(np.diff(down, prepend=np.inf)) > 0.05)
     first, *rest = turns.tolist()
     corners = [f"{across[first]:.1f} {down[first]:.1f}", *(f"H{across[i]:.1f}V{down[i]:.1f}" for i in rest)]

@@ -66,4 +66,6 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
 def _named(diagnosis: Diagnosis, effect: str, says: str) -> str:
     """``+ inertia``; an effect that only shows beside the leading one was fitted beside it."""
     leader = diagnosis.candidates[0].effect
-    return f"+ {leader} + {effect}" if says.startswith(f"beside {leader}: ") else f"+ {effect}"
+    if says.startswith(f"beside {leader}: "):
+        return f"+ {leader} + {effect}"
+    return f"+ {effect}"

@@ -93,6 +93,7 @@ def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex
     if plane == "shift":
         by_log_omega = fit.model.network.respond(fit.theta, measurement.points, FULL).by_log_omega
         return (measured - modelled) / by_log_omega, width / np.abs(by_log_omega)
+    # A small dK is dK / K^2 of the compliance and dK / K of the logarithm: so is its band.
     power = {"stiffness": 0.0, "compliance": -2.0, "log-complex": -1.0}[plane]
     return in_plane(plane, measured, modelled), width * measurement.magnitude**power
 

@@ -82,6 +82,8 @@ def in_words(spectrum: Spectrum, unit: str) -> str:
     shown = [f"{number(spectrum.rates[i], 2)}" for i in spectrum.peaks[:MOST_PEAKS]]
     if not shown:
         return f"{half}; no peak within what was measured"
-    word = "the peak" if len(shown) == 1 else f"{len(shown)} peaks, the highest first,"
+    word = "the peak"
+    if len(shown) > 1:
+        word = f"{len(shown)} peaks, the highest first,"
     height = number(float(spectrum.density[spectrum.peaks[0]]), 2)
     return f"{half}; {word} of H at {', '.join(shown)} rad/s, {height} {unit} high"

@@ -109,8 +109,10 @@ def _head(findings: Findings) -> Iterator[Html]:
     )
     yield tag("h1", f"{findings.name}: which optimiser?")
     yield tag("p", f"{', '.join(counts)}. Run on {findings.facts.get('started', '')[:10]}.", class_="quiet")
-    if found := pools(findings):
-        yield tag("div", *verdict(findings, found[-1]), class_="verdict")
+    by_budget = pools(findings)
+    if by_budget:
+        # The last is that of the whole budget.
+        yield tag("div", *verdict(findings, by_budget[-1]), class_="verdict")
 
 
 def _count(number: int, word: str) -> str:
@@ -306,6 +308,7 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
 def _cost_row(label: str, found: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
     known = [(s.seconds, s.evaluations, s.gradients or 0.0) for s in found if s.seconds and s.evaluations]
     if not known:
+        # Who has no time to tell stands last.
         return np.inf, label, "-", "-", "-", "-"
     spent, evaluations, gradients = np.array(known).T
     middle, each = float(np.median(spent)), float(np.median(spent / evaluations))

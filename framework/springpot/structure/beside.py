@@ -42,6 +42,7 @@ class Beside:
 
     def __init__(self, damper: Damper) -> None:
         self.along = damper.cosine / damper.length
+        # The factor holds the cosine twice: once for the force, and once for the way, which `along` has already.
         self.size = damper.factor / damper.cosine * damper.unit * damper.length
         self.laws: list[tuple[Any, list[float]]] = []
         self.sliders: list[tuple[Callable[..., float], list[float]]] = []
@@ -137,9 +138,10 @@ def _at_rest_if_it_can(free_speed: Real, by_force: Real, low: Real, high: Real, 
         change = 0.0
         for i, (row, (least, most)) in enumerate(zip(matrix, ends, strict=True)):
             others = speeds[i] + sum(a * b for a, b in zip(row, now, strict=True)) - row[i] * now[i]
-            held = min(max(-others / row[i], least), most)
-            change = max(change, abs(held - now[i]))
-            now[i] = held
+            stopping = min(max(-others / row[i], least), most)
+            change = max(change, abs(stopping - now[i]))
+            now[i] = stopping
+        # One damper alone is at rest at once: there is no neighbour that moves it again.
         if len(now) == 1 or change <= CLOSE * max(map(abs, now)):
             break
     return np.array(now)

@@ -115,8 +115,9 @@ class Damper:
             kelvin = np.full(len(s), self.kelvin)
         turned: Any = np.log(s) - QUARTER
         at = Points(turned, None, kelvin, self.reference)
-        found = self.linear.network.respond(self.linear_theta, at, FULL)
-        return self.size * found.value, self.size * found.by_log_omega / s
+        response = self.linear.network.respond(self.linear_theta, at, FULL)
+        # By ln s: dK/ds is dK/d(ln s) over s.
+        return self.size * response.value, self.size * response.by_log_omega / s
 
     def drawn(self, rng: np.random.Generator) -> Damper:
         """The same with parameters as they may as well be: positive ones by their logarithm."""

@@ -270,7 +270,7 @@ class _Part:
 
 
 def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -> _Part:
-    found = damper.linear.spectrum(
+    spectrum = damper.linear.spectrum(
         damper.linear_theta,
         band,
         tolerance=TOLERANCE,
@@ -278,9 +278,13 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
         reference_temperature=damper.reference,
     )
     row, factor = frame.drifts[damper.storey - 1], damper.size
-    states = slice(start, start + len(found.rates))
     return _Part(
-        row, factor * found.equilibrium, factor * found.viscosity, factor * found.weights, found.rates, states
+        row=row,
+        spring=factor * spectrum.equilibrium,
+        dashpot=factor * spectrum.viscosity,
+        weights=factor * spectrum.weights,
+        rates=spectrum.rates,
+        states=slice(start, start + len(spectrum.rates)),
     )
 
 
@@ -317,8 +321,8 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
 def _exponential(matrix: Real, step: float) -> Real:
     from scipy.linalg import expm
 
-    found: Real = expm(matrix * step)
-    return found
+    grown: Real = expm(matrix * step)
+    return grown
 
 
 def _held_straight(matrix: Real, step: float) -> tuple[Real, Real]:
@@ -329,8 +333,8 @@ def _held_straight(matrix: Real, step: float) -> tuple[Real, Real]:
     whole[:size, :size] = matrix * step
     whole[:size, size : 2 * size] = np.eye(size) * step
     whole[size : 2 * size, 2 * size :] = np.eye(size)
-    found = _exponential(whole, 1.0)
-    return found[:size, size : 2 * size], found[:size, 2 * size :]
+    integrals = _exponential(whole, 1.0)[:size]
+    return integrals[:, size : 2 * size], integrals[:, 2 * size :]
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,6 +61,7 @@ class TimeError:
             # A fit that leaves nothing at all says nothing of the noise.
             if ratio:
                 floor = error / ratio
+            # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
             source = "signal" if scatter.size == 1.0 else "residual"
             errors.append(cls(error, floor, ratio, scatter.memory, source))
         return max(errors, key=lambda each: each.over_floor)

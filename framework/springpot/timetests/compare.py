@@ -96,7 +96,9 @@ def compare(
     """
     fits: list[TimeIdentification] = []
     left_out: dict[str, str] = {}
-    for model in [parse_timed(each) if isinstance(each, str) else each for each in models]:
+    # All expressions first: one that is mistyped is told before minutes are spent on the others.
+    parsed = [parse_timed(each) if isinstance(each, str) else each for each in models]
+    for model in parsed:
         if progress is not None:
             progress(f"fitting {model.name}")
         try:
@@ -106,6 +108,7 @@ def compare(
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))
     points = sum(test.points for test in fits[0].tests)
+    # By what the best model leaves, where that is more than noise: see the notes.
     scale = max(1.0, min(fit.power for fit in fits) / points)
     criteria = [fit.power / scale + len(fit.theta) * np.log(points) for fit in fits]
     least = min(criteria)

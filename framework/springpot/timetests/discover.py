@@ -126,8 +126,10 @@ def discover(
     SpringpotError
         If the model, or one with an effect that was asked for, does not fit the tests.
     """
-    model = parse_timed(model) if isinstance(model, str) else model
-    effects = library_in_time() if effects is None else effects
+    if isinstance(model, str):
+        model = parse_timed(model)
+    if effects is None:
+        effects = library_in_time()
 
     def told(words: str) -> None:
         if progress is not None:
@@ -144,13 +146,16 @@ def discover(
         return TimeLadder(tuple(steps), diagnose(tests, model, effects))
     known = {effect.name: effect for effect in effects}
     told(f"judging {model.name}")
-    found = diagnose(tests, model, effects)
-    steps = [TimeStep(found.base, None)]
-    while found.missing and len(steps) <= MOST:
-        first, *others = found.missing
+    diagnosis = diagnose(tests, model, effects)
+    steps = [TimeStep(diagnosis.base, None)]
+    while diagnosis.missing and len(steps) <= MOST:
+        first, *others = diagnosis.missing
         model = grown(model, known[first])
         told(f"judging {model.name}")
-        base = found.best_fit if found.best_fit.model.name == model.name else None
-        found = diagnose(tests, model, effects, base=base)
-        steps.append(TimeStep(found.base, first, tuple(others)))
-    return TimeLadder(tuple(steps), found)
+        base = None
+        # The diagnosis has fitted the grown model already, unless only nearly.
+        if diagnosis.best_fit.model.name == model.name:
+            base = diagnosis.best_fit
+        diagnosis = diagnose(tests, model, effects, base=base)
+        steps.append(TimeStep(diagnosis.base, first, tuple(others)))
+    return TimeLadder(tuple(steps), diagnosis)

@@ -135,9 +135,9 @@ def identify(
         parts, alone, spent = _weighed(parts, alone, lambda part: (search, *search.solved([part], [u])[:2]))
         u, more, converged = search.solved(parts, [u])
         evaluations += spent + more
-    found = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
+    native = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
     if optimiser is None or optimiser.name == NATIVE:
-        return found
+        return native
     if isinstance(model, Timed):
         raise ModelError(f"{model.name}: effects of a test are fitted by the native solver; leave the optimiser out")
     problem = InTimeProblem(model, parts, reference, *search.sizes)
@@ -177,8 +177,8 @@ def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, 
     )
 
     def fitted(some: Sequence[Part]) -> tuple[Search, Real, int]:
-        found, theta, spent = spectral(model, some, reference, coordinates)
-        search = Search(found, parts, reference, thorough=False)
+        with_lines, theta, spent = spectral(model, some, reference, coordinates)
+        search = Search(with_lines, parts, reference, thorough=False)
         return search, search.coordinates.u(theta, search.size), spent
 
     search, u, evaluations = fitted(parts)
@@ -232,10 +232,11 @@ class Search:
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
         material = material_of(self.model)
-        found = start_of(material, [part.apparent for part in in_time], sweeps)
-        whole = [theta for each in found for theta in self._with_effects(each, in_time)]
-        begin = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in (*self.seeds, *whole)]
-        return [self.inside(u) for u in begin] or self.natural()
+        begin = list(self.seeds)
+        for of_material in start_of(material, [part.apparent for part in in_time], sweeps):
+            begin += self._with_effects(of_material, in_time)
+        starts = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in begin]
+        return [self.inside(u) for u in starts] or self.natural()
 
     def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
         """Starts with parameters of the material, and those of each effect of the tests where it does most good."""
@@ -282,9 +283,10 @@ class Search:
     def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
         """Residuals (m,) of all parts and their derivative (p, m) by u."""
         theta = self.theta(u)
-        found = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
-        by_theta = np.concatenate([each.by_theta for each in found]).T.copy()
-        return np.concatenate([each.value for each in found]), self.coordinates.carry(by_theta, theta, self.size)
+        residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
+        by_theta = np.concatenate([each.by_theta for each in residuals]).T.copy()
+        value = np.concatenate([each.value for each in residuals])
+        return value, self.coordinates.carry(by_theta, theta, self.size)
 
     def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         """The best search point (p,), evaluations spent, and whether the search came to rest."""

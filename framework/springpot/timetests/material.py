@@ -192,8 +192,9 @@ class _Search:
         # A line of no weight at all has no place among the times of the creep, and so no slope there.
         least = LEAST * weights.sum()
         theta = np.concatenate([weights[:2], np.maximum(weights[2:], least), self.own(u)])
-        found = [part.residual(self.model, theta, self.reference) for part in self.parts]
-        return np.concatenate([each.value for each in found]), np.concatenate([each.by_theta for each in found])
+        residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
+        value = np.concatenate([each.value for each in residuals])
+        return value, np.concatenate([each.by_theta for each in residuals])
 
     def slopes(self, weights: Real, u: Real) -> tuple[Real, Real, Real]:
         """Residuals (m,), and their derivatives by the weights (m, w) and by u (m, q)."""
@@ -244,9 +245,9 @@ class _Search:
         while share > SHORTEST:
             there = np.clip(u + share * move, self.bounds[0][0], self.bounds[1][0])
             nearer = weights + share * (wanted - weights)
-            found = self.cost(nearer, there)
-            if found < cost:
-                return Place(nearer, there, found)
+            lower = self.cost(nearer, there)
+            if lower < cost:
+                return Place(nearer, there, lower)
             share *= 0.3
         return None
 

@@ -165,6 +165,7 @@ class QuickPart(InTimePart):
         columns = columns * self.share[:, None]
         basis = np.concatenate([columns.real, columns.imag])
         size = np.linalg.norm(basis, axis=0)
+        # Dashpot and mass have no column here: they are taken off before.
         size[size == 0.0] = 1.0
         return basis, np.linalg.pinv(basis / size, rcond=1e-7) / size[:, None]
 
@@ -177,6 +178,7 @@ class QuickPart(InTimePart):
         # Of a mass alone nothing but rounding is left to be followed.
         whole = np.linalg.norm(change[:, :-2] * self.share, axis=1)
         good = missed <= FOLLOWED * np.linalg.norm(asked, axis=0) + ROUNDING * whole
+        # What was taken off K comes back as amounts of dashpot and mass.
         amounts[1:3] += ends
         return np.where(good, amounts, np.nan)
 

@@ -55,15 +55,16 @@ def recorded(
     own, placed = model.parts(theta)
     mine = [(effect, place) for effect, place in placed if effect.is_for(test)]
     if test.warmth is not None and "temperature" in model.needs:
-        found = _while_it_warms(model, own, mine, theta, test, reference, t, tolerance)
+        traced = _while_it_warms(model, own, mine, theta, test, reference, t, tolerance)
     else:
         inside = specimen(model.material, own, test, reference, tolerance)
-        found = _answered(inside, mine, theta, test, t)
+        traced = _answered(inside, mine, theta, test, t)
+    # Effects that this test cannot have change nothing in it: their columns stay nothing.
     by_theta = np.zeros((len(t), len(theta)))
-    by_theta[:, : len(own)] = found.by_theta[:, : len(own)]
+    by_theta[:, : len(own)] = traced.by_theta[:, : len(own)]
     for k, index in enumerate(indices(mine, Stage.LOADING) + indices(mine, Stage.CLOCK)):
-        by_theta[:, index] = found.by_theta[:, len(own) + k]
-    return shown(mine, theta, Record.of(test, t), found.value, by_theta)
+        by_theta[:, index] = traced.by_theta[:, len(own) + k]
+    return shown(mine, theta, Record.of(test, t), traced.value, by_theta)
 
 
 def _while_it_warms(

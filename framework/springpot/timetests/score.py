@@ -8,7 +8,7 @@ of two matrices. What is not small, such as a stop that is met or not, is tried 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from typing import TypeAlias
@@ -127,6 +127,7 @@ class Scan:
         self.residual = np.concatenate([view.residual for view in self.views])
         slopes = np.concatenate([view.slopes for view in self.views])
         size = np.linalg.norm(slopes, axis=0)
+        # A parameter that changes nothing in these tests has a column of nothing.
         self.size = np.where(size > 0.0, size, 1.0)
         u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
         good = s > KNOWN * s.max(initial=0.0)
@@ -137,6 +138,7 @@ class Scan:
         atoms: list[Atom] = []
         own = {effect.name for effect in self.model.effects}
         for effect in effects:
+            # What the model has already is not missing from it.
             if effect.name in own or (isinstance(effect, Effect) and effect.by_levels):
                 continue
             try:
@@ -373,6 +375,7 @@ class View:
         """Whether a change of K is so steep that a specimen under a force would swing."""
         if self.part.test.control != "force":
             return False
+        # The last two lie far beyond the test, where no material has a meaning; these are the highest of its band.
         omega = self.quick.omega[[-4, -3]]
         sizes = np.abs(change(points_at(omega, self.kelvin, self.base.reference)))
         steepness = np.log(sizes[:, 1] / sizes[:, 0]) / np.log(omega[1] / omega[0])
@@ -402,8 +405,9 @@ class View:
 
     def with_model(self, model: Model | Timed, theta: Real) -> Real:
         """The change of the residuals with another model."""
-        found = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
-        return np.where(self.weight > 0.0, found.value - self.value, 0.0) * self.weight
+        answer = recorded(model, theta, self.part.test, self.base.reference, self.t, TOLERANCE)
+        # At the instant of a step, of weight nothing, the answer may be endless: their product would be no number.
+        return np.where(self.weight > 0.0, answer.value - self.value, 0.0) * self.weight
 
     def of_law(self, effect: Effect, values: Real, of_signal: bool) -> Real:
         """The column of a force beside the material, or the slope of what the chain does to it."""
@@ -430,8 +434,8 @@ class SweepView:
 
     def __init__(self, part: SweepPart, base: TimeIdentification) -> None:
         self.part, self.base = part, base
-        found = part.residual(base.model, base.theta, base.reference)
-        self.residual, self.slopes = found.value, found.by_theta
+        left = part.residual(base.model, base.theta, base.reference)
+        self.residual, self.slopes = left.value, left.by_theta
         self.weight = 1.0 / (part.scale * np.concatenate([part.sd.real, part.sd.imag]))
 
     @property
@@ -444,10 +448,9 @@ class SweepView:
 
     def of_change(self, change: _Change, scale: float) -> Real:
         """Columns (2 n, g) for a change of K."""
-        from dataclasses import replace
-
-        found = change(replace(self.part.test, reference=self.base.reference).points) * scale
-        return np.concatenate([found.real, found.imag], axis=1).T * self.weight[:, None]
+        at = replace(self.part.test, reference=self.base.reference).points
+        by_size = change(at) * scale
+        return np.concatenate([by_size.real, by_size.imag], axis=1).T * self.weight[:, None]
 
     def swings(self, change: _Change) -> bool:
         """At frequencies nothing does."""

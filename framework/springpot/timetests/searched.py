@@ -39,29 +39,32 @@ class InTimeProblem(Searched):
     def evaluate(self, x: Real) -> Real:
         """Sum of squares (...) at search points (..., d); endless where the model cannot be followed."""
         rows = x.reshape(-1, x.shape[-1])
-        found = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
-        return found.reshape(x.shape[:-1])
+        squares = np.array([float(np.sum(self._one(row)[0] ** 2)) for row in rows])
+        return squares.reshape(x.shape[:-1])
 
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., m) and their derivative (..., m, d)."""
         rows = x.reshape(-1, x.shape[-1])
-        found = [self._one(row) for row in rows]
-        value = np.stack([residual for residual, _ in found]).reshape(*x.shape[:-1], -1)
-        slopes = np.stack([by_x for _, by_x in found])
+        pairs = [self._one(row) for row in rows]
+        value = np.stack([residual for residual, _ in pairs]).reshape(*x.shape[:-1], -1)
+        slopes = np.stack([by_x for _, by_x in pairs])
         return value, slopes.reshape(*value.shape, x.shape[-1])
 
     def _one(self, x: Real) -> tuple[Real, Real]:
         theta = self.space.theta(x)
         try:
-            found = [part.residual(self.model, theta, self.reference) for part in self.parts]
+            residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
         except SpringpotError:
+            # Somewhere in the box a model may leave what can be followed: an optimiser goes on from elsewhere.
             count = sum(part.count() for part in self.parts)
             return np.full(count, np.inf), np.zeros((count, len(x)))
-        value = np.concatenate([each.value for each in found])
-        by_theta = np.concatenate([each.by_theta for each in found])
+        value = np.concatenate([each.value for each in residuals])
+        by_theta = np.concatenate([each.by_theta for each in residuals])
         return value, by_theta @ self.space.jacobian(x)
 
 
 def _slowest(part: Part) -> float:
     """Lowest angular frequency, or one over the longest time, that a part tells something of."""
-    return part.test.seen[0] if isinstance(part, InTimePart) else float(part.test.omega.min())
+    if isinstance(part, InTimePart):
+        return part.test.seen[0]
+    return float(part.test.omega.min())

@@ -69,6 +69,7 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     size[size == 0.0] = 1.0
     try:
         amounts = nnls(columns / size, (test.response / sd)[picked])[0] / size
+    # It gives up after so many rounds; the search then begins without this sweep.
     except RuntimeError:
         return None
     omega = np.geomspace(1.0 / longest, 1.0 / shortest, max(4, int(FREQUENCIES * np.log10(longest / shortest))))

@@ -92,6 +92,7 @@ def _in_time(test: TimeTest, residual: Real) -> Place | None:
     worst = rows[int(np.argmax(sizes))]
     first, last = float(test.time[worst[0]]), float(test.time[worst[-1]])
     size = max(sizes)
+    # Larger is further from nothing, whatever the sign of the response.
     way = float(np.mean(np.sign(test.response[worst]) * residual[worst]))
     side = "larger" if way > 0.0 else "smaller"
     says = (

@@ -91,8 +91,10 @@ class Guard:
         origin = headers.get(b"origin")
         if origin is not None and origin != b"http://" + headers[b"host"]:
             raise Refusal(403, "this server answers only to its own page")
+        # An address that was typed comes with "none"; a browser that knows no such header sends nothing.
         if headers.get(b"sec-fetch-site", b"none") not in (b"same-origin", b"none"):
             raise Refusal(403, "this server answers only to its own page")
+        # In constant time: how long a comparison takes would tell the token sign by sign.
         if scope["path"].startswith("/api/") and not hmac.compare_digest(headers.get(TOKEN, b""), self._token):
             raise Refusal(401, "the token of this run is missing: open the address that springpot printed")
 

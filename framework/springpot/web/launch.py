@@ -50,6 +50,7 @@ class Workbench:
             raise OutputError(f"the workbench needs {error.name}: pip install 'springpot[workbench]'") from None
         from .desk import Desk
 
+        # First: a port that is taken is told before anything is started.
         self._socket = _listening(port)
         self._token = secrets.token_urlsafe(24)
         self._desk = Desk()

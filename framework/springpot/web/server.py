@@ -103,10 +103,12 @@ class Server:
         return Starlette(routes=routes, exception_handlers={DataError: _bad, Refusal: _refused})
 
     async def _file(self, request: Request) -> Response:
-        found = page_files().get(request.path_params.get("name", "index.html"))
-        if found is None:
+        # Looked up among the page's own: nothing that a browser says is ever part of a path.
+        file = page_files().get(request.path_params.get("name", "index.html"))
+        if file is None:
             return Response("there is no such page\n", 404, media_type="text/plain")
-        return Response(found[0], headers={"content-type": found[1]})
+        content, kind = file
+        return Response(content, headers={"content-type": kind})
 
     async def require(self) -> None:
         """Check that what was named on the command line can be used, or that a reader merely has a question.

@@ -56,16 +56,16 @@ def _ladder(state: State, text: str, told: Told) -> Ladder:
 
 def library(told: Told) -> dict[str, Any]:
     """All models, effects and data sets that are installed."""
-    found = plugins()
+    installed = plugins()
     return {
-        "models": [_model(item) for item in found.items("model")],
-        "effects": [_effect(item) for item in found.items("effect")],
+        "models": [_model(item) for item in installed.items("model")],
+        "effects": [_effect(item) for item in installed.items("effect")],
         "datasets": [
             {"name": item.name, "summary": item.summary, "kind": item.kind, "unavailable": item.unavailable}
-            for item in found.items("data set")
+            for item in installed.items("data set")
             if not item.remote  # nothing that the page asks for may leave the machine
         ],
-        "faults": [str(fault) for fault in found.faults],
+        "faults": [str(fault) for fault in installed.faults],
     }
 
 

@@ -24,6 +24,7 @@ def main() -> None:
         out.write(to_json(line, None) + "\n")
         out.flush()
 
+    # Before the first task comes: what it needs is imported while nobody waits.
     plugins()
     say({"ready": True})
     for line in sys.stdin:
