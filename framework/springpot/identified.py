@@ -60,6 +60,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
         stiffness = known_unit(unit, MODULUS_UNITS, what)
         units = Units(stiffness, stiffness.partition("/")[2] or "-")
         printed = printed / np.array([units.of(parameter.unit)[0] for parameter in model.parameters])
+    # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
     return Known(model, printed, exact, units, 293.15, 0.0, 1.0, (0.0, np.inf))
 

@@ -67,6 +67,7 @@ def _toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    # Nested brackets are read by recursion.
     except (ValueError, RecursionError) as error:
         raise DataError(f"{path} is no TOML: {error}") from None
 
@@ -150,6 +151,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     try:
         if path.stat().st_size > LONGEST:
             raise DataError(f"{path} is too large for a record: {LONGEST >> 20} MiB at most")
+        # Spreadsheets put a byte order mark before the first title.
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
         raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
@@ -167,6 +169,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     try:
         return Record.of(values[:, 0], factor * values[:, 1], path.stem)
     except SpringpotError as error:
+        # The name of the record is the path, which stands before it already.
         raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from None
 
 

@@ -41,7 +41,9 @@ def command(
     from springpot.report.canvas import check_figure_path
 
     if figure is not None:
+        # A path that cannot be written is told before minutes are spent on the picture.
         check_figure_path(figure)
+    # A model that was named twice is judged once.
     expressions = [parse_timed(model) for model in dict.fromkeys(models)]
     tests = timetests.named_tests([data], geometry)
     if tests is not None:

@@ -70,6 +70,7 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
     if chapter.left_to_user:
         return typed, 0
     printed = io.StringIO()
+    # What a chapter prints goes into the story as well.
     with redirect_stdout(printed):
         code = run(arguments)
     return f"{typed}\n{printed.getvalue()}", code

@@ -90,6 +90,7 @@ def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown:
     measurement = opener()
     with Waiting() as waiting:
         diagnosis = diagnose(measurement, **arguments, progress=within(measurement.name, waiting.told))
+    # At once: what is there stays, even where the rest is interrupted.
     print(shown(diagnosis, measurement), flush=True)
     return 0
 

@@ -35,6 +35,7 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
         return
     parts = parts_of(data)
     try:
+        # Its notes are part of the answer.
         measured = opened(data, geometry, quiet=True)
     except DataError as error:
         if parts and not as_json:

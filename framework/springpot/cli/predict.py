@@ -96,6 +96,7 @@ def numbers(text: str) -> list[float]:
             return [float(part) for part in text.split(",")]
         low, high = float(first), float(last)
     except ValueError:
+        # Refused below, as a range that does not rise is.
         low, high = 0.0, 0.0
     if not 0.0 < low < high < float("inf"):
         advice = "write numbers with commas, or a range such as 0.1..100"

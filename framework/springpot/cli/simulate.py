@@ -50,6 +50,7 @@ def command(
     if record is None:
         _steady(structure, str(frequency), figure, as_json)
         return
+    # One generator for the record and the draws: one seed repeats both.
     rng = np.random.default_rng(seed)
     found = simulate(read_structure(structure), read_record(record, rng), rng, draws)
     if figure is not None:

@@ -44,6 +44,7 @@ class KindOfCard:
 
     def find(self, plugins: Registry, name: str) -> Any:
         """The thing called `name`; of models also a member of a family."""
+        # To a user a reader of tests in time is a reader as any other.
         if self.word == "reader" and name in plugins.names("time reader"):
             return plugins.find("time reader", name)
         if self.word != "model":

@@ -62,6 +62,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     logarithmic(axes, "y")
     lines = np.concatenate([floor, material, error])
     axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
+    # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")
     axes.set_ylabel("error [%]")
     axes.legend(loc="upper right")

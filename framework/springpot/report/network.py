@@ -231,12 +231,15 @@ def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
     from matplotlib.figure import Figure
 
     width, height, drawn = _picture(node)
+    # By itself: pyplot would keep it in a global state.
     figure = Figure(figsize=(width / 72, height / 72))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    # SVG, for which the places were made, counts downwards.
     axes.set(xlim=(0, width), ylim=(height, 0))
     axes.axis("off")
     for mark in drawn:
         if isinstance(mark, Label):
+            # A dollar sign in a label begins no formula.
             axes.text(mark.x, mark.y, mark.text, ha="center", va="center", fontsize=FONT - 1, parse_math=False)
         else:
             points = mark.points

@@ -102,6 +102,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
     """Residuals of the scene's fits in one plane: real part filled, imaginary part open, noise as bands."""
     data = scene.measurement
     largest, bands = 0.0, []
+    # Only what is drawn decides how the axis is scaled.
     shown = np.concatenate([sweep.rows for sweep in scene.sweeps])
     for j, fit in enumerate(scene.fits):
         values, width = residual_in(plane.name, data, fit)

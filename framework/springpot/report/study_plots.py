@@ -142,6 +142,7 @@ def _curves(findings: Findings, race: Race, pens: Pens, curves: Sequence[Real], 
 
 def _area(scores: CellScores, target: float) -> float:
     """Mean of the logarithm of the median excess along the grid: small where a curve falls early."""
+    # Below the target the excess no longer counts; 1e9 stands for an endless one.
     return float(np.mean(np.log(np.clip(scores.curve[1], target, 1e9))))
 
 

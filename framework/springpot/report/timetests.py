@@ -77,8 +77,10 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
     row[0].set_ylabel(f"{test.answered} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")
     row[0].legend()
+    # Two standard deviations of the noise.
     row[2].axhspan(-2.0, 2.0, color="#EEEEEE")
     for colour, fit in zip(_colours_of_residuals(fits), fits, strict=False):
+        # Measured less computed, as residuals of sweeps are drawn.
         residual = -part.with_scale(1.0).residual(fit.model, fit.theta, fit.reference).value
         row[2].plot(test.time[shown], residual[shown], ".", color=colour, ms=2.5)
     row[2].set(xlabel="t [s]", ylabel="residual / noise")
@@ -103,6 +105,7 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
 
 
 def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]) -> None:
+    # A line through points in any order would go to and fro.
     order = np.argsort(sweep.omega)
     unit = sweep.units.stiffness
     computed = []

@@ -75,6 +75,7 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
         logarithmic(axes, "x")
         logarithmic(axes, "y")
     else:
+        # At equal scales a relaxation of a single time is the semicircle that it is known by.
         axes.set_aspect("equal", adjustable="datalim")
     unit = data.units.stiffness
     axes.set(xlabel=f"{data.units.storage} [{unit}]", ylabel=f"{data.units.loss} [{unit}]")
@@ -102,6 +103,7 @@ def residual(axes: Axes, scene: Scene) -> None:
         draw_parts(axes, scene, j, share)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
     if data.sd is not None:
+        # Two standard deviations, in per cent.
         draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
     axes.set(xlabel=scene.axis.label, ylabel=f"measured − model\n[% of {data.units.magnitude}]")

@@ -133,6 +133,7 @@ class Damper:
         theta = np.where(log, self.theta * np.exp(np.where(log, move, 0.0)), self.theta + move)
         lower = np.array([parameter.lower for parameter in self.model.parameters])
         upper = np.array([parameter.upper for parameter in self.model.parameters])
+        # Beyond its bounds a draw would be no such model.
         return replace(self, theta=np.clip(theta, lower, upper))
 
 

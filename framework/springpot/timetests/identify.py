@@ -124,6 +124,7 @@ def identify(
     reference = reference_of(given)
     if is_material(material_of(model)):
         return _of_material(model, parts, reference, began)
+    # Without a seed there is no other place to begin at.
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
     starts = search.starts()
     if near:
@@ -131,6 +132,7 @@ def identify(
     else:
         u, evaluations, converged = search.solved(parts, starts)
     alone = [search.ratio(part, u) for part in parts]
+    # A test by itself outvotes no other.
     if len(parts) > 1:
         parts, alone, spent = _weighed(parts, alone, lambda part: (search, *search.solved([part], [u])[:2]))
         u, more, converged = search.solved(parts, [u])

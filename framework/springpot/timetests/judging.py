@@ -43,6 +43,7 @@ class Left:
     @classmethod
     def by(cls, model: Model | Timed, theta: Real, reference: float, parts: Sequence[Part]) -> Left:
         """What a model with these parameters leaves of these tests."""
+        # By its noise alone, whatever the test weighed in a fit.
         plain = [part.with_scale(1.0) for part in parts]
         residuals = [part.residual(model, theta, reference).value for part in plain]
         scatters = []
@@ -81,6 +82,7 @@ FEW = 39
 def independent(residuals: Sequence[Real], noise: Sequence[Scatter]) -> float:
     """Number of samples, those counted once whose noise is alike (Bayley & Hammersley 1946, doi:10.2307/2983560)."""
     pairs = zip(residuals, noise, strict=True)
+    # Two at least: the logarithm of their number is what a parameter costs.
     return max(float(sum(len(value) * (1.0 - s.memory) / (1.0 + s.memory) for value, s in pairs)), 2.0)
 
 

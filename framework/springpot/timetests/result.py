@@ -96,6 +96,7 @@ class PartResult:
     @property
     def agrees(self) -> bool:
         """Whether the common parameters serve this test nearly as well as its own would."""
+        # To leave less than the noise is chance: no test is asked for that.
         return self.ratio <= AGREE * max(self.alone, 1.0)
 
     def to_dict(self) -> dict[str, Any]:
@@ -177,7 +178,9 @@ class TimeIdentification:
         reach = self.quantile * spread_of(self.slopes, self.covariance)
         log = self.coordinates.log
         with np.errstate(all="ignore"):
+            # What is searched by its logarithm reaches by a factor: d ln theta is d theta over theta.
             reach = np.where(log, reach / np.where(log, self.theta, 1.0), reach)
+        # What the tests do not determine reaches anywhere.
         reach = np.where(np.isfinite(reach), reach, np.inf)
         bounds = (
             np.array([p.lower for p in self.model.parameters]),

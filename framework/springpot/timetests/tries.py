@@ -61,6 +61,7 @@ class Scales:
     def typical(self, parameter: Parameter) -> float:
         """The natural size of a parameter here."""
         unit = parameter.unit
+        # A power of s that another parameter tells is not known here.
         time = 0.0 if isinstance(unit.time, str) else float(unit.time)
         middle = float(np.sqrt(self.shortest * self.longest))
         size = parameter.typical * self.stiffness**unit.stiffness * self.reach**unit.amplitude * middle**time

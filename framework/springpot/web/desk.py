@@ -182,6 +182,7 @@ class Desk:
             running.listeners.remove(mine)
             if not running.listeners and running.work is not None:
                 running.work.cancel()
+                # Who asks for it again begins anew, and does not wait for what is being ended.
                 self._running.pop(name, None)
 
     async def _work(
@@ -201,6 +202,7 @@ class Desk:
         finally:
             if self._running.get(name) is running:
                 del self._running[name]
+            # Whoever waits hears an end, of what was cancelled too.
             running.told(line)
 
     def _keep(self, key: str, line: Line) -> None:

@@ -158,6 +158,7 @@ class Server:
             given = json.loads(await _body_of(request))
             if not isinstance(given, dict):
                 raise ValueError
+        # Brackets alone may be nested deeper than Python goes.
         except (ValueError, RecursionError):
             raise DataError("the request is no JSON object") from None
         if task == "race":

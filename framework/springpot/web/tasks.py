@@ -337,6 +337,7 @@ def perform(task: str, arguments: Mapping[str, Any], told: Told) -> dict[str, An
         return {"result": TASKS[task](told, **arguments)}
     except SpringpotError as error:
         return {"error": " ".join(str(error).split()), "fault": False}
+    # A plugin may raise anything, and the page must hear of it.
     except Exception as error:
         line = f"a fault in springpot or one of its plugins, not in your input: {type(error).__name__}: {error}"
         return {"error": " ".join(line.split())[:400], "fault": True}
