@@ -57,6 +57,7 @@ def place(url: str, sha256: str) -> Path:
     DataError
         If that is no place in the cache.
     """
+    # Where the XDG Base Directory Specification puts what can be had again.
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(os.environ.get(CACHE) or Path(cache) / "springpot")
     return inside(folder, f"{sha256[:16]}/{file_name(url)}")

@@ -29,6 +29,7 @@ def datasets() -> list[DataSet]:
     for folder in (*_folders(), *_known()):
         dataset = _dataset(folder)
         if dataset is not None:
+            # Folders before what is shipped, in the order of the directories: a user's own goes first.
             found.setdefault(dataset.name, dataset)
     return list(found.values())
 

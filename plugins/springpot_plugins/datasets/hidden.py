@@ -22,6 +22,7 @@ def hidden() -> Measurement:
     exact = (material + TRUTH["inertia.m"] * s**2) * np.exp(-TRUTH["time-delay.tau"] * s)
     rng = np.random.default_rng(SEED)
     scatter = rng.normal(size=len(s)) + 1j * rng.normal(size=len(s))
+    # Two parts share the scatter: each has NOISE / sqrt(2), so that the whole has NOISE.
     return Measurement(
         2.0 * np.pi * FREQUENCIES,
         exact * (1.0 + NOISE * scatter / np.sqrt(2.0)),

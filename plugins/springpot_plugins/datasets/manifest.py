@@ -143,6 +143,7 @@ class Manifest:
 
     def _remote(self) -> str:
         """The address, unless the file is here or has been downloaded."""
+        # A file that is here goes before its copy elsewhere: no connection is needed then.
         if not self.download or not self._missing or kept(self.download["url"], self.download["sha256"]):
             return ""
         return self.download["url"]
@@ -243,6 +244,7 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
     DataError
         If it is no TOML, or an entry is missing, of the wrong kind or beyond its limit.
     """
+    # Before it is parsed: whoever writes a manifest may write one that takes long.
     if len(text) > LARGEST:
         raise DataError(f"{path}: a manifest of more than {LARGEST >> 10} KiB")
     try:
@@ -317,6 +319,7 @@ def _titled(name: str, unit: str | None) -> str:
 def _is_number(value: object) -> bool:
     """Whether a value is a number that a float can hold."""
     try:
+        # True and False are whole numbers to Python, and to nobody else.
         return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
     except OverflowError:
         return False

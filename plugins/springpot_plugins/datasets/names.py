@@ -28,6 +28,7 @@ def inside(folder: Path, name: str) -> Path:
     if not all(map(is_name, parts)):
         raise DataError(f"'{name:.80}' names no file: use letters, digits and . _ + - = , ( ) and blanks")
     path = folder.joinpath(*parts)
+    # Resolved, since a link within the folder may lead anywhere.
     if not path.resolve().is_relative_to(folder.resolve()):
         raise DataError(f"{path} leads out of its folder; put the file itself there")
     return path

@@ -30,6 +30,7 @@ def checked(pattern: str) -> str:
         raise DataError(f"has more than {_LONGEST} signs")
     if re.search(r"\\[1-9]|\(\?", pattern):
         raise DataError("has a reference or (?...), which are not taken")
+    # Without escapes and classes, whose signs repeat nothing, and with lazy repetitions as plain ones.
     bare = re.sub(r"([*+?}])[?+]", r"\1", _ONE_SIGN.sub("x", pattern))
     if re.search(r"\)[*+?{]", bare):
         raise DataError("repeats a group, which is not taken")

@@ -31,6 +31,7 @@ from springpot.rheology import (
 )
 
 LARGEST_LOG = 600.0
+"""exp(600) is 1e260, still a number; exp(710) is none."""
 
 
 def _ab_forward(theta: Real) -> Real:
@@ -125,6 +126,7 @@ def _makris_form_to_elements(x: Real) -> Real:
 
 def _makris_form_jacobian(x: Real) -> Real:
     lam, _, r, q = np.moveaxis(x, -1, 0)
+    # A time that is held at its limit does not move with lambda and r.
     tau = np.exp(_makris_form_log_time(lam, r)) * (np.abs(np.log(lam)) < LARGEST_LOG * r)
     one = np.ones_like(lam)
     return rows(
@@ -181,6 +183,7 @@ def _relaxing_springpot(k: str, tau: str, alpha: str = "alpha") -> Node:
     return Mapped(network, (stiffness(k), relaxation_time(tau), order(alpha)), _relaxing_forward, _relaxing_jacobian)
 
 
+# A spring beside a relaxing springpot: kinf = k0 + k1 is above k0 whatever the parameters are.
 _oldroyd = parallel(spring("k0"), _relaxing_springpot("k1", "tau"))
 
 MODELS = (

@@ -105,6 +105,7 @@ class ScipyDirect(Optimiser):
             [(0.0, 1.0)] * cube.dimension,
             maxfun=budget,
             maxiter=budget,
+            # It would otherwise end by the size of its rectangles, before the budget is spent.
             vol_tol=0.0,
             len_tol=0.0,
             locally_biased=self.locally_biased,

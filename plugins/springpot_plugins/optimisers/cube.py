@@ -43,11 +43,13 @@ class Cube:
     def gradient(self, u: Real) -> tuple[float, Real]:
         """Objective and its gradient (d,) by the cube's coordinates."""
         value, slope = self.problem.gradient(self.place(u))
+        # A step of 1 in the cube is the width of the box.
         return value, slope * (self.problem.upper - self.problem.lower)
 
 
 def keep_on(problem: Recorder, attempt: Callable[[], object]) -> None:
     """Make attempt after attempt until the recorder ends the run, or an attempt asks for no more values."""
+    # An attempt that asks for no value would otherwise be repeated for ever.
     before = -1
     while problem.evaluations > before:
         before = problem.evaluations

@@ -42,6 +42,7 @@ class Solver:
         self.native.set_lower_bounds(np.zeros(cube.dimension))
         self.native.set_upper_bounds(np.ones(cube.dimension))
         self.native.set_min_objective(self._objective)
+        # Zero switches a tolerance off: a global method goes on until the recorder ends it.
         self.native.set_xtol_rel(tolerance)
         self.native.set_ftol_rel(tolerance)
         if population:

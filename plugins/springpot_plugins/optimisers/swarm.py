@@ -81,6 +81,7 @@ class PaperSwarm(BatchedOptimiser):
         limits = Limits.of(problems.problem.space)
         left = budget
         while True:
+            # The birth is an evaluation of each particle too.
             instances = max(0, min(self.instances, left // self.particles - 1))
             self._fly(problems, limits, instances, rngs)
             left -= self.particles * (instances + 1)
@@ -95,6 +96,7 @@ class PaperSwarm(BatchedOptimiser):
         """One swarm for each run, all runs side by side: arrays of shape (d, runs, particles)."""
         d = len(limits.expected)
         x = limits.birth(_draw(rngs, (self.particles, d)))
+        # Zero vectors are what the paper begins with.
         velocity, fastest = np.zeros_like(x), self.clamp * limits.expected
         own, own_value = x.copy(), self._evaluate(problems, limits, x).copy()
         known = _ring(self.particles, self.neighbourhood)
@@ -109,6 +111,7 @@ class PaperSwarm(BatchedOptimiser):
             x += velocity
             limits.repair(x)
             value = self._evaluate(problems, limits, x)
+            # All particles have moved by now: they follow the bests of the instance before, in no order.
             better = value < own_value
             np.copyto(own, x, where=better)
             np.copyto(own_value, value, where=better)
@@ -121,6 +124,7 @@ class PaperSwarm(BatchedOptimiser):
         violated = limits.violated(x)
         if not violated.any():
             return problems.batch(x.transpose(PARAMETERS_LAST))
+        # A negative time has no real power: its absolute value is evaluated, and penalised.
         points = limits.mirrored(x).transpose(PARAMETERS_LAST)
         return problems.batch(points, np.where(violated, self.penalty, 1.0))
 
@@ -159,6 +163,7 @@ class Limits:
     @classmethod
     def of(cls, space: SearchSpace) -> Limits:
         """Read them off the parameters."""
+        # Times and orders are held between limits; a stiffness may leave the interval in which it was born.
         boxed = np.array([p.upper < np.inf or (p.unit.time == 1 and not p.unit.stiffness) for p in space.parameters])
         positive = space.lower >= 0
         birthplace = np.where(positive, 0.0, -space.expected)
@@ -196,6 +201,7 @@ class Limits:
 
     def violated(self, x: Real) -> Mask:
         """Which points violate any constraint, shape (runs, particles)."""
+        # A limit that is reached is broken: the paper's section 4 has 0 < alpha < 1, without the ends.
         broken = x <= self.least
         broken |= x >= self.ceiling
         any_broken: Mask = np.logical_or.reduce(broken, axis=0)

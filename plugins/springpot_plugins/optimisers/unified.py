@@ -117,6 +117,7 @@ class _Misfit:
 
     def _both(self, u: Real) -> tuple[Any, Any]:
         if self.ended is not None:
+            # A library that swallowed the end of the run and goes on is told again.
             raise self.ended
         if not np.array_equal(u, self._at):
             try:
@@ -186,6 +187,7 @@ def _made(name: str, algorithm: Any) -> type[Unified]:
         if option.name not in OWN | LIMITS and isinstance(option.default, PLAIN)
     ]
     squares = about.solver_type.value == "least_squares"
+    # Residuals come with their exact Jacobian, so that it costs a least-squares method nothing.
     graded = bool(about.needs_jac) or squares
     space = {
         "__doc__": _explained(name, {option: kind for option, kind, _ in options}),

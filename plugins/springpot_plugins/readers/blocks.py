@@ -56,6 +56,7 @@ class Block:
     @cached_property
     def roles(self) -> set[str]:
         """What there is; a column without any value is not there."""
+        # Backwards, so that of several columns of one role the first remains.
         named = {each.role: i for i, each in reversed(list(enumerate(self.headings))) if each.role}
         filled = {str(role) for role, i in named.items() if not self.rows or self._is_filled(i, str(role))}
         return filled | {str(heading(title).role) for title in self.constants}
@@ -206,8 +207,9 @@ def is_data(row: Sequence[str]) -> bool:
     numbers = sum(1 for cell in row if is_number(cell))
     if numbers < 2 and not (numbers == 1 and len(row) == 1):
         return False
+    # More words than numbers are a line of a report.
     words = sum(1 for cell in row if cell.strip() not in MISSING) - numbers
-    return words <= numbers or words <= 2
+    return words <= numbers
 
 
 def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
@@ -225,6 +227,7 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
     key = next(k for k, cell in enumerate(rows[start]) if is_number(cell))
     for j in range(start + 1, len(rows)):
         row = rows[j]
+        # Nearly all rows go by this quick test; those that it does not know are looked at closely.
         if len(row) == width and row[0][-1:] != ":" and _is_plain(row[key]):
             continue
         if is_data(row) and not _ends(row):

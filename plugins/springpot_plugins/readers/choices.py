@@ -221,6 +221,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     moduli = [each for each in headings if each.role is None and normal_unit(each.unit or "") in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
         return _ask_which_modulus(says, moduli, headings)
+    # A length that nobody names may be the amplitude, but also a gap: it is asked for, not taken.
     moved = next(
         (i for i, h in enumerate(headings, 1) if not h.role and normal_unit(h.unit or "") in LENGTH_UNITS), 0
     )

@@ -51,6 +51,7 @@ INERTIA_UNITS = {f"{p}N m {s}": f for p, f in _PREFIXES.items() for s in ("s^2",
 FRICTION_UNITS = {f"{p}N m{s}": f for p, f in _PREFIXES.items() for s in (" s", " s/rad", "/rad/s")}
 COMPLIANCE_UNITS = {f"{p}rad/N m": f for p, f in _PREFIXES.items()}
 PER_ANGLE_UNITS = {"1/rad": 1.0, "rad^-1": 1.0, "rad-1": 1.0, "-": 1.0}
+# A gram-force centimetre, by the standard gravity of 9.80665 m/s^2.
 _TORQUES = TORQUE_UNITS | {"g cm": 9.80665e-5}
 PER_TORQUE_UNITS = {f"{p}/{t}": a / b for p, a in PRESSURE_UNITS.items() for t, b in _TORQUES.items()}
 
@@ -111,6 +112,7 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     stress = _in_si(facts.get("geometry.stress_constant"), PER_TORQUE_UNITS)
     strain = _in_si(facts.get("geometry.strain_constant"), PER_ANGLE_UNITS)
     if not stress or not strain:
+        # Without the constants of the geometry a torque tells nothing of a modulus.
         return {}
     factor, found = stress / strain, {}
     inertia = sum(_in_si(facts.get(f"{part}.inertia"), INERTIA_UNITS) for part in ("instrument", "geometry"))

@@ -35,6 +35,7 @@ def joined(parts: Sequence[Measurement], names: Sequence[str], name: str, note: 
     amplitude = next((part.units.amplitude for part in parts if "amplitude" in part.conditions), "-")
     parts = [_with_amplitude(part, amplitude) for part in parts]
     common = [key for key in parts[0].conditions if all(_has(part, key, parts[0]) for part in parts)]
+    # A "step" of a part itself gives way to the name of the part, which tells them apart.
     words = [key for key in parts[0].labels if all(key in part.labels for part in parts) and key != "step"]
     labels = {key: np.concatenate([part.labels[key] for part in parts]) for key in words}
     labels["step"] = np.concatenate([np.full(len(p), word) for p, word in zip(parts, names, strict=True)])

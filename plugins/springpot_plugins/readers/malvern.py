@@ -17,7 +17,9 @@ _MARKS = ("(sequence)(s)", "(action)(s)", "(elastic component)", "(viscous compo
 def recognises(head: bytes) -> float:
     """High for the names of an rSpace table."""
     first = head_text(head[:8000]).lstrip("\ufeff \r\n").splitlines()[:1]
-    return min(1.0, 0.49 * sum(mark in line for line in first for mark in _MARKS))
+    # Two of these names are enough, one alone may be anybody's.
+    marks = [mark for line in first for mark in _MARKS if mark in line]
+    return min(1.0, 0.49 * len(marks))
 
 
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
@@ -34,6 +36,7 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
             stop = start + len(list(run))
             made.append(replace(block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]))
             start = stop
+    # The columns of all actions stand in one table: those of the others are empty.
     return [_without_blank_columns(block) for block in made], {}
 
 

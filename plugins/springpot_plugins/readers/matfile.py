@@ -113,6 +113,7 @@ def _matrix(data: memoryview, order: str, outer: str, depth: int) -> dict[str, N
         raise BrokenFile("a matrix without flags, size or name")
     (flag,) = unpack_from(order + "I", flags.data)
     shape = tuple(np.frombuffer(sizes.data, order + "i4").tolist())
+    # MATLAB knows nothing below a matrix: a number is 1 by 1.
     if not 2 <= len(shape) <= 8 or min(shape) < 0:
         raise BrokenFile("a matrix of impossible size")
     title = outer + bytes(name.data).decode("latin-1")
@@ -143,6 +144,7 @@ def _fields(parts: Iterator[_Element], order: str, title: str, depth: int) -> di
     text = bytes(names.data)
     found: dict[str, NDArray[np.float64]] = {}
     for start in range(0, len(text), width):
+        # Names of fields have one length, and end at the first zero byte.
         field = text[start : start + width].split(b"\0", 1)[0].decode("latin-1")
         part = next(parts, None)
         if part is None:

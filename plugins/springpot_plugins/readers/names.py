@@ -352,6 +352,7 @@ def role_of(name: str) -> str | None:
     if name in EXACT:
         return EXACT[name]
     folded = fold(name)
+    # The whole name before its parts: "loss factor" is no loss with a remark.
     if folded in _ROLE_OF:
         return _ROLE_OF[folded]
     if folded.endswith(_MEANS):

@@ -53,6 +53,7 @@ def signals(path: Path, choice: Choice) -> Signals:
         If a channel or its unit is missing, or a cell is no number.
     """
     try:
+        # The names stand in the head; the rest is never in memory as a whole.
         with path.open("rb") as stream:
             head = stream.read(1 << 16)
         encoding = encoding_of(head)

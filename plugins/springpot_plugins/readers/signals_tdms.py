@@ -55,11 +55,13 @@ def _signals(file: Any, choice: Choice, path: Path) -> Signals:
     for group in file.groups():
         channels += filter(len, group.channels())
     most = budget_of(path).memory // _SAMPLE
+    # Before any is read: a broken index claims any length.
     if any(not 0 <= len(channel) <= most for channel in channels):
         raise DataError("a channel claims more samples than the file can hold")
     titles = [str(channel.name) for channel in channels]
     units = [next((str(c.properties[key]) for key in _UNIT_KEYS if key in c.properties), "") for c in channels]
     if not any(channel_of(title)[0] == "time" for title in titles):
+        # LabVIEW writes the interval of a waveform as a property, and no channel of times.
         timed = next((c for c in channels if float(c.properties.get("wf_increment", 0) or 0) > 0), None)
         if timed is not None:
             channels, titles, units = [*channels, timed], [*titles, "time"], [*units, "s"]

@@ -82,6 +82,7 @@ def parse(text: str, name: str) -> Measurement:
     measurement = measurement_of(roles, others, comments.get("name", name), provenance)
     if _TOLD in comments:
         measurement = replace(measurement, units=_told(measurement.units, comments[_TOLD]))
+    # A file that springpot wrote of repeated frequencies says so, since it must be readable again.
     if _TWICE not in table.comments:
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
     return measurement

@@ -30,6 +30,7 @@ def unit_of_amplitude(unit: str | None) -> str | None:
     """The unit without what says from where it counts: ``mm`` of ``mm pk-pk``."""
     if unit is None:
         return None
+    # A unit that is nothing else, such as "pp", is told as it stands.
     return _FROM_MIDDLE.sub("", _WHOLE_SWING.sub("", unit)).strip(" -()") or unit
 
 

@@ -15,6 +15,7 @@ def upright(grid: Grid) -> Grid | None:
     rows = [_without_end(row) for row in rows]
     if not 2 < len(rows) <= _MOST_ROWS or len(rows[0]) < 3 or {len(row) for row in rows} != {len(rows[0])}:
         return None
+    # Every cell behind a name must be a number: a table that stands upright has names in its first row.
     if any(is_number(row[0]) or not all(map(is_number, row[1:])) for row in rows):
         return None
     if not is_dynamic({str(heading(row[0].strip()).role) for row in rows}):

@@ -43,6 +43,7 @@ def _block(step: list[tuple[int, list[str]]]) -> Block | None:
     data = [(number, cells[1:]) for number, cells in step if cells[0] == "Data point"]
     if not titles or not data:
         return None
+    # The line of units ends where the last columns have none.
     units = [*header.get("Units", []), *[""] * len(titles)]
     headings = tuple(heading(title, unit) for title, unit in zip(titles, units, strict=False))
     width = len(titles)

@@ -18,6 +18,7 @@ def aged(time: Any, mu: Any, waited: Any) -> Any:
     long = np.log1p(time / waited)
     rest = 1.0 - mu
     # (exp(rest L) - 1) / rest and its derivative by rest, which have limits where rest is nothing.
+    # There the next term of the series is below 1e-8, and the closed form a difference of nearly equal terms.
     near = np.abs(rest * long) < 1e-4
     safe = np.where(near, 1.0, rest)
     grown = np.where(near, long * (1.0 + rest * long / 2.0), np.expm1(safe * long) / safe)

@@ -49,6 +49,7 @@ def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
     moves = np.sign(np.diff(x))
     turns = np.flatnonzero((moves[1:] != moves[:-1]) & (moves[1:] != 0.0)) + 1
     behind[0] = x[0]
+    # Between two turns the load moves one way, so that no sample has to wait for the one before it.
     for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
         run = slice(first + 1, last + 1)
         way = 1.0 if x[last] >= x[first] else -1.0

@@ -33,6 +33,7 @@ def _moves(test: TimeTest) -> bool:
 
 def _places(test: TimeTest) -> tuple[tuple[float, float], ...]:
     value = test.loading.value
+    # A stop much softer than the specimen would not be noticed.
     size = float(np.abs(test.response).max() / np.abs(value).max())
     up, down = max(float(value.max()), 0.0), min(float(value.min()), 0.0)
     ends = [end for end in (up, down) if abs(end) > 0.05 * np.abs(value).max()]

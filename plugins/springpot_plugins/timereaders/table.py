@@ -193,6 +193,7 @@ def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
 def _place(titles: Sequence[Title], key: str) -> int | None:
     if key.isdigit() and 1 <= int(key) <= len(titles):
         return int(key) - 1
+    # A title as it stands before any that means the same.
     role = title_of(key).role
     exact = [i for i, title in enumerate(titles) if title.text.casefold() == key.casefold()]
     alike = [i for i, title in enumerate(titles) if role and title.role == role]
@@ -339,6 +340,7 @@ def _temperature(section: Section, place: int, origin: dict[str, str]) -> float 
     moved = float(np.ptp(warm[known]))
     if moved <= STEADY:
         return float(np.mean(warm[known]))
+    # Reduced time is followed from row to row, and cannot be where the temperature lacks.
     if not known.all():
         origin["note temperature"] = (
             f"it moves by {moved:.2g} K, and lacks in {int((~known).sum())} rows: its mean is used"

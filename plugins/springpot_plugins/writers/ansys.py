@@ -19,6 +19,7 @@ def to_ansys(handoff: Handoff) -> str:
     ]
     pairs = zip(prony.weights / prony.instantaneous, prony.times, strict=True)
     constants = [number for pair in pairs for number in pair]
+    # The same series for both is what keeps Poisson's ratio constant.
     for kind in ("SHEAR", "BULK"):
         lines.append(f"TB,PRONY,1,1,{len(prony.times)},{kind}")
         for start in range(0, len(constants), PER_LINE):

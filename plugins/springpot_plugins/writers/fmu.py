@@ -151,6 +151,7 @@ EXPORT int fmi2GetStringStatus(void *c, int kind, const char **value) { return 1
 def source_of(handoff: Handoff) -> str:
     """The C file."""
     prony = handoff.prony
+    # A file's name must not end the comment that it stands in.
     heading = "\n   ".join(handoff.heading()).replace("*/", "* /")
     filled = {
         "HEADING": heading,
@@ -239,6 +240,7 @@ def compiled(source: str) -> tuple[str, bytes] | None:
         ]
         done = subprocess.run(command, capture_output=True, timeout=60, check=False)
         if done.returncode != 0:
+            # The unit still has its source, which a master may compile itself.
             return None
         return f"binaries/{folder}/unit{suffix}", library.read_bytes()
 

@@ -38,6 +38,7 @@ def to_lsdyna(handoff: Handoff) -> str:
             "widen the tolerance, narrow the band or give --terms"
         )
     poisson = float(handoff.poisson or 0.0)
+    # The card takes shear and bulk moduli: G = E / (2 (1 + nu)), K = E / (3 (1 - 2 nu)).
     shear, bulk = 0.5 / (1.0 + poisson), 1.0 / (3.0 * (1.0 - 2.0 * poisson))
     lines = ["*KEYWORD", *(f"$ {line}" for line in handoff.heading())]
     lines += [

@@ -52,6 +52,7 @@ def _table(number: int, x: list[float], y: list[float]) -> list[str]:
 def to_nastran(handoff: Handoff) -> str:
     """Property and tables, for a bush along the first axis of its element."""
     low, high = np.log10(handoff.prony.band)
+    # At least eight, so that a narrow band is no straight line either.
     omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
     stiffness = handoff.stiffness(omega)
     frequency = (omega / (2.0 * np.pi)).tolist()

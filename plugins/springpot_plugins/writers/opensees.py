@@ -19,6 +19,7 @@ def _materials(handoff: Handoff) -> list[tuple[str, list[str]]]:
     if prony.viscosity:
         parts.append(("Viscous", [f"{prony.viscosity:.9g}", "1.0"]))
     for weight, time in zip(prony.weights, prony.times, strict=True):
+        # With a length of 1, force and displacement stand for stress and strain.
         parts.append(("Maxwell", [f"{weight:.9g}", f"{weight * time:.9g}", "1.0", "1.0"]))
     return parts
 

@@ -38,6 +38,7 @@ def respond(t, displacement):
 def to_python(handoff: Handoff) -> str:
     """The file."""
     prony = handoff.prony
+    # The heading goes between three quotes, and may hold a file's name with anything in it.
     quoted = "\n".join(handoff.heading()).replace("\\", "\\\\").replace('"', '\\"')
     return TEMPLATE.format(
         heading=quoted + "\n",
@@ -49,6 +50,7 @@ def to_python(handoff: Handoff) -> str:
 
 
 def _listed(numbers: Real) -> str:
+    # Seventeen digits read back as the same bits.
     return ", ".join(f"{number:.17g}" for number in numbers)
 
 
