@@ -25,13 +25,13 @@ def datasets() -> list[DataSet]:
 
     The first of a name counts.
     """
-    found: dict[str, DataSet] = {}
+    sets: dict[str, DataSet] = {}
     for folder in (*_folders(), *_known()):
         dataset = _dataset(folder)
         if dataset is not None:
             # Folders before what is shipped, in the order of the directories: a user's own goes first.
-            found.setdefault(dataset.name, dataset)
-    return list(found.values())
+            sets.setdefault(dataset.name, dataset)
+    return list(sets.values())
 
 
 def _known() -> Iterator[Path]:

@@ -170,8 +170,10 @@ class Manifest:
         DataError
             If a file cannot be had or read, or lacks a column that the manifest names.
         """
+        # A folder of the user's wins over the download.
         if self.download and self._missing:
             path = fetched(self.name, self.download["url"], self.download["sha256"])
+            # A download of another name has columns of its own, which the manifest does not describe.
             parts = [self._opened(path, self.conditions, path.name in self.files)]
         else:
             parts = [self._opened(path, constants, True) for path, constants in self.paths.items()]

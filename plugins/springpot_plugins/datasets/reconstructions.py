@@ -88,18 +88,18 @@ def _dataset(name: str, model: str, truth: dict[str, float], hertz: Real, unit: 
 
 def datasets() -> list[DataSet]:
     """The damper of Makris and the silicone fluid, from every row of Tables 3 to 6."""
-    found = [_dataset("makris-1992", "makris", MAKRIS, DAMPER_HZ, "kN/m", _MAKRIS)]
-    found += [
+    sets = [_dataset("makris-1992", "makris", MAKRIS, DAMPER_HZ, "kN/m", _MAKRIS)]
+    sets += [
         _dataset(f"makris-table3-{key}", model, truth, DAMPER_HZ, "kN/m", "Table 3")
         for key, (model, truth) in TABLE_3.items()
     ]
     for number, table in ((4, TABLE_4), (5, TABLE_5)):
-        found += [
+        sets += [
             _dataset(f"pdms-table{number}-{key}", model, truth, fluid_hz(63.0), "Pa", f"Table {number}")
             for key, (model, truth) in table.items()
         ]
     for row, (highest, modulus, eta, alpha) in enumerate(TABLE_6, 1):
         truth = {"k": modulus, "c": eta, "alpha": alpha}
         name, source = f"pdms-table6-{row}", f"Table 6, row {row}"
-        found.append(_dataset(name, "fractional-maxwell", truth, fluid_hz(highest), "Pa", source))
-    return found
+        sets.append(_dataset(name, "fractional-maxwell", truth, fluid_hz(highest), "Pa", source))
+    return sets

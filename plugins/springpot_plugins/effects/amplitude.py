@@ -23,6 +23,9 @@ from springpot.rheology import (
 
 GELB = "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968"
 
+# Of the effects here and in the other files, rarer physics counts a third (prior=0.3): beside what every laboratory
+# meets it should need better evidence, and be found all the same.
+
 EFFECTS = (
     Effect(
         "friction",
@@ -52,6 +55,7 @@ EFFECTS = (
         Layer.MOVING_PARTS,
         "Wen 1976, J. Eng. Mech. Div. ASCE 102, 249; Ikhouane and Rodellar 2007, Systems with Hysteresis",
         ("bouc-wen",),
+        # Rarer than plain friction, from which one amplitude cannot tell it.
         prior=0.3,
         equation="K + F / X * fundamental(z), z' = k / F * x' * (1 - |z|^n * (beta * sgn(z * x') + 1 - beta))",
     ),

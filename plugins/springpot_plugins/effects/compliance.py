@@ -40,6 +40,7 @@ EFFECTS = (
         "the frame gives way with a resonance of its own at a fixed frequency",
         Layer.MOUNTING,
         "Ewins, Modal Testing, 2000",
+        # Its peak can imitate whatever is narrow in a sweep: it competes where no common effect explains the data.
         narrow=True,
         equation="1 / (1 / K + 1 / (k * (1 - r^2 + 2 * i * zeta * r))), r = omega / omega_r",
     ),

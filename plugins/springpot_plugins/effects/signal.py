@@ -66,6 +66,7 @@ EFFECTS = (
         Layer.SIGNAL,
         "Ewins, Modal Testing, 2000",
         ("transducer-resonance",),
+        # A resonance far above all frequencies changes nothing.
         absent_at=inf,
         prior=0.3,
         equation="K / (1 - r^2 + 2 * i * zeta * r), r = omega / omega_r",

@@ -88,6 +88,7 @@ EFFECTS = (
         Layer.TEMPERATURE,
         FERRY,
         ("shift-factors",),
+        # A factor, which changes nothing where it is one.
         absent_at=1.0,
         equation="K(omega * a)",
     ),

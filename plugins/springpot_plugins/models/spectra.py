@@ -37,6 +37,7 @@ def _retardation_mode(k: str, tau: str) -> Node:
 
 def _product(theta: Real) -> Real:
     """Spring k and dashpot k tau of (k, tau)."""
+    # The literature gives moduli and times, not viscosities.
     return columns(theta[..., 0], theta[..., 0] * theta[..., 1])
 
 

@@ -58,6 +58,7 @@ class PaperSwarm(BatchedOptimiser):
     neighbourhood: int | Literal["global"] = 3
     inertia_first: float = 0.9
     inertia_last: float = 0.4
+    # Section 4 clamps to 0.1 k-bar and multiplies by a number of the order 10^5.
     clamp: float = 0.1
     penalty: float = 1e5
 
@@ -95,6 +96,7 @@ class PaperSwarm(BatchedOptimiser):
     ) -> None:
         """One swarm for each run, all runs side by side: arrays of shape (d, runs, particles)."""
         d = len(limits.expected)
+        # Positions stay as drawn, also where kinf is below k0: they are evaluated with the repair.
         x = limits.birth(_draw(rngs, (self.particles, d)))
         # Zero vectors are what the paper begins with.
         velocity, fastest = np.zeros_like(x), self.clamp * limits.expected
@@ -187,13 +189,15 @@ class Limits:
         leaving |= ahead >= self.ceiling
         if not leaving.any():
             return
-        # Late in a run only a few do: they are picked out of the flat arrays.
+        # The pull of this step with its random numbers, halved and then clamped: the paper leaves open whether they
+        # are drawn anew. Late in a run only a few turn back: they are picked out of the flat arrays.
         places = np.flatnonzero(leaving)
         limit = fastest.ravel().take(places // x[0].size)
         velocity.ravel()[places] = np.minimum(np.maximum(pull.ravel().take(places) / 2.0, -limit), limit)
 
     def repair(self, x: Real) -> None:
         """Restore the order kinf > k0, in place."""
+        # The position itself, not only what is evaluated: "a new value of k_inf equal to 1.01 k_0 is introduced".
         points = x.transpose(PARAMETERS_LAST)
         repaired = self.space.repaired(points)
         if repaired is not points:
@@ -235,6 +239,7 @@ def _numbers(
 
     Each generator is asked in the order instance, term, particle, parameter, as if one number were drawn at a time.
     """
+    # R1 and R2 are diagonal matrices in the paper: a number for each parameter, not one for a whole particle.
     for first in range(0, instances, BLOCK):
         block = _draw(rngs, (min(BLOCK, instances - first), 2, *shape))
         turned = block.transpose(1, 2, 4, 0, 3)

@@ -290,6 +290,7 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
             continue
         unit = unit or _unit_below(below, i) or None
         rank = _RANK.get(fold(bare), 99)
+        # It is still taken where there is no other, so that the error names it.
         if unit is not None and normal_unit(unit) not in UNITS[channel]:
             rank += _WORST
         if channel not in layout or rank < layout[channel].rank:

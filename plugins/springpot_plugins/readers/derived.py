@@ -32,38 +32,38 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
     DataError
         If a damping coefficient or the work of a cycle alone gives more than the whole stiffness.
     """
-    found = dict(roles)
-    if "damping_ratio" in found:
-        column = found.pop("damping_ratio")
-        found["loss_factor"] = _column(column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-")
-    if "viscosity" in found:
-        column = found.pop("viscosity")
-        found["magnitude"] = _column(column, "magnitude", _omega(found) * _si(column, VISCOSITY_UNITS))
-    elif found.keys() >= set(VISCOSITIES):
-        dynamic, other = (found.pop(role) for role in VISCOSITIES)
-        found["loss"] = _column(dynamic, "loss", _omega(found) * _si(dynamic, VISCOSITY_UNITS))
-        found["storage"] = _column(other, "storage", _omega(found) * _si(other, VISCOSITY_UNITS))
-    elif "damping" in found and "loss" not in found:
-        column = found.pop("damping")
-        loss = _omega(found) * _si(column, DAMPING_UNITS)
-        found["loss"] = _column(column, "loss", loss, "N/m")
-        if "storage" not in found:
-            found["storage"] = _rest(found.pop("magnitude"), loss, column)
-    elif "energy" in found and "loss" not in found:
-        found["loss"] = _loss_of_work(found.pop("energy"), found["amplitude"])
-        if "storage" not in found:
-            loss = _si(found["loss"], MODULUS_UNITS)
-            found["storage"] = _rest(found.pop("magnitude"), loss, found["loss"])
-    elif "force_amplitude" in found:
-        found["magnitude"] = _over(found.pop("force_amplitude"), found["amplitude"])
-    elif found.keys() >= set(COMPLIANCES):
-        elastic, viscous = (found.pop(role) for role in COMPLIANCES)
+    columns = dict(roles)
+    if "damping_ratio" in columns:
+        column = columns.pop("damping_ratio")
+        columns["loss_factor"] = _column(column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-")
+    if "viscosity" in columns:
+        column = columns.pop("viscosity")
+        columns["magnitude"] = _column(column, "magnitude", _omega(columns) * _si(column, VISCOSITY_UNITS))
+    elif columns.keys() >= set(VISCOSITIES):
+        dynamic, other = (columns.pop(role) for role in VISCOSITIES)
+        columns["loss"] = _column(dynamic, "loss", _omega(columns) * _si(dynamic, VISCOSITY_UNITS))
+        columns["storage"] = _column(other, "storage", _omega(columns) * _si(other, VISCOSITY_UNITS))
+    elif "damping" in columns and "loss" not in columns:
+        column = columns.pop("damping")
+        loss = _omega(columns) * _si(column, DAMPING_UNITS)
+        columns["loss"] = _column(column, "loss", loss, "N/m")
+        if "storage" not in columns:
+            columns["storage"] = _rest(columns.pop("magnitude"), loss, column)
+    elif "energy" in columns and "loss" not in columns:
+        columns["loss"] = _loss_of_work(columns.pop("energy"), columns["amplitude"])
+        if "storage" not in columns:
+            loss = _si(columns["loss"], MODULUS_UNITS)
+            columns["storage"] = _rest(columns.pop("magnitude"), loss, columns["loss"])
+    elif "force_amplitude" in columns:
+        columns["magnitude"] = _over(columns.pop("force_amplitude"), columns["amplitude"])
+    elif columns.keys() >= set(COMPLIANCES):
+        elastic, viscous = (columns.pop(role) for role in COMPLIANCES)
         # A compliance of zero gives no finite modulus, which the measurement refuses.
         with np.errstate(all="ignore"):
             modulus = 1.0 / (_si(elastic, COMPLIANCE_UNITS) - 1j * _si(viscous, COMPLIANCE_UNITS))
-        found["storage"] = _column(elastic, "storage", modulus.real)
-        found["loss"] = _column(viscous, "loss", modulus.imag)
-    return found
+        columns["storage"] = _column(elastic, "storage", modulus.real)
+        columns["loss"] = _column(viscous, "loss", modulus.imag)
+    return columns
 
 
 def _loss_of_work(work: Column, amplitude: Column) -> Column:

@@ -26,6 +26,7 @@ _SAMPLED = 300
 _OPEN = re.compile(r'(?:^|[;,\t|]) *"[^"]*$')
 """A last cell whose quote is not closed."""
 _MOST_JOINED = 3
+"""Lines that a quoted cell may go on in: a quote that never closes must not swallow the rest of the file."""
 _HEAD = 1 << 15
 _LONG = 20_000
 
@@ -119,7 +120,7 @@ def closed(lines: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
                 joining = 0
         else:
             whole.append((number, line))
-            # An even number of quotes is closed; a lone one that begins no cell is a prime, as in G".
+            # An even number of quotes is closed; a lone one behind other signs is a prime, as in G".
             if line.count('"') % 2 and _OPEN.search(line):
                 joining = _MOST_JOINED
     return whole

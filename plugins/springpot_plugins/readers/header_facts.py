@@ -64,16 +64,17 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     pairs : iterable of tuple of str
         Key and value as the file writes them.
     """
-    found: dict[str, str] = {}
+    facts: dict[str, str] = {}
     for key, value in pairs:
         if len(key) >= 60:
             # A sentence, and no key.
             continue
         known = _KEY_OF.get(fold(key))
         value = " ".join(value.split())[:200]
+        # The first of each: the header of the file stands above those of its steps.
         if known is not None and not _is_unset(value):
-            found.setdefault(known, value)
-    return {**found, **as_modulus(found)}
+            facts.setdefault(known, value)
+    return {**facts, **as_modulus(facts)}
 
 
 def _is_unset(value: str) -> bool:
@@ -114,7 +115,7 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
     if not stress or not strain:
         # Without the constants of the geometry a torque tells nothing of a modulus.
         return {}
-    factor, found = stress / strain, {}
+    factor, moduli = stress / strain, {}
     inertia = sum(_in_si(facts.get(f"{part}.inertia"), INERTIA_UNITS) for part in ("instrument", "geometry"))
     friction = _in_si(facts.get("instrument.friction"), FRICTION_UNITS)
     compliance = sum(
@@ -122,12 +123,12 @@ def as_modulus(facts: dict[str, str]) -> dict[str, str]:
         for key in ("geometry.compliance", "geometry.upper_compliance", "geometry.lower_compliance")
     )
     if inertia:
-        found["inertia as modulus"] = f"{inertia * factor:.6g} Pa s^2"
+        moduli["inertia as modulus"] = f"{inertia * factor:.6g} Pa s^2"
     if friction:
-        found["friction as viscosity"] = f"{friction * factor:.6g} Pa s"
+        moduli["friction as viscosity"] = f"{friction * factor:.6g} Pa s"
     if compliance:
-        found["compliance as modulus"] = f"{factor / compliance:.6g} Pa"
-    return found
+        moduli["compliance as modulus"] = f"{factor / compliance:.6g} Pa"
+    return moduli
 
 
 def _in_si(text: str | None, units: Mapping[str, float]) -> float:

@@ -22,8 +22,8 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
     units: list[str | None] = [None] * max(len(titles), width)
     titles += [""] * (len(units) - len(titles))
     for row in between:
-        if (found := units_in(row)) and len(found) <= len(units):
-            units = _beside_titles(found, titles)
+        if (row_units := units_in(row)) and len(row_units) <= len(units):
+            units = _beside_titles(row_units, titles)
         elif len(row) == len(titles):
             titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
     return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))

@@ -32,6 +32,7 @@ def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
             made.append(block)
             continue
         start = 0
+        # Only rows that follow one another: the same action may come again later in a sequence.
         for name, run in groupby(row[place].strip() for row in block.rows):
             stop = start + len(list(run))
             made.append(replace(block, name=name, rows=block.rows[start:stop], lines=block.lines[start:stop]))

@@ -51,7 +51,7 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
     """
     # The last two bytes of the header are "MI" as the writing machine stores the number of these letters.
     order = ">" if content[126:128] == b"MI" else "<"
-    found: dict[str, NDArray[np.float64]] = {}
+    arrays: dict[str, NDArray[np.float64]] = {}
     for element in _elements(memoryview(content)[_HEADER:], order, padded=False):
         if element.kind == _COMPRESSED:
             unpacked = _unpacked(element.data, most)
@@ -62,8 +62,8 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
             inner = [element]
         for matrix in inner:
             if matrix.kind == _MATRIX and len(matrix.data):
-                found |= _matrix(matrix.data, order, "", 0)
-    return found
+                arrays |= _matrix(matrix.data, order, "", 0)
+    return arrays
 
 
 def _unpacked(packed: memoryview, most: int) -> bytes:
@@ -142,7 +142,7 @@ def _fields(parts: Iterator[_Element], order: str, title: str, depth: int) -> di
     if not 0 < width <= 256 or len(names.data) % width:
         raise BrokenFile("a structure with impossible names")
     text = bytes(names.data)
-    found: dict[str, NDArray[np.float64]] = {}
+    arrays: dict[str, NDArray[np.float64]] = {}
     for start in range(0, len(text), width):
         # Names of fields have one length, and end at the first zero byte.
         field = text[start : start + width].split(b"\0", 1)[0].decode("latin-1")
@@ -150,5 +150,5 @@ def _fields(parts: Iterator[_Element], order: str, title: str, depth: int) -> di
         if part is None:
             raise BrokenFile("a structure that lacks a field")
         if part.kind == _MATRIX and len(part.data):
-            found |= _matrix(part.data, order, f"{title}.{field}", depth + 1)
-    return found
+            arrays |= _matrix(part.data, order, f"{title}.{field}", depth + 1)
+    return arrays

@@ -49,6 +49,7 @@ class Layout:
 def layout_of(head: str) -> Layout:
     """The layout of the file that begins with `head`: below names of all channels, or else of the first numbers."""
     lines = lines_of(head)[:_SEARCHED]
+    # A report above the table may have more of another sign: then any sign that shows all three names will do.
     surest = separator_in([line for line in lines if line.strip()])
     worded = [i for i, line in enumerate(lines) if _WORDS.search(line)]
     for separator in dict.fromkeys((surest, *SEPARATORS)):

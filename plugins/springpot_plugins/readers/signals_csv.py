@@ -35,10 +35,10 @@ def recognises(head: bytes) -> float:
     if is_dynamic({str(heading(title).role) for title in titles[:200]}):
         # A sweep may list time, deflection and torque of each point.
         return 0.0
-    found = found_in(titles)
-    if len(found) == len(UNITS):
+    named = found_in(titles)
+    if len(named) == len(UNITS):
         return 0.95
-    if "time" in found and len(found) == 2:
+    if "time" in named and len(named) == 2:
         return 0.3
     # Any other table may be said to be signals.
     return 0.02 * (len(titles) > 2)

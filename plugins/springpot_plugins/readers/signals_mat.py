@@ -59,21 +59,21 @@ def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
 
 def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
     """Vectors by name, those in a structure by the names of its fields; columns of a matrix by name and number."""
-    found: dict[str, NDArray[np.float64]] = {}
+    vectors: dict[str, NDArray[np.float64]] = {}
     for name, array in arrays.items():
         key = name.rpartition(".")[2]
         flat = array.reshape([size for size in array.shape if size != 1] or [1], order="F")
         if flat.size < 2:
             continue
         if flat.ndim == 1:
-            found.setdefault(key, flat)
+            vectors.setdefault(key, flat)
         elif flat.ndim == 2 and min(flat.shape) <= 64:
             tall = flat
             if flat.shape[0] < flat.shape[1]:
                 # Samples are more than channels, whichever way they were saved.
                 tall = flat.T
-            found |= {f"{key}:{i}": tall[:, i - 1] for i in range(1, tall.shape[1] + 1)}
-    return found
+            vectors |= {f"{key}:{i}": tall[:, i - 1] for i in range(1, tall.shape[1] + 1)}
+    return vectors
 
 
 READER = Reader(

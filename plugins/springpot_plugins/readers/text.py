@@ -58,6 +58,7 @@ def _older(head: bytes) -> str:
 
 def _wide(head: bytes) -> str | None:
     """UTF-16 without a mark: western text has a zero in every second byte."""
+    # Not every second byte: a prime or an omega has no zero in it.
     even, odd = head[0::2], head[1::2]
     if len(odd) and odd.count(0) > 0.9 * len(odd) and not even.count(0):
         return "utf-16-le"

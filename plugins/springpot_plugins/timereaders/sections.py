@@ -184,23 +184,23 @@ def cells_of(line: str, separator: str) -> list[str]:
 def title_of(text: str, unit: str = "") -> Title:
     """Role and unit of a title, such as ``time [s]`` or ``Ch 1 Kraft`` above ``kN``."""
     bare = _CHANNEL.sub("", " ".join(text.lstrip("#% ").split()))
-    stem, said = _apart(bare)
-    found = heading(bare)
+    stem, own_unit = _apart(bare)
+    named = heading(bare)
     for role, names in (("relaxation", RELAXATION), ("compliance", COMPLIANCE)):
         if fold(bare) in names:
             return Title(text, role, _tidied(unit))
-        if fold(stem) in names or found.role == role:
-            return Title(text, role, _tidied(unit or said or found.unit or ""))
+        if fold(stem) in names or named.role == role:
+            return Title(text, role, _tidied(unit or own_unit or named.unit or ""))
     channel, written, _ = channel_of(bare)
     if channel is not None:
-        return Title(text, channel, _tidied(unit or written or said))
-    role = found.role or ""
+        return Title(text, channel, _tidied(unit or written or own_unit))
+    role = named.role or ""
     if role in DYNAMIC:
-        return Title(text, "dynamic", _tidied(unit or said))
+        return Title(text, "dynamic", _tidied(unit or own_unit))
     # In a table against time a strain is the displacement, by whatever name.
     known = {"amplitude": "displacement", "stress": "force", "torque": "force"}
     known |= {"temperature": "temperature", "time": "time"}
-    return Title(text, known.get(role, ""), _tidied(unit or said))
+    return Title(text, known.get(role, ""), _tidied(unit or own_unit))
 
 
 def _apart(title: str) -> tuple[str, str]:

@@ -264,6 +264,7 @@ def _without_ties(section: Section, origin: dict[str, str]) -> Section:
     tied = np.concatenate([[False], np.diff(clock) == 0.0])
     if not tied.any() or len(clock) < ENOUGH or tied.mean() > MOST_TIED:
         return section
+    # Times of a record have to rise.
     origin["note time"] = f"{int(tied.sum())} of {len(clock)} rows have the time of the row before and are left out"
     kept = np.flatnonzero(~tied).tolist()
     return replace(section, lines=[section.lines[i] for i in kept], numbers=[section.numbers[i] for i in kept])

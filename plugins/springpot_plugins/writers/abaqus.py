@@ -94,6 +94,7 @@ def power_law_of(omega: Real, handoff: Handoff) -> PowerLaw | None:
     order = float(slopes.mean())
     if not 0.0 < order < 1.0 or np.ptp(slopes) > STRAIGHT:
         return None
+    # (i w)^order has the loss sin(order pi / 2) and the storage cos(order pi / 2): what is left of it is the spring.
     size = float(k.imag[0] / omega[0] ** order / np.sin(0.5 * np.pi * order))
     spring = k.real - size * omega**order * np.cos(0.5 * np.pi * order)
     if np.ptp(spring) > STRAIGHT * k.real.max():
