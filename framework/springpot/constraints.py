@@ -72,7 +72,10 @@ def excluded(measurement: Measurement, exclude: str | Sequence[str]) -> Measurem
     DataError
         If there is no such column or value, or nothing would be left.
     """
-    for text in [exclude] if isinstance(exclude, str) else exclude:
+    # A single text need not stand in a list.
+    if isinstance(exclude, str):
+        exclude = [exclude]
+    for text in exclude:
         measurement = without(measurement, conditions(text, text))
     return measurement
 
@@ -102,8 +105,12 @@ def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
         low, colon, high = ends.partition(":")
         if not colon:
             raise OptionError(f"'{text}': write bounds as NAME=LOW:HIGH, such as k1=0:200")
-        least = _number(low, text) if low.strip() else float("-inf")
-        most = _number(high, text) if high.strip() else float("inf")
+        least, most = float("-inf"), float("inf")
+        # An end may be left open: k1=0:
+        if low.strip():
+            least = _number(low, text)
+        if high.strip():
+            most = _number(high, text)
         found[name] = (least, most)
     return found
 
@@ -137,7 +144,9 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
     try:
         if isinstance(default, int):
             return name, int(value)
-        return name, float(value) if isinstance(default, float) else value
+        if isinstance(default, float):
+            return name, float(value)
+        return name, value
     except ValueError:
         raise OptionError(f"{optimiser}: {name} is a number such as {default}, not '{value}'") from None
 

@@ -18,7 +18,9 @@ VOID = frozenset({"br", "img", "meta"})
 
 def html(part: str | int | float) -> Html:
     """`part` as HTML: text is escaped, `Html` stays as it is."""
-    return part if isinstance(part, Html) else Html(escape(str(part)))
+    if isinstance(part, Html):
+        return part
+    return Html(escape(str(part)))
 
 
 def joined(parts: Iterable[str]) -> Html:
@@ -39,7 +41,9 @@ def tag(name: str, /, *children: str, **attributes: str) -> Html:
         Values are escaped; an underscore at the end of a name is dropped (``class_``), others become hyphens.
     """
     given = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
-    end = "" if name in VOID else f"</{name}>"
+    end = f"</{name}>"
+    if name in VOID:
+        end = ""
     return Html(f"<{name}{given}>{joined(children)}{end}")
 
 

@@ -54,7 +54,9 @@ class PlainStream:
 
 def below(stream: TextIO) -> TextIO:
     """The stream itself, for those who command the terminal and make their texts plain themselves."""
-    return stream.below if isinstance(stream, PlainStream) else stream
+    if isinstance(stream, PlainStream):
+        return stream.below
+    return stream
 
 
 @contextmanager

@@ -137,7 +137,9 @@ class Shelf(Generic[T]):
         what, owner = f"alias '{alias}' of {self.kind.word} '{name}'", self._from[name]
         if alias in self.items:
             # A canonical name is never in doubt: only the alias gives way.
-            other = "its own name" if alias == name else f"the name of another, of {self._from[alias]}"
+            other = f"the name of another, of {self._from[alias]}"
+            if alias == name:
+                other = "its own name"
             return f"{what} is {other}; the alias is not used"
         first = self._by_alias.setdefault(alias, name)
         if first == name:
@@ -174,7 +176,9 @@ def _is_optimiser(item: object) -> bool:
 
 
 def _model_name(item: Model | Family) -> str:
-    return item.base if isinstance(item, Model) else item.name
+    if isinstance(item, Model):
+        return item.base
+    return item.name
 
 
 KINDS: dict[str, Kind[Any]] = {

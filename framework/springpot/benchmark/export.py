@@ -63,7 +63,9 @@ def _csv(columns: Columns) -> str:
 
 
 def _cell(value: Any) -> Any:
-    return guarded(value) if isinstance(value, str) else value
+    if isinstance(value, str):
+        return guarded(value)
+    return value
 
 
 def write_parquet(store: Store, folder: Path) -> Export:

@@ -60,7 +60,9 @@ def _lines(block: Block) -> Iterator[str]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.16e}" if isfinite(value) else "inf"
+    if not isfinite(value):
+        return "inf"
+    return f"{value:.16e}"
 
 
 def _index(block: Block, study: str, data: str) -> dict[str, Any]:

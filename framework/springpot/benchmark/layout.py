@@ -123,9 +123,12 @@ def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, objec
 
 def trial_columns(result: TrialResult, cell: int) -> dict[str, object]:
     """What is kept of a trial in a cell of the store, under the names of the columns."""
-    theta = None if result.theta is None else json.dumps(result.theta)
-    told = {"cell": cell, "status": str(result.status), "theta": theta}
-    return {name: getattr(result, name) for name in _names("trial")} | told
+    theta = None
+    if result.theta is not None:
+        theta = json.dumps(result.theta)
+    # These are kept in another form than a trial has them.
+    own = {"cell": cell, "status": str(result.status), "theta": theta}
+    return {name: getattr(result, name) for name in _names("trial")} | own
 
 
 def trace_columns(result: TrialResult) -> dict[str, bytes | None]:

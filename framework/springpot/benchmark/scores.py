@@ -114,7 +114,9 @@ def judged(store: Store) -> Iterator[tuple[CellRow, list[TrialRow], float]]:
 
 def goal_of(problem: ProblemRow, best: float, target: float) -> float:
     """Objective that counts as success; nothing does where no value is known."""
-    return target_value(best, problem.reference, target) if np.isfinite(best) else -np.inf
+    if not np.isfinite(best):
+        return -np.inf
+    return target_value(best, problem.reference, target)
 
 
 def score_cell(cell: CellRow, trials: Sequence[TrialRow], best: float, scale: Scale) -> CellScores:
@@ -124,6 +126,7 @@ def score_cell(cell: CellRow, trials: Sequence[TrialRow], best: float, scale: Sc
     hits = np.full(len(trials), np.inf)
     dimension = 0
     for row, trial in enumerate(trials):
+        # A trial that failed keeps its infinite time: it is never given a number.
         if trial.best is None:
             continue
         evaluations, values = trial.improvements()
@@ -149,7 +152,10 @@ def _excess(values: Real, best: float, reference: float) -> Real:
     above = np.zeros_like(values)
     np.subtract(values, best, out=above, where=values > best)
     span = max(reference - best, 0.0)
-    return above / span if span > 0.0 else np.where(above > 0.0, np.inf, np.where(np.isinf(values), np.inf, 0.0))
+    if span > 0.0:
+        return above / span
+    # Nothing is worse than the best that is known: there is no scale on which to be half as bad.
+    return np.where((above > 0.0) | np.isinf(values), np.inf, 0.0)
 
 
 def _clean(trials: Sequence[TrialRow], scale: Scale) -> Real | None:
@@ -207,6 +213,7 @@ def races_of(scores: Iterable[CellScores]) -> list[Race]:
 
 
 def _race(cells: Sequence[CellScores]) -> Race:
+    # Only where all have run: an entrant must not win by the repetitions that others have still to do.
     common = set.intersection(*(set(scores.repetitions.tolist()) for scores in cells))
     rows = [np.isin(scores.repetitions, sorted(common)) for scores in cells]
 

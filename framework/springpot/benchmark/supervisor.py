@@ -78,7 +78,9 @@ class Backlog:
 
     def first(self) -> Task | None:
         """The task that should be done next, which stays here."""
-        return self._returned[0] if self._returned else self._head
+        if self._returned:
+            return self._returned[0]
+        return self._head
 
     def take(self, entrant: int) -> Task | None:
         """The next task of an entrant, if it stands in front."""
@@ -185,7 +187,9 @@ class LocalEngine:
         mean = self._means.get(worker.entrant, 0.0)
         # Quick trials are handed out by many, or workers would wait for the next; slow ones singly, or they could not
         # be shared.
-        depth = 1 if mean <= 0 else int(min(max(AHEAD / mean, 1), DEEPEST))
+        depth = 1
+        if mean > 0:
+            depth = int(min(max(AHEAD / mean, 1), DEEPEST))
         # Refilled at half, so that there is something to do while the refill is on its way.
         if len(worker.tasks) > depth // 2:
             return
@@ -245,7 +249,10 @@ class LocalEngine:
         self._orphaned[None] = 0
         now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
         # A sliding mean: early trials carry first-use costs that later ones do not.
-        self._means[worker.entrant] = mean + (now - worker.since - mean) * (0.2 if mean else 1.0)
+        weight = 1.0
+        if mean:
+            weight = 0.2
+        self._means[worker.entrant] = mean + (now - worker.since - mean) * weight
         worker.since = now
         if worn or any(result.status is Status.CHANGED for result in results):
             self._dismiss(worker)
@@ -277,7 +284,9 @@ class LocalEngine:
 
     def _lost(self, worker: Worker, cause: str) -> list[TrialResult]:
         """What remains of a worker that has ended: answers in its line, then the trial that it died of."""
-        results = [] if worker.deaf else self._hear(worker)
+        results: list[TrialResult] = []
+        if not worker.deaf:
+            results = self._hear(worker)
         if worker.tasks and worker.number in self._workers:
             results += failure(worker.tasks.popleft(), Status.CRASH, cause, monotonic() - worker.since)
         self._dismiss(worker)

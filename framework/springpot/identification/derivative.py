@@ -83,7 +83,9 @@ def _deviation(model: Model, theta: Real, points: Points, direction: Real) -> fl
     off = [np.abs(_difference(model, theta, points, direction, step) - shares.sum(axis=0)) / size for step in STEPS]
     least = np.min(off, axis=0)
     least = least[np.isfinite(least)]
-    return float(np.median(least)) if least.size else float("nan")
+    if not least.size:
+        return float("nan")
+    return float(np.median(least))
 
 
 def _difference(model: Model, theta: Real, points: Points, direction: Real, step: float) -> Complex:

@@ -70,8 +70,12 @@ def _bounds(known: Uncertainty) -> Iterator[str]:
             yield f"{name} has grown without limit: its element is rigid as far as these data show"
         else:
             factor, unit = known.fit.measurement.units.of(parameter.unit)
-            bound = factor * (parameter.lower if side < 0 else parameter.upper)
-            shown = f"{bound:g}" if unit == "-" else f"{bound:g} {unit}"
+            bound = parameter.upper
+            if side < 0:
+                bound = parameter.lower
+            shown = f"{factor * bound:g}"
+            if unit != "-":
+                shown += f" {unit}"
             yield f"{name} rests on its bound {shown}: the data ask for more than the model allows"
 
 

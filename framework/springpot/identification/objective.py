@@ -60,8 +60,10 @@ class Objective:
 
     def derivative(self, by_theta: Complex, stiffness: Complex, weights: Complex) -> Real:
         """Derivative of `residual`, shape (..., p, 2n), from dK/dtheta of shape (..., p, n)."""
-        slope = by_theta / stiffness[..., None, :] if self.logarithmic else by_theta
-        return weighted(slope, weights)
+        # d ln K = dK / K.
+        if self.logarithmic:
+            by_theta = by_theta / stiffness[..., None, :]
+        return weighted(by_theta, weights)
 
 
 def weighted(values: Complex, weights: Complex) -> Real:

@@ -199,14 +199,20 @@ class _System:
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             off = self.target - self.columns @ self.solve(10.0**middle, self.target)
-            low, high = (middle, high) if float(off @ off) + self.least <= self.most else (low, middle)
+            # As much smoothing as the data bear without being missed by more than noise.
+            if float(off @ off) + self.least <= self.most:
+                low = middle
+            else:
+                high = middle
         return float(10.0**low)
 
 
 def _weights(fit: Fit) -> Complex:
     """Weights (n,) of K' and K''; of a logarithmic objective those relative to |K|."""
     weights = np.asarray(fit.objective.weights(fit.measurement), dtype=np.complex128)
-    return weights / fit.measurement.magnitude if fit.objective.logarithmic else weights
+    if fit.objective.logarithmic:
+        return weights / fit.measurement.magnitude
+    return weights
 
 
 def _roughness(size: Real, step: float) -> Real:

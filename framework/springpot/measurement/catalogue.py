@@ -79,7 +79,9 @@ class DataSet:
         """In one word: ``here``, ``download``, or ``missing``."""
         if self.unavailable:
             return "missing"
-        return "download" if self.remote else "here"
+        if self.remote:
+            return "download"
+        return "here"
 
     def open(self) -> Measurement:
         """The measurement.

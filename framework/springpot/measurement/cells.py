@@ -25,12 +25,16 @@ def guarded(cell: str) -> str:
     >>> guarded("=1+1"), guarded("-1.5e3"), guarded("a")
     ("'=1+1", '-1.5e3', 'a')
     """
-    return cell if cell in _ALONE else _guarded(cell)
+    if cell in _ALONE:
+        return cell
+    return _guarded(cell)
 
 
 def unguarded(cell: str) -> str:
     """What `guarded` was given."""
-    return cell[1:] if _GUARDED.match(cell) else cell
+    if _GUARDED.match(cell):
+        return cell[1:]
+    return cell
 
 
 def guarded_line(line: str) -> str:
@@ -45,7 +49,10 @@ def unguarded_line(line: str) -> str:
 
 
 def _guarded(cell: str) -> str:
-    return f"'{cell}" if _FORMULA.match(cell) and not _is_number(cell) else cell
+    # A spreadsheet runs what begins like a formula; a number below zero begins so too, and is none.
+    if _FORMULA.match(cell) and not _is_number(cell):
+        return f"'{cell}"
+    return cell
 
 
 def _is_number(cell: str) -> bool:

@@ -40,6 +40,7 @@ class Geometry(ABC):
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
+            # A yes or no is a number to Python too, and no is not positive.
             if not (isinstance(value, bool) or (isfinite(value) and value > 0)):
                 raise OptionError(f"{self.name}: {field.name} must be positive, got {value:g}")
 
@@ -134,7 +135,9 @@ class AnnularDashpot(Geometry):
     def _resistance(self) -> tuple[float, float]:
         """The denominator of K, and the share of the force that shears the piston's wall."""
         a = log(self.outer_radius / self.inner_radius)
-        return (_less_tanh(a), tanh(a)) if self.closed else (a, 1.0)
+        if not self.closed:
+            return a, 1.0
+        return _less_tanh(a), tanh(a)
 
     @property
     def stress_factor(self) -> float:
@@ -150,7 +153,10 @@ class AnnularDashpot(Geometry):
 
 def _less_tanh(a: float) -> float:
     """The difference a - tanh a without cancellation."""
-    return a**3 / 3.0 * (1.0 - 0.4 * a**2 + 17.0 / 105.0 * a**4) if a < 0.02 else a - tanh(a)
+    if a >= 0.02:
+        return a - tanh(a)
+    # Below, the difference loses as many digits as the series leaves out, and soon more.
+    return a**3 / 3.0 * (1.0 - 0.4 * a**2 + 17.0 / 105.0 * a**4)
 
 
 @dataclass(frozen=True)
@@ -231,6 +237,7 @@ class TorsionBar(Geometry):
     @property
     def _section(self) -> tuple[float, float]:
         """Torsion constant in m^4, and the largest shear for unit twist per length in m."""
+        # Whichever side is called the width: the formulas hold for the longer over the shorter.
         b, ratio = min(self.width, self.thickness), max(self.width, self.thickness)
         ratio /= b
         odd = range(1, _TERMS, 2)
@@ -251,7 +258,10 @@ class TorsionBar(Geometry):
 
 
 def _cosh(x: float) -> float:
-    return cosh(x) if x < 700.0 else inf
+    # Beyond that it is more than a number holds, and Python raises.
+    if x >= 700.0:
+        return inf
+    return cosh(x)
 
 
 @dataclass(frozen=True)

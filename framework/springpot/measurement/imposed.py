@@ -96,7 +96,9 @@ def controlled(moved: Real, pulled: Real) -> str:
     else:
         force_unrest = _late_unrest(pulled)
         force_imposed = force_unrest <= STEADY and force_unrest < _late_unrest(moved)
-    return "force" if force_imposed else "displacement"
+    if force_imposed:
+        return "force"
+    return "displacement"
 
 
 def _late_unrest(value: Real) -> float:

@@ -99,7 +99,10 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     column = measurement.conditions.get(condition)
     if column is None:
         return None
-    values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny)) if condition == "amplitude" else column
+    values = column
+    # Amplitudes go by shares, as a rig holds them.
+    if condition == "amplitude":
+        values = np.log(np.maximum(np.abs(column), np.finfo(float).tiny))
     whole = float(np.std(values))
     own = min(whole, _unexplained(measurement, condition, values))
     return Spread(2.0 * whole, 2.0 * own, WANDER[condition], CHOSEN[condition])
@@ -171,7 +174,10 @@ def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
         rows = np.flatnonzero(level == number)
         left.append(_off_curve(x[rows], y[rows]))
     rest = np.concatenate(left)
-    return NORMAL * float(np.median(rest)) if len(rest) >= FREE_SHARE * len(y) else np.inf
+    # Too few are left to tell their scatter.
+    if len(rest) < FREE_SHARE * len(y):
+        return np.inf
+    return NORMAL * float(np.median(rest))
 
 
 def _off_curve(x: Real, y: Real) -> Real:

@@ -40,10 +40,13 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
             kinds = f"{first.units.stiffness} and {other.units.stiffness}"
             raise DataError(f"{first.name} and {other.name}: a stiffness and a modulus ({kinds}) are no joint test")
         if lacking := sorted(set(first.conditions) ^ set(other.conditions)):
-            which = first if lacking[0] in other.conditions else other
+            which = other
+            if lacking[0] in other.conditions:
+                which = first
             raise DataError(f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column")
     scale = [_factor(each, first) for each in measurements]
     sd = None
+    # Deviations of some rows alone would be weights on no common scale.
     if all(each.sd is not None for each in measurements):
         sd = np.concatenate(
             [by * each.sd for by, each in zip(scale, measurements, strict=True) if each.sd is not None]
@@ -85,7 +88,10 @@ def _repeats(measurements: Sequence[Measurement]) -> np.ndarray[tuple[int], np.d
     """Numbers of repeats that no two files share."""
     numbers, last = [], 0
     for each in measurements:
-        own = np.zeros(len(each), dtype=np.int64) if each.repeat is None else each.repeat - int(each.repeat.min())
+        own = np.zeros(len(each), dtype=np.int64)
+        # Each file may begin to count where it likes.
+        if each.repeat is not None:
+            own = each.repeat - int(each.repeat.min())
         numbers.append(own + last)
         last += int(own.max()) + 1
     return np.concatenate(numbers)

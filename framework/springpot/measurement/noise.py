@@ -44,7 +44,10 @@ def with_noise(
     """
     if not 0 < level < 1:
         raise DataError(f"the noise level must lie between 0 and 1, got {level}")
-    r = rng.uniform(-1.0 if symmetric else 0.0, 1.0, size=(4, len(measurement)))
+    least, kind = 0.0, "one-sided as printed, r from (0, 1)"
+    if symmetric:
+        least, kind = -1.0, "symmetric, r from (-1, 1)"
+    r = rng.uniform(least, 1.0, size=(4, len(measurement)))
     qc, qs = displacement
     uc = measurement.storage * qc + measurement.loss * qs
     us = -measurement.loss * qc + measurement.storage * qs
@@ -52,7 +55,6 @@ def with_noise(
     squared = qc_noisy**2 + qs_noisy**2
     storage = (uc * qc_noisy + us * qs_noisy) / squared
     loss = (uc * qs_noisy - us * qc_noisy) / squared
-    kind = "symmetric, r from (-1, 1)" if symmetric else "one-sided as printed, r from (0, 1)"
     return replace(
         measurement,
         stiffness=storage + 1j * loss,

@@ -85,6 +85,7 @@ def forget(*channels: Real) -> None:
     """Give back the memory of channels that are mapped from a file; they are read again when they are needed."""
     for channel in channels:
         below: object = channel
+        # A column is a view of a view: the map lies under all of them.
         while isinstance(below, np.ndarray):
             below = below.base
         if isinstance(below, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):

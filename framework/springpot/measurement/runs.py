@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -60,7 +61,11 @@ class Run:
     @property
     def name(self) -> str:
         """Such as ``temperature 20, repeat 1``; ``all`` where nothing tells the rows apart."""
-        parts = [f"{k} {v}" if isinstance(v, str) else f"{k} {v:.4g}" for k, v in self.conditions.items()]
+        parts = []
+        for name, value in self.conditions.items():
+            if not isinstance(value, str):
+                value = f"{value:.4g}"
+            parts.append(f"{name} {value}")
         return ", ".join(parts) or "all"
 
 
@@ -77,14 +82,35 @@ def runs_of(data: Rows) -> Iterator[Run]:
     """
     parts = [np.arange(len(data.omega))]
     for column in _named(data):
-        parts = [rows[column[rows] == value] for rows in parts for value in dict.fromkeys(column[rows].tolist())]
+        parts = _split(parts, partial(_by_value, column))
     for name in ("temperature", "amplitude"):
         if name in data.conditions:
-            parts = [finer for rows in parts for finer in _by_level(data, name, rows)]
+            parts = _split(parts, partial(_by_level, data, name))
+    # Last: a repeat is one of a sweep, under conditions that are the same.
     if data.repeat is not None:
-        parts = [rows[data.repeat[rows] == value] for rows in parts for value in np.unique(data.repeat[rows])]
+        parts = _split(parts, partial(_by_repeat, data.repeat))
     for rows in parts:
         yield Run(_conditions(data, rows, len(parts)), rows)
+
+
+def _split(
+    parts: list[NDArray[np.int64]], divide: Callable[[NDArray[np.int64]], list[NDArray[np.int64]]]
+) -> list[NDArray[np.int64]]:
+    """The finer parts that each of some parts consists of."""
+    finer: list[NDArray[np.int64]] = []
+    for rows in parts:
+        finer += divide(rows)
+    return finer
+
+
+def _by_value(column: NDArray[np.str_] | Real, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each value, in the order of the file."""
+    return [rows[column[rows] == value] for value in dict.fromkeys(column[rows].tolist())]
+
+
+def _by_repeat(repeat: NDArray[np.int64], rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The rows of each repeat, ascending."""
+    return [rows[repeat[rows] == value] for value in np.unique(repeat[rows])]
 
 
 def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
@@ -102,6 +128,7 @@ def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np
     count = int(level.max()) + 1
     frequency = np.round(np.log(data.omega[rows]), SAME_FREQUENCY)
     pairs = len(np.unique(np.column_stack([level, frequency]), axis=0))
+    # A level at which one frequency was measured is no sweep.
     if count == 1 or pairs < 2 * count:
         return [rows]
     if name == "amplitude" and pairs < RECURS * len(np.unique(frequency)):

@@ -47,8 +47,10 @@ class Timed(HasParameters):
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Those of the material, then those of each effect."""
-        own = [parameter for effect in self.time_effects for parameter in effect.own]
-        return (*self.material.parameters, *own)
+        parameters = list(self.material.parameters)
+        for effect in self.time_effects:
+            parameters += effect.own
+        return tuple(parameters)
 
     @property
     def effects(self) -> tuple[Effect | TimeEffect, ...]:
@@ -89,9 +91,14 @@ def grown(model: Model | Timed, effect: Effect | TimeEffect) -> Model | Timed:
     """A model with one more effect of either kind."""
     if isinstance(effect, Effect):
         return model + effect
-    return (model if isinstance(model, Timed) else Timed(model)) + effect
+    # A model of the material alone becomes one of tests in time with its first such effect.
+    if not isinstance(model, Timed):
+        model = Timed(model)
+    return model + effect
 
 
 def material_of(model: Model | Timed) -> Model:
     """The model of the specimen and its rig, without what the test did."""
-    return model.material if isinstance(model, Timed) else model
+    if isinstance(model, Timed):
+        return model.material
+    return model

@@ -203,6 +203,7 @@ class Effect:
         """
         shape = at.log_omega.shape[-1:]
         centre = self.third_harmonic(theta, at)
+        # Inside another part the harmonic passes on changed: by how much no formula here says.
         beside = self.composition.kind is Parallel or "amplitude" not in self.needs
         if centre is not None and (beside or not np.any(centre)):
             return centre, np.zeros(shape)

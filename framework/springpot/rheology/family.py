@@ -44,4 +44,6 @@ class Family:
     def member(self, name: str) -> Model | None:
         """The member called `name`, or None if it is none of this family's."""
         number = self.number(name)
-        return None if number is None else self.build(number)
+        if number is None:
+            return None
+        return self.build(number)

@@ -51,6 +51,7 @@ class SearchForm:
             return x
         low, high = self.ordered
         violated = x[..., high] <= x[..., low]
+        # Most points keep the order: they are spared a copy.
         if not violated.any():
             return x
         mended = x.copy(order="K")

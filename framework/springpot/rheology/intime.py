@@ -206,8 +206,10 @@ class Passive:
                 f"a fluid under a force of {force[0].real:g} before the first sample flowed without end: begin at 0"
             )
         # A fluid that carried nothing before the first sample was at rest there, wherever that was.
-        start = force[0] / stiffness if stiffness > 0.0 else 0.0
-        start_slopes = -start / stiffness * stiffness_slopes if stiffness > 0.0 else np.zeros(len(self.theta))
+        start, start_slopes = 0.0, np.zeros(len(self.theta))
+        if stiffness > 0.0:
+            start = force[0] / stiffness
+            start_slopes = -start / stiffness * stiffness_slopes
         modes = self.retardation(*_times(t.real))
         by = modes.by_theta
         more = force - force[0]

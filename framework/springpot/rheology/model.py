@@ -42,7 +42,9 @@ class Model(NamedNetwork):
 
     def _repr_html_(self) -> str:
         drawn = tag("pre", drawing_of(self), style="line-height: 1.2")
-        source = f"{self.summary} ({self.citation})" if self.citation else self.summary
+        source = self.summary
+        if self.citation:
+            source += f" ({self.citation})"
         return tag("div", tag("p", tag("b", self.name)), drawn, tag("p", f"{', '.join(self.names)}: {source}"))
 
     def spectrum(

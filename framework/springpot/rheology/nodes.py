@@ -50,6 +50,7 @@ def _together(a: Complex, b: Complex) -> Complex:
     The quotient comes first, so that no product of two large or two small numbers leaves the range.
     """
     both = a + b
+    # In place: this runs at every evaluation of a search, and a table of its own for each step would cost as much.
     np.divide(b, both, out=both)
     both *= a
     return both
@@ -145,9 +146,14 @@ class Composition(Node):
         """The nodes put together; one alone is itself."""
         children: list[Node] = []
         for node in nodes:
-            same = cls.flat and isinstance(node, cls)
-            children.extend(node.children if same else (node,))  # type: ignore[attr-defined]  # it is of this class
-        return children[0] if len(children) == 1 else cls(tuple(children))
+            # Parallel within parallel is one row of parts; a chain within a chain is not, as its order counts.
+            if cls.flat and isinstance(node, cls):
+                children.extend(node.children)
+            else:
+                children.append(node)
+        if len(children) == 1:
+            return children[0]
+        return cls(tuple(children))
 
     @staticmethod
     def residual(measured: Complex, modelled: Response) -> Complex:
@@ -161,7 +167,10 @@ class Composition(Node):
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
-        return tuple(p for child in self.children for p in child.parameters)
+        parameters: list[Parameter] = []
+        for child in self.children:
+            parameters += child.parameters
+        return tuple(parameters)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -187,6 +196,7 @@ class Composition(Node):
 def _joined(parts: Sequence[Response], factors: Sequence[Complex] | None) -> Complex:
     """dK/dtheta of the whole: each part's own, times its factor dK/dK_part."""
     if factors is None:
+        # All are one, as of parts side by side: nothing is to be multiplied.
         blocks = [part.by_theta for part in parts]
     else:
         blocks = [f[..., None, :] * part.by_theta for f, part in zip(factors, parts, strict=True)]
@@ -195,7 +205,9 @@ def _joined(parts: Sequence[Response], factors: Sequence[Complex] | None) -> Com
 
 
 def _lead(block: Complex, lead: tuple[int, ...]) -> Complex:
-    return block if block.shape[:-2] == lead else np.broadcast_to(block, lead + block.shape[-2:])
+    if block.shape[:-2] == lead:
+        return block
+    return np.broadcast_to(block, lead + block.shape[-2:])
 
 
 def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Complex] | None, depth: int) -> Response:
@@ -241,6 +253,7 @@ class Series(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """1/K = sum 1/K_i, so that dK/dK_i = (K/K_i)^2."""
         parts = self._respond_each(theta, at, depth)
+        # Two by two takes one division for each further part; the sum of inverses takes two more.
         if depth == VALUE:
             return Response(reduce(_together, (part.value for part in parts)))
         value = 1.0 / sum((1.0 / part.value for part in parts[1:]), 1.0 / parts[0].value)

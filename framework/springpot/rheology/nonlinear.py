@@ -55,6 +55,7 @@ def slip_fraction(rho: Any) -> tuple[Any, Any]:
     rho : ndarray
         Slip force over k X; from 1 on the slider sticks and the element is a plain spring.
     """
+    # Where it sticks there is no loop: any number inside keeps the arc cosine in its range.
     sticks = np.real(rho) >= 1.0
     beta = np.arccos(1.0 - 2.0 * np.where(sticks, 0.5, rho))
     value = (beta - 0.5 * np.sin(2.0 * beta) + 1j * np.sin(beta) ** 2) / np.pi
@@ -146,6 +147,7 @@ def _gap(at: Points, b: Any) -> tuple[Any, Any]:
 
 def _dead_zone(at: Points, k: Any, b: Any) -> Any:
     ratio, open_ = _gap(at, b)
+    # Within the gap there is no contact, and no formula: any number stands in for it there.
     inside = np.where(open_, 0.0, ratio)
     root = np.sqrt(1.0 - inside**2)
     share = np.where(open_, 0.0, 1.0 - (np.arcsin(inside) + inside * root) * 2.0 / np.pi)
@@ -224,6 +226,7 @@ def _leak(at: Points, force: Any, angle: Any) -> Any:
 
 
 def _no_third(at: Points, *_: Any) -> Any:
+    # A disturbance at the test frequency has no other; without this it would count as one that is not known.
     return 0.0
 
 

@@ -58,4 +58,7 @@ def _inside(parameter: Parameter, share: float) -> float:
     low, high = parameter.lower, parameter.upper
     if np.isfinite(low) and np.isfinite(high):
         return low + share * (high - low)
-    return max(low, 0.0) + share if high == np.inf else min(high, 0.0) - share
+    # From the end that there is, away from the other.
+    if high == np.inf:
+        return max(low, 0.0) + share
+    return min(high, 0.0) - share

@@ -161,7 +161,11 @@ class Rows:
         for element in self.elements:
             own = theta[start : start + len(element.parameters)]
             value = element.respond(own, points).value.real
-            factor, x = (factor, x + value) if element.logarithmic else (factor * value, x)
+            # Shifts move the logarithm of the frequency, vertical factors multiply the stiffness.
+            if element.logarithmic:
+                x = x + value
+            else:
+                factor = factor * value
             start += len(own)
         return factor, x
 
@@ -189,7 +193,10 @@ class Rows:
         order = np.lexsort((self.fit.measurement.omega, self.number))
         residual = (self.residual / self.scale).reshape(2, -1).T[order]
         same = np.diff(self.number[order]) == 0
-        product = np.mean((residual[1:] * residual[:-1])[same]) if np.any(same) else 0.0
+        product = 0.0
+        # Neighbours of different levels are no neighbours.
+        if np.any(same):
+            product = np.mean((residual[1:] * residual[:-1])[same])
         # A negative correlation would narrow the intervals, on no more than a guess.
         r = float(np.clip(product / max(float(np.mean(residual**2)), 1e-300), 0.0, MOST_ALIKE))
         return (1.0 + r) / (1.0 - r)

@@ -63,8 +63,11 @@ def derivative(function: Callable[[Any], Any], x: Real, reach: float = 0.01) -> 
     columns = []
     for i in range(len(x)):
         radius = reach * (abs(x[i]) or 0.01)
-        found = _around(function, x, i, radius, np.abs(centre))
-        columns.append(_difference(function, x, i, radius) if found is None else found)
+        column = _around(function, x, i, radius, np.abs(centre))
+        # What takes no complex numbers, or is not analytic, is told by real steps.
+        if column is None:
+            column = _difference(function, x, i, radius)
+        columns.append(column)
     return np.stack(columns, axis=-1)
 
 
@@ -75,7 +78,9 @@ def _around(function: Callable[[Any], Any], x: Real, i: int, radius: float, size
         return None
     by_x, by_conjugate = (np.mean(values * turn, axis=-1) / radius for turn in (1 / ROOTS, ROOTS))
     analytic = np.all(np.abs(by_conjugate) < 1e-7 * (np.abs(by_x) + size))
-    return by_x if analytic else None
+    if not analytic:
+        return None
+    return by_x
 
 
 def _difference(function: Callable[[Any], Any], x: Real, i: int, radius: float) -> Any:

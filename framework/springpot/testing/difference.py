@@ -107,9 +107,15 @@ def interval(values: Real, level: float) -> tuple[float, float]:
 
     finite = np.log(values[np.isfinite(values)])
     if len(finite) == 0:
-        return (inf, inf) if len(values) > 1 else (0.0, inf)
+        # All missed: of one trial alone that tells nothing yet.
+        if len(values) > 1:
+            return inf, inf
+        return 0.0, inf
     if len(finite) < 2:
         return 0.0, inf
     half = float(t.isf(level / 2, len(finite) - 1)) * float(np.std(finite, ddof=1)) / sqrt(len(finite))
     centre = float(np.mean(finite))
-    return exp(centre - half), exp(min(centre + half, 700.0)) if len(finite) == len(values) else inf
+    # A trial that missed costs more than any number, so that there is no upper end.
+    if len(finite) < len(values):
+        return exp(centre - half), inf
+    return exp(centre - half), exp(min(centre + half, 700.0))

@@ -89,7 +89,9 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
 
 
 def _without(column: str) -> Points:
-    return replace(POINTS, amplitude=None) if column == "amplitude" else replace(POINTS, temperature=None)
+    if column == "amplitude":
+        return replace(POINTS, amplitude=None)
+    return replace(POINTS, temperature=None)
 
 
 def _columns(effect: Effect, grown: Model) -> Iterator[str]:

@@ -187,8 +187,10 @@ def _faults(optimiser: Optimiser) -> Iterator[str]:
 def _gradient(optimiser: Optimiser) -> Iterator[str]:
     used = _run(optimiser, LONG).gradients > 0
     if used != optimiser.card.gradient:
-        says = f"its card says gradient={optimiser.card.gradient}"
-        yield f"it {'uses' if used else 'does not use'} derivatives, but {says}"
+        does = "does not use"
+        if used:
+            does = "uses"
+        yield f"it {does} derivatives, but its card says gradient={optimiser.card.gradient}"
 
 
 def _batch(optimiser: Optimiser) -> Iterator[str]:

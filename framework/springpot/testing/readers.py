@@ -72,7 +72,9 @@ def check_reader(reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: 
 
 def _actions(reader: Reader) -> list[tuple[str, type, Callable[[Path, Choice], Any]]]:
     found: list[tuple[str, type, Callable[[Path, Choice], Any]]] = [("read", Measurement, reader.read)]
-    return found if reader.signals is None else [*found, ("signals", Signals, reader.signals)]
+    if reader.signals is not None:
+        found.append(("signals", Signals, reader.signals))
+    return found
 
 
 def _samples(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
@@ -150,7 +152,9 @@ def _choice(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
 
 
 def _text(reader: Reader, measurement: Measurement) -> bytes:
-    return b"" if reader.text is None else reader.text(_bare(measurement)).encode()
+    if reader.text is None:
+        return b""
+    return reader.text(_bare(measurement)).encode()
 
 
 def _bare(measurement: Measurement) -> Measurement:
@@ -192,7 +196,9 @@ def _differences(one: Measurement, other: Measurement) -> Iterator[str]:
         yield "the unit"
     for name in ("omega", "stiffness", *EXTRAS):
         a, b = getattr(one, name), getattr(other, name)
-        pairs = [(a, b)] if name not in ("conditions", "labels") else [(a.get(k), b.get(k)) for k in {*a, *b}]
+        pairs = [(a, b)]
+        if name in ("conditions", "labels"):
+            pairs = [(a.get(key), b.get(key)) for key in {*a, *b}]
         for left, right in pairs:
             if (left is None) != (right is None) or (left is not None and not np.array_equal(left, right)):
                 yield name
