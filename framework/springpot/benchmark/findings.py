@@ -136,6 +136,7 @@ def study_tables(store: Store, names: Sequence[str] = TABLES) -> Iterator[tuple[
     names : sequence of str
         Which of `TABLES`.
     """
+    # Every trace is read only if a table that is wanted compares by them.
     findings = Findings.of(store, scored=any(name in COMPARING for name in names))
     for name in names:
         yield name, (PLAIN | COMPARING)[name](findings)
@@ -165,10 +166,14 @@ def write_tables(
     StudyError
         If there are no results or a format is unknown.
     """
+    # Before the store is read, which may take long.
     unknown = [name for name in formats if name not in FORMATS]
     if unknown:
         raise StudyError(f"unknown table format '{unknown[0]}': use {', '.join(FORMATS)}")
     path = store_path(study, out)
     with Store(path) as store:
         tables = list(study_tables(store))
-    return [file for stem, table in tables for file in save_table(table, path.parent, stem, formats)]
+    files = []
+    for stem, table in tables:
+        files += save_table(table, path.parent, stem, formats)
+    return files

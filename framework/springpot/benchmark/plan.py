@@ -37,10 +37,12 @@ def digest_of_data(measurement: Measurement) -> str:
     """SHA-256 of everything in a measurement that a fit can see."""
     columns: dict[str, Any] = {"omega": measurement.omega, "stiffness": measurement.stiffness}
     optional = {"sd": measurement.sd, "repeat": measurement.repeat, **measurement.conditions}
+    # In the order of their names: that in which a file has its columns changes nothing for a fit.
     columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
     seen = sha256()
     for key, column in columns.items():
         values = np.ascontiguousarray(column)
+        # Kind and shape too, as the same bytes may be other numbers.
         seen.update(f"{key} {values.dtype.str} {values.shape}\n".encode())
         seen.update(values.tobytes())
     return seen.hexdigest()
@@ -215,6 +217,7 @@ def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
 def cell_digest(case: Case, entrant: Entrant, budget: int, seed: int, stop: float) -> str:
     """Digest of a cell: the problem, the optimiser with its options, the budget and the seed."""
     stop_text = None
+    # JSON, of which the digest is made, has no word for infinity.
     if stop != -np.inf:
         stop_text = float(stop)
     return digest_of(case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text)

@@ -72,11 +72,13 @@ def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, 
     grid = np.zeros(1)
     if moves:
         grid = np.arange(low, high + STEP, STEP)
+    # Both ways, as each sweep predicts the other where they overlap: neither is the truth.
     forth, forth_sd = one.predict(other.x + grid[:, None])
     back, back_sd = other.predict(one.x - grid[:, None])
     error = np.concatenate([other.y[:, None, :] - forth, back - one.y[:, None, :]], axis=-1)
     sd = np.concatenate([forth_sd, back_sd], axis=-1)
     weight = sd**-2.0
+    # The expectation that ln b is small counts as one more measurement of it, as wide as LIFT.
     log_b = np.sum(weight * error[0], axis=-1) / (np.sum(weight, axis=-1) + LIFT**-2.0) * lifts
     error[0] -= log_b[:, None]
     # Heavy tails: one end of a sweep may be the instrument's.
@@ -87,6 +89,7 @@ def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, 
 
 def _vertex(values: Real, i: int) -> float:
     """Place of the parabola's minimum beside the least of equidistant values, in steps."""
+    # At an end of the grid there is no neighbour for a parabola.
     if not 0 < i < len(values) - 1:
         return 0.0
     before, here, after = values[i - 1 : i + 2]
@@ -116,6 +119,7 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
         matrix[row, starts[k] + combinations[j, k]] = 1.0
         matrix[row, starts[k] + combinations[i, k]] = -1.0
         found[row] = _pair(curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k]))
+    # Pairs tell differences only: of all answers the one of least size is taken, and referred to one level below.
     log_factors = np.linalg.lstsq(matrix, found, rcond=None)[0]
     guesses: dict[str, float] = {}
     for prefix, element in own:

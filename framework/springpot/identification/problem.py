@@ -98,6 +98,7 @@ class Problem(Searched):
         """
         model = model.bound_to(measurement.points)
         space = paper_box(model, measurement, stiffness_scale)
+        # A wrong derivative is told before anything is searched by it.
         with np.errstate(all="ignore"):
             inside = space.theta(space.repaired(space.lower + 0.4 * (space.upper - space.lower)))
         require_derivative(model, inside, measurement.points)
@@ -120,6 +121,7 @@ class Problem(Searched):
         """
         theta, n = self.space.theta(x), len(self.measurement)
         lead, d = theta.shape[:-1], theta.shape[-1]
+        # One point, and a few of them, go straight through: this is the hot path of every search.
         if theta.size // d * n <= BLOCK:
             return self._value(theta)
         rows, step = theta.reshape(-1, d), max(1, BLOCK // n)

@@ -59,6 +59,7 @@ class Recorder:
 
     def _enter(self, ledger: Ledger) -> None:
         self._problem = ledger.problem
+        # The recorder holds no ledger: an optimiser could write into what it can reach.
         self._value, self._gradient = _door(ledger.value), _door(ledger.gradient)
         self._residuals, self._residual_batch = _door(ledger.residuals), _door(ledger.residual_batch)
         self._batch = lambda x, factor: ledger.batch(x, factor)
@@ -117,8 +118,9 @@ class Recorder:
     @property
     def best_x(self) -> Real:
         """Where, a copy of shape (d,); empty before the first finite value."""
-        found: Real = self._told("best_x").copy()
-        return found
+        # A copy: the ledger's own must not change under an optimiser's hands.
+        place: Real = self._told("best_x").copy()
+        return place
 
     @property
     def trace(self) -> list[tuple[int, float]]:
@@ -244,5 +246,8 @@ class RecorderGroup:
         values = np.full(x.shape[:2], inf)
         for i, recorder in enumerate(self._recorders):
             if recorder.left > 0:
-                values[i] = recorder.batch(x[i], None if factor is None else factor[i])
+                penalties = None
+                if factor is not None:
+                    penalties = factor[i]
+                values[i] = recorder.batch(x[i], penalties)
         return values

@@ -48,6 +48,7 @@ def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> R
     """Quasi-random settings (count, q) of an effect's parameters over all that is physically possible."""
     unit = low_discrepancy(count, len(parameters))
     columns: dict[str, Real] = {}
+    # Last those whose unit hangs on an order: its value must be there before theirs has a size.
     for u, parameter in sorted(
         zip(unit.T, parameters, strict=True), key=lambda pair: isinstance(pair[1].unit.time, str)
     ):
@@ -62,6 +63,7 @@ def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real
     natural = natural * parameter.typical
     if parameter.scale == "linear" and parameter.upper < inf and parameter.lower > -inf:
         return parameter.lower + (parameter.upper - parameter.lower) * u
+    # What may have either sign has no logarithm: half the settings go to each side, by decades of the size.
     if parameter.scale == "linear":
         sign = np.where(u < 0.5, -1.0, 1.0)
         reach = np.abs(2.0 * u - 1.0)
@@ -101,6 +103,7 @@ def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
     if parameter.scale == "linear":
         room = EDGE * (parameter.upper - parameter.lower)
         return parameter.lower + room, parameter.upper - room
+    # Its size hangs on an order that is not known here: nothing is said of it.
     if isinstance(unit.time, str):
         return inf, -inf
     natural = window.stiffness**unit.stiffness * window.time**unit.time * window.amplitude**unit.amplitude

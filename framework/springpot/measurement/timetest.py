@@ -116,6 +116,7 @@ class TimeTest:
             bad = np.flatnonzero(~np.isfinite(values))
             if len(bad):
                 raise DataError(f"{self.name}: the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+        # Of two answers at one time neither is the one: what is imposed may jump, the response may not.
         back = np.flatnonzero(np.diff(self.time) <= 0.0)
         if len(back):
             raise DataError(
@@ -129,6 +130,7 @@ class TimeTest:
             )
         if np.ptp(self.loading.value) == 0.0:
             raise DataError(f"{self.name}: the {self.control} never moves: nothing was tested")
+        # Refuses units of which no stiffness can be made, before anything is worked out in them.
         stiffness_unit(self.displacement_unit, self.force_unit)
 
     @classmethod
@@ -364,6 +366,7 @@ class TimeTest:
     @cached_property
     def rise(self) -> float:
         """Seconds that the load takes to its largest value."""
+        # A rig holds what was set only so nearly: what it does within that is no rise.
         size = np.abs(self.loading.value)
         there = np.flatnonzero(size >= (1.0 - STEADY) * size.max())[0]
         return max(float(self.loading.time[there]) - self.start, 0.0)

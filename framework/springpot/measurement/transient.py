@@ -48,6 +48,7 @@ def unsteady_cycles(fit: Fit) -> int:
     from scipy.special import fdtri
 
     each = fit.groups[:, 1] / fit.groups[:, 0]
+    # A transient dies away, so that the later half is what the first cycles are measured by.
     settled = each[len(each) // 2 :]
     n = len(settled)
     if n < 3 or not np.isfinite(each).all():
@@ -56,6 +57,7 @@ def unsteady_cycles(fit: Fit) -> int:
     variance = max(float(np.sum(np.abs(settled - centre) ** 2)) / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
     limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - UNLIKE)
     unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
+    # Only an unbroken beginning is a transient; what comes later is scatter.
     return int(np.argmin(np.append(unlike, False)))
 
 
@@ -88,6 +90,7 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
     left = np.maximum(square - explained, ROUNDING * square) + np.finfo(float).tiny
     best = int(np.argmax(np.sum(gain / left, axis=1)))
     noise = np.maximum(left - gain[best], ROUNDING * square) / max(count - size - 2, 1)
+    # Too few samples to tell a transient from what the other columns leave.
     if count <= 2 * size:
         return basis, np.zeros(2), np.ones(2)
     return replace(basis, transient=float(trials[best])), gain[best], noise
@@ -95,6 +98,7 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
 
 def _gains(normal: Real, right: Real, size: int) -> tuple[Real, Real]:
     """What each trial takes from the squared residuals, (t, 2), and what the columns before them explain, (2,)."""
+    # Columns of one size: a transient that dies at once is small beside a level, which would cost digits.
     scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
     normal, right = normal / np.outer(scale, scale), right / scale[:, None]
     shared = np.linalg.lstsq(

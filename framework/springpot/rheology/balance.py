@@ -91,12 +91,14 @@ class BalancedSeries(Composition):
             there = replace(at, amplitude=np.exp(log_own))
             found = element.respond(theta, there).value
             both = body + found
+            # In logarithms of the amplitude, which then cannot become negative on the way.
             off = log_own + np.log(np.abs(both)) - log_whole
             step = np.clip(-off / (1.0 + np.real(element.log_slope(theta, found) / both)), -LONGEST, LONGEST)
             log_own = log_own + step
             if np.max(np.abs(step), initial=0.0) < CONVERGED:
                 break
         there = replace(at, amplitude=np.exp(log_own))
+        # By the outer node again: the derivative is asked for by the parameters that are free.
         response = outer.respond(own, there, depth)
         return response, element.log_slope(theta, response.value)
 

@@ -120,6 +120,7 @@ class _Block:
 
 
 def _beside(blocks: Sequence[_Block]) -> _Block:
+    # All wires on one line: what stands one after the other is joined by them.
     above = max(block.wire for block in blocks)
     below = max(len(block.lines) - block.wire for block in blocks)
     level = [block.padded(above - block.wire, below - len(block.lines) + block.wire) for block in blocks]

@@ -127,6 +127,7 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     names = {parameter.name for parameter in node.parameters}
     if not names & (set(values) | set(bounds)):
         return node
+    # What is held already stays held, in one wrapping for all.
     inner, known = released(node), held_values(node)
     known |= {name: _allowed(p, values[name]) for p in node.parameters if (name := p.name) in values}
     free = [_bounded(p, bounds.get(p.name), known) for p in node.parameters if p.name not in known]
@@ -163,6 +164,7 @@ def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, fl
         parameter = replace(parameter, unit=replace(parameter.unit, time=known[time]))
     if bounds is None:
         return parameter
+    # Bounds of a user never reach beyond those of physics.
     low, high = max(bounds[0], parameter.lower), min(bounds[1], parameter.upper)
     if not low < high:
         room = f"[{parameter.lower:g}, {parameter.upper:g}]"

@@ -88,8 +88,9 @@ class Parameter:
         """The same parameter under another name; an order named in its unit moves along."""
         unit = self.unit
         if isinstance(unit.time, str):
-            prefix = name.rpartition(".")[0]
-            unit = replace(unit, time=f"{prefix}.{unit.time}" if prefix else unit.time)
+            # The order belongs to the same part, and has its prefix.
+            prefix, dot, _ = name.rpartition(".")
+            unit = replace(unit, time=f"{prefix}{dot}{unit.time}")
         return replace(self, name=name, unit=unit)
 
 

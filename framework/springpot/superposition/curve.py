@@ -129,19 +129,20 @@ class MasterCurve:
     def levels(self) -> list[Level]:
         """The levels in ascending order."""
         counts = np.bincount(Rows.of(self.fit).number)
-        found, rest = self.factors, self.simplicity
+        factors, rest = self.factors, self.simplicity
         rows = []
-        for i in range(len(found)):
-            a, b = found.log_a[i], found.log_b[i]
+        for i in range(len(factors)):
+            # Intervals are those of the logarithms: a factor is never below zero.
+            a, b = factors.log_a[i], factors.log_b[i]
             log_factors = (
                 a,
-                a - found.reach_a[i],
-                a + found.reach_a[i],
+                a - factors.reach_a[i],
+                a + factors.reach_a[i],
                 b,
-                b - found.reach_b[i],
-                b + found.reach_b[i],
+                b - factors.reach_b[i],
+                b + factors.reach_b[i],
             )
-            head = (float(found.levels[i]), int(counts[i]))
+            head = (float(factors.levels[i]), int(counts[i]))
             errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
             rows.append(Level._make((*head, *np.exp(log_factors).tolist(), *errors, bool(self.determined[i]))))
         return rows
@@ -156,10 +157,8 @@ class MasterCurve:
     @property
     def _to_reference(self) -> tuple[float, float]:
         """Factors a and b of the reference as fitted."""
-        fitted = factors_of(Rows.of(self.fit))
-        return float(np.exp(fitted.log_a[self.factors.reference])), float(
-            np.exp(fitted.log_b[self.factors.reference])
-        )
+        fitted, reference = factors_of(Rows.of(self.fit)), self.factors.reference
+        return float(np.exp(fitted.log_a[reference])), float(np.exp(fitted.log_b[reference]))
 
     def __repr__(self) -> str:
         rest = self.simplicity
@@ -295,6 +294,7 @@ def _weighing(measurement: Measurement, column: str, objective: Objective | None
     given = default_objective(measurement)
     own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
     dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
+    # Where each level's own material leaves as much as is given, the deviations are those of scatter.
     if not dof or cost >= SHARED**2 * dof:
         return given, []
     size = np.sqrt(dof / max(cost, 1e-300))
