@@ -222,7 +222,9 @@ def _dask(address: str, parcel: Parcel) -> Engine:
         raise StudyError(f"no dask scheduler answers at {address}: {error}") from None
 
     def complaint() -> str:
-        return "" if client.status == "running" else f"the dask scheduler at {address} is gone"
+        if client.status == "running":
+            return ""
+        return f"the dask scheduler at {address} is gone"
 
     def close() -> None:
         with suppress(Exception):  # a scheduler that is gone cannot be told goodbye

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -158,7 +159,7 @@ class _Search:
         probe = _Probe([])
         with np.errstate(all="ignore"):
             replace(self.model, material=probe).network.respond(own, self.points)
-        ends = [end for seen in probe.seen for end in seen]
+        ends = list(chain.from_iterable(probe.seen))
         if not np.all(np.isfinite(ends)) or max(ends) - min(ends) > WIDEST:
             return np.zeros(0)  # a setting under which nothing can be measured: the solution says so
         low = min(seen[0] for seen in probe.seen) - BEYOND * np.log(10.0)
@@ -207,6 +208,7 @@ class _Search:
         """Levenberg-Marquardt on the effects' parameters, and whether it came to rest."""
         if not len(trial.u) or not np.isfinite(trial.cost):
             return trial, True
+        # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
         damping, slopes = 1e-3, self._slopes(trial)
         for _ in range(iterations):
             moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
@@ -236,8 +238,9 @@ class _Search:
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
         downhill = slopes.T @ residual
-        held = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
-        return residual, np.where(held, 0.0, slopes)
+        # What rests on its bound and would go beyond is left where it is.
+        resting = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
+        return residual, np.where(resting, 0.0, slopes)
 
     def refined(self, trial: _Trial) -> _Trial:
         """The same with lines between those that carry weight, ever closer, as long as that explains more."""
@@ -280,6 +283,7 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     """
     from scipy.optimize import nnls  # loading the plugins must not take its time
 
+    # Columns of one size: the active set is chosen by slopes, which depend on the units otherwise.
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     scaled = columns / size

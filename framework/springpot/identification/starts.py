@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import GRADIENT, Complex, Model, Node, Points, Real
+from springpot.rheology import GRADIENT, Complex, Model, Node, Parameter, Points, Real
 
 from .branches import Branches, branches_of, interleaved, non_negative, plane_data
 from .coordinates import Coordinates
@@ -77,6 +77,7 @@ class Shapes:
         cls, network: Node, branches: Branches, points: Points, coordinates: Coordinates, offset: float = 0.0
     ) -> Shapes:
         """Scan the shapes of `network` at `points`."""
+        # A shape is the same at any stiffness: the gains are found by linear algebra, for each data set by itself.
         unit = coordinates.at_unit_stiffness()
         cube = low_discrepancy(shape_count(branches), len(branches.free), offset)
         low, high = _spread(unit, points)
@@ -105,6 +106,7 @@ class Shapes:
             Gains of the branches at unit stiffness.
         """
         keep = min(keep, len(self.v))
+        # In blocks, as Gram matrices of many data sets would not fit into memory at once.
         step = max(1, BLOCK // (len(self.v) * len(self.responses) ** 2))
         target, weight = plane_data(stiffness, weights, self.compliance)
         blocks = [slice(i, i + step) for i in range(0, len(stiffness), step)]
@@ -118,6 +120,7 @@ class Shapes:
         square = weight * weight
         total = (square * target * target).sum(axis=1)
         matrix, right, norm = self._normal(square, square * target)
+        # By the size of the data, so that the misfit is a share of them.
         right /= np.sqrt(total)[:, None, None]
         x = non_negative(matrix, right)[0]
         bent = np.matmul(matrix, x[..., None])[..., 0]
@@ -145,7 +148,7 @@ def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     """Range of each search coordinate over which shapes are drawn."""
     lower, upper = (bound[0] for bound in unit.bounds())
     reach = 0.5 * float(np.ptp(points.log_omega))
-    times = [0.5 if isinstance(p.unit.time, str) else abs(p.unit.time) for p in unit.parameters]
+    times = [_time_power(parameter) for parameter in unit.parameters]
     # A stiffness lies within a factor of 30 of |K|; what has a time in its unit may lie anywhere in the band too.
     width = np.log(30.0) + reach * np.minimum(times, 1.0)
     low = np.where(unit.log, np.maximum(lower, -width), np.where(np.isfinite(lower), lower, -1.0))
@@ -153,6 +156,14 @@ def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     # An order begins a little inside its range: at its ends a springpot is a spring or a dashpot.
     edge = np.where(unit.log, 0.0, 0.03 * (high - low))
     return low + edge, high - edge
+
+
+def _time_power(parameter: Parameter) -> float:
+    time = parameter.unit.time
+    # An order that is yet to be found: the middle of what it may be.
+    if isinstance(time, str):
+        return 0.5
+    return abs(time)
 
 
 class Grid:

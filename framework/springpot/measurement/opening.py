@@ -63,7 +63,9 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     if is_file(name):
         return _read(Path(name), choice, readers)
     listed = list(datasets)
-    known = {alias: data for data in listed for alias in data.aliases}
+    known: dict[str, DataSet] = {}
+    for data in listed:
+        known |= dict.fromkeys(data.aliases, data)
     known |= {data.name: data for data in listed}  # a name goes before the alias of another set
     if text in known:
         return known[text].open()

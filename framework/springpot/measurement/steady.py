@@ -144,8 +144,9 @@ def steady_part(record: Record, omega: float) -> Steady:
         if last - first > QUARTERS:
             first += _transient(force[first:last] / moved[first:last])
             start, stop = begin + first * quarter, begin + (last + QUARTERS - 1) * quarter
-            relaxed = tolerance > 2.5 * TOLERANCE
-            notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",) if relaxed else ()
+            notes: tuple[str, ...] = ()
+            if tolerance > 2.5 * TOLERANCE:
+                notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",)
             return Steady(start, min(stop, whole.stop), notes)
     return Steady(whole.start, whole.stop, ("the amplitude never settles: the whole record was used",))
 
@@ -172,7 +173,8 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
     sums, origin = np.zeros((bins, 16)), None
     for time, both in record.blocks():
         # About the first sample: squares of a large offset would leave no digits for the oscillation.
-        origin = both[0] if origin is None else origin
+        if origin is None:
+            origin = both[0]
         phase = omega * (time - begin)
         which = np.minimum(((time - begin) / quarter).astype(int), bins - 1)
         c, s = np.cos(phase), np.sin(phase)

@@ -160,7 +160,10 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
     worth = worth[known]
     tried = [_fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
     alone = min(tried[:2], key=lambda each: each[1])
-    parts = tried[2][0] if tried[2][1] < alone[1] - PLAINLY else alone[0]
+    parts = alone[0]
+    # Both kinds at once only where the data plainly ask for it.
+    if tried[2][1] < alone[1] - PLAINLY:
+        parts = tried[2][0]
     return float(np.sqrt(parts[0])), float(np.sqrt(parts[1]))
 
 

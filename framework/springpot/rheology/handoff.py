@@ -114,7 +114,9 @@ class Writer:
         """
         prony = handoff.prony
         if self.solid and not handoff.is_modulus:
-            given = f"a stiffness in {handoff.unit}" if handoff.unit else "a stiffness"
+            given = "a stiffness"
+            if handoff.unit:
+                given += f" in {handoff.unit}"
             raise ModelError(
                 f"{self.name} needs a modulus, and {handoff.model} is {given}: identify it with the --geometry"
             )
