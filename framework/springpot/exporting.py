@@ -110,6 +110,7 @@ def exported(
     if dashpot and not writer.dashpot:
         raise ModelError(f"{writer.name} has no place for a dashpot beside the terms: leave out --dashpot")
     known = lesser(_known(source, values, unit), without)
+    # Once those that the user leaves out are gone.
     _refuse_rig(known.model)
     kelvin = None
     if temperature is not None:
@@ -132,6 +133,7 @@ def exported(
 def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisson: float | None) -> Handoff:
     """What a writer is given: the series, and the parameters as a user knows them."""
     model, theta, reference = known.model, known.theta, known.reference
+    # Where none is asked for, the temperature at which shifts are one.
     at = reference
     if kelvin is not None:
         at = kelvin

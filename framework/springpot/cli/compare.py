@@ -49,12 +49,12 @@ def command(
     if tests is not None:
         timetests.compare(tests, expressions, figure, as_json)
         return
-    found = _compared(opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0)
+    comparison = _compared(opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0)
     if figure is not None:
         from springpot.report.residuals import figure_compared
 
-        figure_compared(found, figure)
-    emit(found, as_json, lambda: _show(found, data, figure))
+        figure_compared(comparison, figure)
+    emit(comparison, as_json, lambda: _show(comparison, data, figure))
 
 
 def _show(found: Comparison, data: str, figure: Path | None) -> None:

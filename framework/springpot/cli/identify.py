@@ -85,6 +85,7 @@ def command(
     from springpot.registry import for_sweeps, parse_timed
     from springpot.report.canvas import check_figure_path
 
+    # A path that cannot be written is told before time is spent on the fit.
     if figure is not None:
         check_figure_path(figure)
     if as_csv and as_json:
@@ -106,15 +107,15 @@ def command(
         return _each(data, judged, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
     together = joined(measured) if len(measured) > 1 else measured[0]
-    found = _fitted(together, judged, arguments)
+    fit = _fitted(together, judged, arguments)
     if figure is not None:
-        found.plot(figure)
+        fit.plot(figure)
     if as_csv:
         from springpot.report.fits import many_csv
 
-        print(many_csv([found]), end="")
+        print(many_csv([fit]), end="")
     else:
-        emit(found, as_json, lambda: _show(found, data, model, figure, verbose))
+        emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
 
 
@@ -125,14 +126,14 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
     if arguments.get("optimiser") is None:
         with Waiting() as waiting:
             waiting.told(f"fitting {model.name} to {measured.name}")
-            found = identify(measured, model, **arguments)
+            fit = identify(measured, model, **arguments)
     else:
         # Its run takes place in a copy of this process, which is safe only where no thread runs beside.
-        found = identify(measured, model, **arguments)
+        fit = identify(measured, model, **arguments)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
-        _ = found.standing
-    return found
+        _ = fit.standing
+    return fit
 
 
 def _each(

@@ -39,6 +39,7 @@ def command(kind: str, folder: Path, as_json: bool) -> None:
     from springpot.files import write_text
 
     paths = {name: folder / place for name, place in KINDS[kind].items()}
+    # All of them first: a folder is begun whole, or left as it is.
     there = [str(path) for path in paths.values() if path.exists()]
     if there:
         raise OutputError(f"{', '.join(there)}: exists already and is not replaced: choose another --folder")

@@ -28,16 +28,16 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
     from springpot.registry import plugins
     from springpot.report import cards
 
-    found = plugins()
+    installed = plugins()
     kind_of = cards.KINDS[kind]
-    items, whole = kind_of.all(found), verbose
+    items, whole = kind_of.all(installed), verbose
     families: dict[str, Any] = {}
     if kind == "optimisers":
-        families = {family.name: family for family in found.items("optimiser family")}
+        families = {family.name: family for family in installed.items("optimiser family")}
     if len(names) == 1 and names[0] in families:
         items = list(families[names[0]].members().values())
     elif names:
-        items, whole = [kind_of.find(found, name) for name in names], True
+        items, whole = [kind_of.find(installed, name) for name in names], True
     described = [kind_of.describe(item) for item in items]
     result: dict[str, Any] = {
         "schema": "springpot.list/1",
@@ -45,7 +45,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
         "items": described,
         "unavailable": [
             {"plugin": fault.plugin, "distribution": fault.distribution, "reason": fault.reason}
-            for fault in found.faults
+            for fault in installed.faults
         ],
     }
     emit(result, as_json, lambda: _show(kind, result, whole))

@@ -51,18 +51,19 @@ def command(
     from springpot.report.canvas import check_figure_path
     from springpot.report.mastercurve import mastercurve_text
 
+    # A path that cannot be written is told before time is spent on the curve.
     if figure is not None:
         check_figure_path(figure)
     if output is not None:
         require_writable(output)
-    found = mastercurve(
+    curve = mastercurve(
         opened(data, geometry), column=column, reference=reference, vertical=vertical, objective=objective
     )
     if output is not None:
-        write_measurement(found.reduced, output)
+        write_measurement(curve.reduced, output)
     if figure is not None:
-        found.plot(figure)
-    emit(found, as_json, lambda: _show(found, mastercurve_text(found, window()), [output, figure]))
+        curve.plot(figure)
+    emit(curve, as_json, lambda: _show(curve, mastercurve_text(curve, window()), [output, figure]))
 
 
 def _show(found: MasterCurve, text: str, written: list[Path | None]) -> None:

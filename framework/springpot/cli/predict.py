@@ -58,18 +58,18 @@ def command(
     if [frequency, omega, history].count(None) != 2:
         advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
         raise click.UsageError(advice, click.get_current_context())
-    found = load(fit)
-    if not isinstance(found, Identification | Known):
+    known = load(fit)
+    if not isinstance(known, Identification | Known):
         raise DataError(f"{fit} is no fit: give the output of 'springpot identify ... --json'")
     if history is not None:
-        timetests.predict(found, history, temperature, output, figure, as_json)
+        timetests.predict(known, history, temperature, output, figure, as_json)
         return
     asked: dict[str, Any] = {"temperature": temperature, "amplitude": amplitude, "level": level}
     if frequency is not None:
         asked["frequency"] = numbers(frequency)
     if omega is not None:
         asked["omega"] = numbers(omega)
-    predicted = found.predict(**asked)
+    predicted = known.predict(**asked)
     if output is not None:
         write_text(output, table_text(predicted))
     if figure is not None:

@@ -41,6 +41,7 @@ def command(
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())
+    # Optimisers of other makers print what they like.
     with own_stdout(quiet):
         outcome = run_study(study, workers, engine, budget, repeats, out, quiet, retry_failed)
     result = {"schema": "springpot.run/1", **asdict(outcome), "report": write_study_report(outcome.store)}

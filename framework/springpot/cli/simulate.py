@@ -43,6 +43,7 @@ def command(
     from springpot.simulating import read_record, read_structure
     from springpot.structure import simulate
 
+    # A path that cannot be written is told before time is spent on the motion.
     if figure is not None:
         check_figure_path(figure)
     if (record is None) == (frequency is None):
@@ -52,12 +53,12 @@ def command(
         return
     # One generator for the record and the draws: one seed repeats both.
     rng = np.random.default_rng(seed)
-    found = simulate(read_structure(structure), read_record(record, rng), rng, draws)
+    simulation = simulate(read_structure(structure), read_record(record, rng), rng, draws)
     if figure is not None:
         from springpot.report.structure import figure_motion
 
-        figure_motion(found, figure)
-    emit(described(found), as_json, lambda: _show(found, figure))
+        figure_motion(simulation, figure)
+    emit(described(simulation), as_json, lambda: _show(simulation, figure))
 
 
 def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool) -> None:
@@ -67,12 +68,12 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     from springpot.simulating import read_structure
     from springpot.structure import steady_of
 
-    found = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
+    steady = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
     if figure is not None:
         from springpot.report.structure import figure_steady
 
-        figure_steady(found, figure)
-    emit(described_steady(found), as_json, lambda: _show_steady(found, figure))
+        figure_steady(steady, figure)
+    emit(described_steady(steady), as_json, lambda: _show_steady(steady, figure))
 
 
 def described_steady(found: Steady) -> dict[str, Any]:

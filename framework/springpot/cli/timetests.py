@@ -61,12 +61,12 @@ def identify(
             raise OptionError(f"--{name} is for sweeps: residuals of tests in time are counted in their noise")
     named = options["optimiser"]
     search = {name: options[name] for name in ("budget", "restarts", "seed")}
-    found = identify_in_time(tests, parse_timed(expression), optimiser=named and optimiser_of(named), **search)
+    fit = identify_in_time(tests, parse_timed(expression), optimiser=named and optimiser_of(named), **search)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
-        figure_tests(found, tests, figure)
-    emit(found, as_json, lambda: _show(found, figure, data, expression))
+        figure_tests(fit, tests, figure)
+    emit(fit, as_json, lambda: _show(fit, figure, data, expression))
 
 
 def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str) -> None:
@@ -92,12 +92,12 @@ def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path
 
     chosen = models or [item for item in plugins().items("model") if isinstance(item, Model)]
     with Waiting() as waiting:
-        found = compare_in_time(tests, chosen, waiting.told)
+        comparison = compare_in_time(tests, chosen, waiting.told)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
-        figure_tests(found.fits[:MOST_DRAWN], tests, figure)
-    emit(found, as_json, lambda: print(compared_in_time_text(found)))
+        figure_tests(comparison.fits[:MOST_DRAWN], tests, figure)
+    emit(comparison, as_json, lambda: print(compared_in_time_text(comparison)))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
 
@@ -110,8 +110,8 @@ def diagnose(
     from springpot.registry import library_in_time
     from springpot.timetests import diagnose as diagnose_in_time
 
-    found = diagnose_in_time(tests, model or any_material(), library_in_time())
-    emit(found, as_json, lambda: _show_diagnosis(found, data, named))
+    diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
+    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, data, named))
 
 
 def discover(
@@ -134,12 +134,12 @@ def discover(
     if given:
         raise OptionError(f"--{given[0]} is for sweeps: leave it out for tests in time")
     with Waiting() as waiting:
-        found = discover_in_time(tests, model or any_material(), library_in_time(), accept, waiting.told)
+        ladder = discover_in_time(tests, model or any_material(), library_in_time(), accept, waiting.told)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
-        figure_tests([step.fit for step in found.steps][-MOST_DRAWN:], tests, figure)
-    emit(found, as_json, lambda: print(climbed_in_time_text(found, window())))
+        figure_tests([step.fit for step in ladder.steps][-MOST_DRAWN:], tests, figure)
+    emit(ladder, as_json, lambda: print(climbed_in_time_text(ladder, window())))
     if figure is not None and not as_json:
         print(f"\nwritten: {figure}")
 

@@ -183,7 +183,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
     else:
         story = f"The error is {percent(first.relative_rms)} of {size}; no effect was accepted."
     verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
-    split = [tag("div", f"{_capital(told)}.") for told in _splits(ladder)]
+    split = [tag("div", f"{_capital(sentence)}.") for sentence in _splits(ladder)]
     yield tag("div", tag("div", story), verdict, *split, class_="verdict")
     yield tag("div", *(tag("div", tag("b", value), word, class_="fact") for word, value in facts), class_="facts")
     for note in ladder.diagnosis.notes:

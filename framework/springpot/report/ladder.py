@@ -85,9 +85,10 @@ def _ratio(step: Step) -> str:
 
 
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
-    told = [(x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error]
-    for i, (x, predicted) in enumerate(told):
+    forecasts = [(x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error]
+    for i, (x, predicted) in enumerate(forecasts):
         axes.plot([x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2)
+        # A legend names each kind of mark once.
         label = None if i else "predicted"
         hidden = 0.97 < predicted / error[x] < 1.03
         size = 10.0 if hidden else 6.0  # around the error's own mark, where both fall together

@@ -86,12 +86,12 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     smallest = min(race.dimension for race in races) + 1
     budgets = np.geomspace(1.0, findings.scale.budget / smallest, 160)
     ratios = np.geomspace(1.0, 1000.0, 160)
-    found = profiles(races, budgets, ratios)
-    order = np.argsort(-found.data.mean(axis=1), kind="stable")
+    profile = profiles(races, budgets, ratios)
+    order = np.argsort(-profile.data.mean(axis=1), kind="stable")
     target = f"{findings.scale.target:g}"
     yield figure(
         plot(
-            [Line(found.labels[i], budgets, found.data[i], pens[found.labels[i]]) for i in order],
+            [Line(profile.labels[i], budgets, profile.data[i], pens[profile.labels[i]]) for i in order],
             Scale("evaluations / (d + 1)", 1.0, float(budgets[-1]), logarithmic=True),
             SHARE,
             "data profile",
@@ -100,7 +100,7 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     )
     yield figure(
         plot(
-            [Line(found.labels[i], ratios, found.performance[i], pens[found.labels[i]]) for i in order],
+            [Line(profile.labels[i], ratios, profile.performance[i], pens[profile.labels[i]]) for i in order],
             Scale("evaluations / those of the best", 1.0, 1000.0, logarithmic=True),
             SHARE,
             "performance profile",

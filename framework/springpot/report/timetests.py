@@ -97,6 +97,7 @@ def _colours_of_residuals(fits: Sequence[TimeIdentification]) -> Sequence[str]:
 
 def _curve_times(test: TimeTest) -> tuple[Real, Real]:
     """Times of a smooth curve over the logarithm of time and over time."""
+    # The beginning has no place on a logarithmic axis.
     positive = test.time[test.time > 0.0]
     log = np.geomspace(positive[0], positive[-1], SMOOTH)
     if test.kind == "history":

@@ -116,14 +116,15 @@ def forces(
     for turn in range(ROUNDS):
         end, end_speed = last + way_by @ force, last_speed + speed_by @ force
         motion = zip(besides, first.tolist(), end.tolist(), first_speed.tolist(), end_speed.tolist(), strict=True)
-        found = np.array([beside.ends(*each) for beside, *each in motion])
-        size = np.abs(found).max()
-        if turn and np.abs(found - np.column_stack([low, high])).max() <= CLOSE * size:
+        ends = np.array([beside.ends(*each) for beside, *each in motion])
+        size = np.abs(ends).max()
+        # In the first round there is nothing to compare with.
+        if turn and np.abs(ends - np.column_stack([low, high])).max() <= CLOSE * size:
             break
         if turn >= CALM:
             share *= 0.9
-            found = share * found + (1.0 - share) * np.column_stack([low, high])
-        low, high = found.T
+            ends = share * ends + (1.0 - share) * np.column_stack([low, high])
+        low, high = ends.T
         force = _at_rest_if_it_can(last_speed, speed_by, low, high, force)
     return force
 

@@ -73,7 +73,7 @@ def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
 
 def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[complex, Complex]:
     """The eigenvalue near s, with that share of damping and dampers."""
-    n, held = len(shape), shape.conj()
+    n, border = len(shape), shape.conj()
     # Without its own damping too: that comes in with the dampers.
     bare = Frame(frame.mass, frame.stiffness)
     for _ in range(ITERATIONS):
@@ -82,7 +82,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
         value = (1.0 - share) * plain[0][0] + share * whole[0][0]
         slope = (1.0 - share) * plain[1][0] + share * whole[1][0]
         # Bordered: the shape keeps its size while both move.
-        system = np.block([[value, (slope @ shape)[:, None]], [held[None, :], np.zeros((1, 1))]])
+        system = np.block([[value, (slope @ shape)[:, None]], [border[None, :], np.zeros((1, 1))]])
         right = np.append(-value @ shape, 0.0)
         step = np.linalg.solve(system, right)
         shape, s = shape + step[:n], s + complex(step[n])
@@ -128,8 +128,8 @@ class Steady:
     @property
     def _stiffness(self) -> Complex:
         s = np.asarray(1j * self.omega, dtype=np.complex128)
-        found = [damper.stiffness(s)[0] for damper in self.frame.dampers]
-        return np.array(found, dtype=complex).reshape(len(found), len(self.omega)).T
+        of_each = [damper.stiffness(s)[0] for damper in self.frame.dampers]
+        return np.array(of_each, dtype=complex).reshape(len(of_each), len(self.omega)).T
 
     @property
     def _way(self) -> Complex:

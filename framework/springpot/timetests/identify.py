@@ -332,8 +332,8 @@ class Search:
         self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
     ) -> Solution:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            found = [self._guarded(parts, one, coarse) for one in u]
-            return np.stack([value for value, _ in found]), np.stack([slopes for _, slopes in found])
+            pairs = [self._guarded(parts, one, coarse) for one in u]
+            return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
         low, high = self.coordinates.bounds()
         shape = starts.shape

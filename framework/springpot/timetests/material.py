@@ -147,15 +147,15 @@ class _Search:
         for effect in self.model.time_effects:
             own = slice(first, first + len(effect.parameters))
             first = own.stop
-            found = [start]
+            reached = [start]
             for values in tries_of(effect, test_with(effect, tests), scales):
                 theta = self.own(start.u)
                 theta[own] = values
                 there = self.coordinates.u(theta, self.size)
                 begun = Place(start.weights, there, self.cost(start.weights, there))
                 if np.isfinite(begun.cost):
-                    found.append(self.descended(begun, BRIEF))
-            start = min(found, key=lambda each: each.cost)
+                    reached.append(self.descended(begun, BRIEF))
+            start = min(reached, key=lambda each: each.cost)
         return start
 
     @property

@@ -92,6 +92,7 @@ def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
 
 def _to_smooth(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     """The response to a loading without jumps at the times t, which need not be its knots."""
+    # No other times: nothing needs to be interpolated.
     if len(t) == len(loading.time) and np.array_equal(t, loading.time):
         return _respond(inside, t, loading.value, control)
     grid = np.union1d(loading.time, t)

@@ -286,6 +286,7 @@ class QuickPart(InTimePart):
         """Answers (n, c) to what reached the specimen by its clock, and derivatives (n, q) by these stages."""
         loads, clocks = at_stage(mine, Stage.LOADING), at_stage(mine, Stage.CLOCK)
         if not loads and not clocks:
+            # Nothing was moved: what was worked out once will do.
             return self.answers @ mix, np.zeros((len(self.t), 0))
         loading, slopes = reached(mine, theta, self.test, self.t)
 

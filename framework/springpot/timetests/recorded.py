@@ -91,10 +91,10 @@ def _while_it_warms(
     def respond(imposed: Loading) -> Traced:
         return warming(model.material, own, test, reference, t, tolerance, imposed)
 
-    found = respond(loading)
+    traced = respond(loading)
     linear = not slopes or specimen(model.material, own, test, reference, tolerance).linear
     columns = [_by_loading(lambda imposed: respond(imposed).value, linear, loading, slope) for slope in slopes]
-    return Traced(found.value, np.column_stack([found.by_theta, *columns]))
+    return Traced(traced.value, np.column_stack([traced.by_theta, *columns]))
 
 
 def shown(
@@ -102,9 +102,11 @@ def shown(
 ) -> Traced:
     """What is recorded of a response (n,) whose derivatives (n, p) are known."""
     for effect, place in at_stage(mine, Stage.RESPONSE):
-        found = effect.law(record, value, *theta[place])
-        value, by_theta = found.value, by_theta * found.by_response[:, None]
-        by_theta[:, place] = np.column_stack([np.broadcast_to(column, value.shape) for column in found.by_parameters])
+        output = effect.law(record, value, *theta[place])
+        value, by_theta = output.value, by_theta * output.by_response[:, None]
+        # A law may give one number for all samples.
+        columns = [np.broadcast_to(column, value.shape) for column in output.by_parameters]
+        by_theta[:, place] = np.column_stack(columns)
     return Traced(value, by_theta)
 
 
@@ -129,8 +131,8 @@ def _answered(
     if clock.effects:
         turned, here = clock.turned(loading, t), clock.at(t)
         slopes = [clock.turned(slope, t) for slope in slopes]
-    found = answer(inside, turned, here, test.control)
-    columns = [found.by_theta]
+    traced = answer(inside, turned, here, test.control)
+    columns = [traced.by_theta]
     for slope in slopes:
         column = _by_loading(
             lambda imposed: answer(inside, imposed, here, test.control).value, inside.linear, turned, slope
@@ -139,7 +141,7 @@ def _answered(
         columns.append(np.where(np.isfinite(column), column, 0.0)[:, None])
     if clock.effects:
         columns.append(_by_clock(inside, loading, clock, t, test.control))
-    return Traced(found.value, np.column_stack(columns))
+    return Traced(traced.value, np.column_stack(columns))
 
 
 def reached(
@@ -247,17 +249,17 @@ def _pace(effect: TimeEffect, here: Real, values: Real) -> Real:
 def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: str) -> Real:
     """Derivatives (n, q) of the response by the parameters of the clock."""
     here, moves = clock.with_slopes(t)
-    found = np.zeros(moves.shape)
+    derivatives = np.zeros(moves.shape)
     for when, size in zip(*loading.jumps, strict=True):
         there, moved = clock.with_slopes(np.array([when]))
         since = here - there
         after = since > 0.0
         rate = inside.step_rate(since[after], control)
-        found[after] += size * rate[:, None] * (moves[after] - moved)
+        derivatives[after] += size * rate[:, None] * (moves[after] - moved)
     smooth = loading.smooth
     if smooth is not None and len(np.union1d(smooth.time, t)) > 1:
         grid = np.union1d(smooth.time, t)
         turned, own = clock.with_slopes(grid)
         whole = inside.by_clock(turned, np.interp(grid, smooth.time, smooth.value), control, own)
-        found += whole[np.searchsorted(grid, t)]
-    return found
+        derivatives += whole[np.searchsorted(grid, t)]
+    return derivatives

@@ -87,6 +87,7 @@ def _rms(values: Real) -> float:
 
 
 def _in_time(test: TimeTest, residual: Real) -> Place | None:
+    # Of few samples some parts have none.
     rows = [piece for piece in np.array_split(np.arange(len(residual)), PIECES) if len(piece)]
     sizes = [_rms(residual[piece]) for piece in rows]
     worst = rows[int(np.argmax(sizes))]

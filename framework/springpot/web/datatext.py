@@ -31,7 +31,9 @@ def safe_name(name: str) -> str:
     ('passwd', 'my damper.csv', '_rf_x_1')
     """
     last = re.split(r"[/\\]", name)[-1]
+    # The end is kept, where the suffix stands.
     plain = UNSAFE.sub("_", last)[-LONGEST:].strip()
+    # A hyphen would begin an option, and a dot hide the file.
     return re.sub(r"^[-.]+", "_", plain) or "data"
 
 

@@ -101,12 +101,12 @@ class Guard:
 
 def _headers_of(scope: MutableMapping[str, Any]) -> dict[bytes, bytes]:
     """The headers; one that stands twice is refused, for two readers could take different ones."""
-    found: dict[bytes, bytes] = {}
+    headers: dict[bytes, bytes] = {}
     for name, value in scope["headers"]:
-        if name in found and name in (b"host", b"origin", TOKEN, b"content-length"):
+        if name in headers and name in (b"host", b"origin", TOKEN, b"content-length"):
             raise Refusal(400, f"the header {name.decode('latin-1')} stands twice")
-        found[name] = value
-    return found
+        headers[name] = value
+    return headers
 
 
 def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Receive:

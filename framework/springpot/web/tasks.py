@@ -267,8 +267,8 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     used = kept(_measured(text), asked.excluded)
     column = "temperature" if "temperature" in used.conditions else "amplitude"
     told(f"bringing the sweeps of each {column} onto one curve")
-    found = mastercurve(used, column=column)
-    return {"column": column, "curve": found.to_dict()}
+    result = mastercurve(used, column=column)
+    return {"column": column, "curve": result.to_dict()}
 
 
 def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: str, joined: bool) -> dict[str, Any]:
