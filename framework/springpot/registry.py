@@ -83,6 +83,7 @@ class Registry:
     def _guarded(self, owner: Owner) -> Iterator[None]:
         try:
             yield
+        # The user's wish to stop is no fault of a plugin.
         except KeyboardInterrupt:
             raise
         except BaseException as error:

@@ -85,6 +85,7 @@ class Store:
             raise StudyError(f"{self.path} is damaged: --retry-failed saves what can be read and runs the rest again")
         # Beside the damaged file, which is replaced only when all that can be saved is in the new one.
         fresh = self.path.with_name(f"{self.path.name}.mended")
+        # One that was left by an attempt that was interrupted is begun anew.
         fresh.unlink(missing_ok=True)
         saved = connect(fresh, write) if write else sqlite3.connect(":memory:", isolation_level=None)
         saved.text_factory = lenient

@@ -92,10 +92,12 @@ class Study:
     finish: Callable[[Path, Path], None] | None = None
 
     def __post_init__(self) -> None:
+        # A name is a folder on any system: no slash, no blank, and no dot in front that hides it.
         if not re.fullmatch(r"[A-Za-z0-9][\w.-]*", self.name):
             raise StudyError(f"study name '{self.name}' must be letters, digits, '-', '_' or '.': it names a folder")
         for key in ("datasets", "models", "objectives", "optimisers"):
             value = getattr(self, key)
+            # A single name is a sequence too, of letters.
             if isinstance(value, str) or not value:
                 raise StudyError(f"study {self.name}: {key} must be a list with at least one entry, such as ['...']")
         for key in ("repetitions", "budget", "deadline", "memory", "target", "accuracy"):

@@ -108,6 +108,7 @@ def identify(
             status = "converged"
     else:
         name = optimiser.name
+        # Before the problem is made: what cannot be searched is told at once.
         _refuse_search(model, optimiser, start)
         problem = Problem.of(model, measurement, objective)
         best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
@@ -209,6 +210,7 @@ def _grown(part: Fit, model: Model) -> list[Real]:
     coordinates = part.task.coordinates
     sizes = coordinates.of(model.parameters, coordinates.log_omega, part.task.scale, coordinates.amplitude).size[0]
     starts = []
+    # Nearly absent, of the size that the data suggest, or ruling all: which of them it is, is not known.
     for share in (1e-4, 1.0, 1e4):
         values = [known.get(p.name, share * size) for p, size in zip(model.parameters, sizes, strict=True)]
         starts.append(np.clip(values, [p.lower for p in model.parameters], [p.upper for p in model.parameters]))

@@ -107,6 +107,7 @@ def read_head(path: Path) -> bytes:
     DataError
         If it is a folder, a pipe or device, empty, or cannot be read.
     """
+    # A pipe or a device may never end, or wait for ever.
     require_regular(path)
     if path.is_dir():
         raise DataError(f"{path}: this is a folder, name a file in it")

@@ -81,6 +81,7 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     if ".." in value:
         return _between(measured, key, value, column)
     number = _number(measured, key, value)
+    # Measured conditions are never quite what was set; a row has a number, which is exact.
     reach = CLOSE.get(key, 0.01) * abs(number)
     if key == "temperature":
         reach = KELVINS

@@ -69,6 +69,7 @@ class Timed(HasParameters):
         for effect in self.time_effects:
             placed.append((effect, slice(first, first + len(effect.parameters))))
             first += len(effect.parameters)
+        # In the order in which they act, whatever the order in which they were named; theta keeps that of the names.
         placed.sort(key=lambda pair: STAGES.index(pair[0].stage))
         return theta[: len(self.material.parameters)], placed
 

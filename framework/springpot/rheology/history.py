@@ -96,6 +96,7 @@ class InTime:
         with self._blaming():
             found = self._materials(inside, t, x)
         value, by_theta = found.value, found.by_theta
+        # Laws that are not linear need the speed, which a record does not have.
         velocity = np.gradient(x, t)
         for effect, _, own in beside:
             force, slopes = effect.element.in_time(t, x, velocity, *self.theta[own])  # type: ignore[attr-defined]
@@ -132,6 +133,7 @@ class InTime:
             If something in the model has no clock of the material: see `on_its_clock`.
         """
         with self._blaming():
+            # A step this small leaves the answer itself untouched: only its imaginary part tells of it.
             respond = _answer(self.on_its_clock(), control)
             columns = [respond(t + 1j * STEP * move, imposed, slopes=False).value.imag / STEP for move in moves.T]
         return np.column_stack(columns)
@@ -158,6 +160,7 @@ class InTime:
             If there is a mass, or an effect that is not linear or of the signals: these go by the clock on the wall.
         """
         passive = self._linear("a clock of the material")
+        # A force on a mass goes by seconds, however fast the material relaxes.
         if passive.inertial:
             raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
         return passive

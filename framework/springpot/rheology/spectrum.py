@@ -412,6 +412,7 @@ class Sum:
         where = np.linspace(low, high, len(powers))
         s = np.exp(where)[:, None]
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)
+        # At real s nothing oscillates, and no phase can be: a network that has one there is no material.
         if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
             raise _NoSpectrumError("is no material: without oscillation its force would not be real")
         kernel = s / (s + modes.rates)
@@ -460,6 +461,7 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
     u = np.interp(x, x_coarse, coarse)
     if not len(peaks):
         return u, np.full(len(u), step)
+    # Newton from the table: each step squares the error that interpolation has left.
     for _ in range(4):
         here, slope = stretched(u)
         u = u - (here - x) / slope

@@ -284,6 +284,7 @@ def _chance(rows: Rows, alone: Alone) -> float:
     spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
     inner = float(alone.dof[alone.judged].sum())
     extra = float(np.sum(alone.excess(rows)))
+    # Nothing is saved by one material for all: there is nothing to be tested.
     if spare <= inner:
         return 1.0
     return float(f_sf(max(extra, 0.0) / (spare - inner), spare - inner, inner))
