@@ -292,9 +292,9 @@ EVIDENCE = EvidenceLevels()
 class VerdictLevels:
     """From evidence to a word."""
 
-    neighbours: float = 0.02
-    """Chance that the points of an error beyond the floor lie side by side; such an error is rare already, so that
-    noise with long tails is called structure once in ten thousand data sets."""
+    neighbours: float = 0.05
+    """Chance that the points of an error beyond the floor lie side by side. Noise with long tails (Student's t, three
+    degrees of freedom) has such an error in 3 of 40 data sets: it is called structure in one of 250."""
     library_alarm: float = 0.006
     """Chance of a false alarm granted to the scan of the library."""
     structure_alarm: float = 0.005
