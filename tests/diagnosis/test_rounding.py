@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from hidden_data import design
 
+import springpot
 from springpot import Measurement
 from springpot.diagnosis.noise import at_least_rounding
 
@@ -27,3 +29,19 @@ def test_full_digits_leave_the_noise_as_it_is():
 def test_a_loss_of_zero_has_no_last_digit():
     sd = at_least_rounding(np.full(3, 1e-3 + 1e-3j), measured([1.0, 2.0, 3.0], [0.0, 0.0, 0.0]))
     assert sd.imag == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_three_digits_of_a_plateau_are_no_structure(seed):
+    """Neighbours on a plateau are all rounded the same way; the noise is a quarter of a step."""
+    at = design(60, 0.01, 100.0)
+    exact = 100.0 + 50.0 * 1j * at.omega / (30.0 + 1j * at.omega)
+    noise = 0.25 * np.random.default_rng(seed).normal(size=(2, 60))
+    values = exact + noise[0] + 0.1j * noise[1]
+
+    def written(part):
+        step = 10.0 ** (np.floor(np.log10(np.abs(part))) - 2)
+        return np.round(part / step) * step
+
+    data = Measurement(at.omega, written(values.real) + 1j * written(values.imag))
+    assert springpot.diagnose(data, "zener").verdict in ("adequate", "inconclusive")

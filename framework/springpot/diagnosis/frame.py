@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft
 from scipy.linalg import svd
+from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
 from springpot.identification import weighted
 from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
 from springpot.rheology import Complex, Real
 
-from .policy import BATTERY, SCATTER, SWEEPS
+from .noise import rounding_step
+from .policy import BATTERY, NOISE, SCATTER, SWEEPS
 
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
@@ -178,10 +180,13 @@ class Frame:
         Where the noise was estimated from the data's own scatter, that scatter is dealt out anew: the relative
         deviations of the points change places and signs, each with its gain and its phase. The draws have the tails
         of the data, and scatter in gain and in phase as they do (Freedman and Lane 1983,
-        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal.
+        doi:10.1080/07350015.1983.10509354); what they have not is the order. Otherwise they are normal; where a good
+        part of the noise is that the values were written with few digits, they are written with as many.
         """
         noise: Drawn
-        if not self._deals_out:
+        if self._steps is not None:
+            noise = self._as_written(self._steps, count, rng)
+        elif not self._deals_out:
             noise = rng.standard_normal((count, self.size), dtype=DRAWN)
         else:
             order = self._dealt(count, rng)
@@ -193,6 +198,47 @@ class Frame:
             return self.standard(noise)
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
+
+    @cached_property
+    def _steps(self) -> Complex | None:
+        """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""
+        steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
+        real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
+        if float(np.mean(real**2 + imag**2)) / 24.0 < NOISE.rounded:
+            return None
+        return steps
+
+    def _as_written(self, steps: Complex, count: int, rng: np.random.Generator) -> Drawn:
+        """Whitened residuals (count, 2n) of noisy values of the model, written with as few digits as the data.
+
+        Values that change little from point to point are all rounded the same way: that is no structure.
+        """
+        step = np.concatenate([steps.real, steps.imag])
+        exact = np.concatenate([self.model_stiffness.real, self.model_stiffness.imag])
+        weights = np.concatenate([self.weights.real, self.weights.imag])
+        n = len(self.measurement)
+        # Storage and loss each have their own: the same for both would make one of them too still.
+        levels = [self._own_level(np.arange(n) + k, step, weights) for k in (0, n)]
+        own = np.concatenate([level * np.abs(self.model_stiffness) for level in levels])
+        values = exact + own * rng.standard_normal((count, self.size))
+        grid = np.where(step > 0.0, step, 1.0)
+        written = np.where(step > 0.0, np.round(values / grid) * grid, values)
+        return np.asarray((written - exact) * weights, dtype=DRAWN)
+
+    def _own_level(self, rows: NDArray[np.int64], step: Real, weights: Real) -> float:
+        """Noise over |K| of some rows beside uniform errors of rounding: together as large as the residual."""
+        size = np.abs(self.model_stiffness)
+        squares = (self.rest[rows] / weights[rows]) ** 2
+        free = max(float(len(rows) - np.sum(self.absorbed[rows] ** 2)), 1.0)
+
+        def excess(level: float) -> float:
+            return float(np.sum(squares / (level**2 * size**2 + step[rows] ** 2 / 12.0 + 1e-300))) - free
+
+        least = NOISE.least_relative
+        if excess(least) <= 0.0:
+            return least
+        largest = float(np.sqrt(np.sum(squares / size**2) / free))
+        return float(brentq(excess, least, largest * (1.0 + 1e-9)))
 
     def standard(self, rest: Drawn) -> Drawn:
         """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""

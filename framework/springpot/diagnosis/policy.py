@@ -17,6 +17,8 @@ class NoiseLevels:
     """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
     most_digits: int = 9
     """Digits from which a value counts as written in full: single precision has seven."""
+    rounded: float = 0.1
+    """Share of the noise's variance from which rounding is simulated as such: less is lost in the rest of it."""
     points_of_a_run: int = 6
     """Points of a run from which its own gain says little of each of them."""
     runs_differ: float = 0.0001
