@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf
 
@@ -78,13 +78,20 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
     free, inside = found, np.ones(len(data.mean), dtype=bool)
     for _ in range(SCATTER.rounds):
-        shaped = refit(model, data, _shaped(free, data.mean, inside), [found.theta], starts=2)
-        free, inside = undragged(shaped)
-        variance, dof = _scatter(free.frame())
-        sd = at_least_rounding(float(np.sqrt(variance)) * shaped.noise.sd, data.mean)
-        noise = replace(shaped.noise, sd=sd, dof=dof)
-        found = refit(model, data, noise, [shaped.theta], starts=2)
+        # Each way says at most how large the noise is: the smaller one is the better bound.
+        tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside)]
+        found, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return found
+
+
+def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
+    """The fit in units of a noise of this shape and of the size that the scatter gives it; see `undragged`."""
+    shaped = refit(model, data, shape, [before.theta], starts=2)
+    free, inside = undragged(shaped)
+    variance, dof = _scatter(free.frame())
+    sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
+    noise = replace(shape, sd=sd, dof=dof)
+    return refit(model, data, noise, [shaped.theta], starts=2), free, inside
 
 
 def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
@@ -132,8 +139,11 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     return refit(base.model, base.data, noise, [base.theta], starts=8)
 
 
-def _shaped(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) -> Noise:
+def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) -> Iterator[Noise]:
     """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later.
+
+    Where a ripple or a drift is seen in that scatter, also without it: its storage and its loss would be taken for
+    the sizes of the noise in both.
 
     Parameters
     ----------
@@ -145,11 +155,14 @@ def _shaped(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
         Those that do not.
     """
     frame, n = free.frame(), int(np.sum(inside))
-    # Not a ripple or a drift either: its storage and its loss would be taken for the sizes of the noise in both.
+    scatters = [frame.rough]
     left = trimmed(frame).left
-    rough = left[:n] / free.noise.weights.real + 1j * left[n:] / free.noise.weights.imag
-    sd = at_least_rounding(robust_shape(measurement, rough, inside), measurement)
-    return Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
+    if not np.allclose(left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))):
+        scatters.append(left)
+    for scatter in scatters:
+        rough = scatter[:n] / free.noise.weights.real + 1j * scatter[n:] / free.noise.weights.imag
+        sd = at_least_rounding(robust_shape(measurement, rough, inside), measurement)
+        yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 
 def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
