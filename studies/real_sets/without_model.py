@@ -128,10 +128,18 @@ def _row(one: dict[str, Any]) -> tuple[Entry, ...]:
     floor = float(one["steps"][-1]["noise_floor"])
     accepted = "; ".join(_accepted(step) for step in one["steps"][1:]) or "none"
     return (
-        one["set"], one["points"], f"{100 * floor:.2g} %", f"{100 * one['first']['error']['material_floor']:.2g} %",
+        one["set"], one["points"], _percent(floor), _percent(one["first"]["error"]["material_floor"]),
         round(ratio(one, 0), 2), accepted, round(ratio(one), 2), one["verdict"], cause(one) or None,
         "yes" if is_settled(one) else "no",
     )  # fmt: skip
+
+
+def _percent(share: float) -> str:
+    """Two digits, and none of a power of ten beyond a hundred."""
+    text = f"{100 * share:.2g}"
+    if "e+" in text:
+        text = f"{float(text):.0f}"
+    return f"{text} %"
 
 
 def _accepted(step: dict[str, Any]) -> str:
