@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from springpot.diagnosis import Candidate, Diagnosis, Error, NextExperiment, Value, Where
 from springpot.drawing import draw
 from springpot.errors import DataError
-from springpot.identification import Identification, Objective, default_objective
+from springpot.identification import Identification, Objective, default_objective, kept_interval
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
 from springpot.measurement import material_of
 from springpot.registry import parse_model, parse_timed, plugins
@@ -300,13 +300,7 @@ def _values(rows: dict[str, dict[str, Any]]) -> dict[str, Value]:
 
 
 def _value(row: dict[str, Any]) -> Value:
-    """A parameter; an interval without an end is infinite there."""
-    low, high = row["low"], row["high"]
-    if low is None:
-        low = -inf
-    if high is None:
-        high = inf
-    return Value(_number(row["value"]), low, high, row["unit"])
+    return Value(_number(row["value"]), *kept_interval(row), row["unit"])
 
 
 def _number(value: float | None) -> float:

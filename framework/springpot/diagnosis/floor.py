@@ -26,7 +26,7 @@ from .noise import (
 )
 from .policy import SCATTER
 from .refit import Refit, refit
-from .scatter import Trimmed, _scatter, trimmed
+from .scatter import Trimmed, scatter_about, trimmed
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -55,7 +55,7 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
 
 def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
     first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=16)
-    noise = checked(first.noise, *_scatter(first.frame()))
+    noise = checked(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
         return first
     return refit(model, data, noise, [first.theta], starts=4)
@@ -69,7 +69,7 @@ def as_given(base: Refit) -> Refit:
 
 def borne_out(best: Refit) -> bool:
     """Whether the scatter about a good model is as large as its noise says."""
-    variance, dof = _scatter(best.frame())
+    variance, dof = scatter_about(best.frame())
     return variance < plausible(dof)[1]
 
 
@@ -88,7 +88,7 @@ def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[
     """The fit in units of a noise of this shape and of the size that the scatter gives it; see `undragged`."""
     shaped = refit(model, data, shape, [before.theta], starts=2)
     free, inside = undragged(shaped)
-    variance, dof = _scatter(free.frame())
+    variance, dof = scatter_about(free.frame())
     sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
     noise = replace(shape, sd=sd, dof=dof)
     return refit(model, data, noise, [shaped.theta], starts=2), free, inside

@@ -204,7 +204,9 @@ class Frame:
         """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""
         steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
-        if float(np.mean(real**2 + imag**2)) / 24.0 < NOISE.rounded:
+        # A uniform error of one step has a twelfth of its square for variance; the mean is over both parts.
+        share = 0.5 * float(np.mean(real**2 + imag**2)) / 12.0
+        if share < NOISE.rounded:
             return None
         return steps
 

@@ -18,7 +18,7 @@ from .outliers import Outlier
 from .overtones import judged, overtones
 from .policy import EVIDENCE, SCATTER, VERDICT
 from .result import Candidate, Value, Verdict
-from .scatter import _scatter
+from .scatter import scatter_about
 from .search import Search, moved_along
 from .words import percent, times
 
@@ -101,7 +101,7 @@ def _of_floor(search: Search) -> Iterator[str]:
     base = search.base
     if base.noise.source != "estimated":
         return
-    alone = base.floor * float(np.sqrt(_scatter(base.frame())[0]))
+    alone = base.floor * float(np.sqrt(scatter_about(base.frame())[0]))
     if alone > base.floor / SCATTER.sharper:
         yield (
             f"the noise floor is the scatter about the best model found; about {base.model} alone, as "

@@ -61,7 +61,9 @@ class Outlier:
 
     @property
     def _located(self) -> str:
-        return self.at if self.row is None else f"{self.at}, row {self.row},"
+        if self.row is None:
+            return self.at
+        return f"{self.at}, row {self.row},"
 
     def __str__(self) -> str:
         off = f"{100 * abs(self.relative):.2g} % of {self.magnitude}, {plain(self.size, 2)} sd"
@@ -71,18 +73,20 @@ class Outlier:
         """The same with its row in the whole measurement, of which the data of a fit may be a part."""
         same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
         rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
-        return replace(self, row=int(rows[0]) + 1) if len(rows) else self
+        if len(rows) == 0:
+            return self
+        return replace(self, row=int(rows[0]) + 1)
 
 
 def point_in_words(measurement: Measurement, row: int) -> str:
     """Where a point was measured: ``50 Hz`` or, where conditions vary, ``50 Hz, 20 degC, 0.5 mm``."""
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
-    said = [measurement.units.at(float(measurement.frequency[row]))]
+    words = [measurement.units.at(float(measurement.frequency[row]))]
     for name, unit in units.items():
         column = measurement.conditions.get(name)
         if column is not None and len(np.unique(measurement.levels(name))) > 1:
-            said.append(f"{column[row]:.3g} {unit}".removesuffix(" -"))
-    return ", ".join(said)
+            words.append(f"{column[row]:.3g} {unit}".removesuffix(" -"))
+    return ", ".join(words)
 
 
 def outlying(frame: Frame) -> NDArray[np.int64]:

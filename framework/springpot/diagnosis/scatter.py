@@ -91,7 +91,8 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     lines = 2 * len(sweeps_of(frame.measurement))
     longest = len(power) - 1
     # Slow waves are structure, and told of elsewhere.
-    first = min(int(np.ceil(2.0 * longest / SCATTER.slowest_ripple)), SCATTER.slow_waves * 2)
+    # The spectrum counts in half waves along a sweep.
+    first = min(int(np.ceil(2.0 * longest / SCATTER.slowest_ripple)), 2 * SCATTER.slow_waves)
     if first + 1 >= len(power):
         return 0.0
     peak = first + int(np.argmax(power[first:]))
@@ -148,7 +149,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
     return found
 
 
-def _scatter(frame: Frame) -> tuple[float, float]:
+def scatter_about(frame: Frame) -> tuple[float, float]:
     """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
 
     A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,

@@ -136,6 +136,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     """
     search = evidence.search
     unknown = evidence.unknown > VERDICT.likely
+    exceeds = _exceeds(search)
     return Facts(
         repeats=drifted(search),
         by_scan=search.scan.p_value < VERDICT.library_alarm,
@@ -150,8 +151,8 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         few=search.base.fit.dof < VERDICT.fewest_spare,
         outliers=bool(outliers),
         material=beside_material,
-        exceeds=_exceeds(search),
-        together=_exceeds(search) and _stand_out_together(search.base),
+        exceeds=exceeds,
+        together=exceeds and _stand_out_together(search.base),
     )
 
 

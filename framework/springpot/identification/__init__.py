@@ -17,7 +17,7 @@ from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .space import SearchSpace, box_of, paper_box, require_conditions
 from .uncertainty import Uncertainty, bootstrap, held_costs, profile
-from .value import Value
+from .value import Value, kept_interval
 
 __all__ = [
     "BatchedOptimiser",
@@ -53,6 +53,7 @@ __all__ = [
     "fit_batch",
     "identify",
     "is_material",
+    "kept_interval",
     "own_parameters",
     "levenberg_marquardt",
     "minima_in_box",

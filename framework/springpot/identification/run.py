@@ -143,6 +143,7 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
     except BudgetSpent:
         pass  # this is how the recorder ends an optimiser, and no fault of it
     except (Exception, SystemExit) as error:
+        # Some optimisers turn Ctrl-C into an error of their own: it is the user's, and no fault.
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise KeyboardInterrupt from error
         fault = error

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
+from typing import Any
 
 LOST = 1000.0
 """An interval of three decades says nothing: sizes of one kind of parameter differ by less among all dampers."""
@@ -66,3 +68,13 @@ def finite(value: float) -> float | None:
     if not isfinite(value):
         return None
     return float(value)
+
+
+def kept_interval(row: Mapping[str, Any]) -> tuple[float, float]:
+    """Ends of an interval as JSON holds them, which has no word for infinity: without an end it is infinite there."""
+    low, high = row["low"], row["high"]
+    if low is None:
+        low = -inf
+    if high is None:
+        high = inf
+    return low, high

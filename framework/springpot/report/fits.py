@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 from collections.abc import Collection, Mapping, Sequence
 from io import StringIO
-from math import inf, log
+from math import log
 from typing import TYPE_CHECKING, Any
 
-from springpot.identification import Identification, Value
+from springpot.identification import Identification, Value, kept_interval
 from springpot.measurement import material_of
 from springpot.rheology.drawing import drawing_of
 
@@ -152,12 +152,7 @@ def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _measured(entry: dict[str, Any]) -> Value:
-    low, high = entry["low"], entry["high"]
-    if low is None:
-        low = -inf
-    if high is None:
-        high = inf
-    return Value(entry["value"], low, high, entry["unit"])
+    return Value(entry["value"], *kept_interval(entry), entry["unit"])
 
 
 def _tests(found: TimeIdentification, width: int) -> str:
