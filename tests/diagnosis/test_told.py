@@ -112,7 +112,7 @@ def test_a_floor_below_that_of_the_model_alone_is_explained(monkeypatch):
     from springpot.diagnosis import notes
 
     def told(variance, source="estimated"):
-        monkeypatch.setattr(notes, "_scatter", lambda frame: (variance, 10.0))
+        monkeypatch.setattr(notes, "scatter_about", lambda frame: (variance, 10.0))
         noise = SimpleNamespace(source=source)
         base = SimpleNamespace(noise=noise, floor=0.01, frame=lambda: None, model="kelvin")
         return list(notes._of_floor(SimpleNamespace(base=base)))
