@@ -134,6 +134,64 @@ def test_a_file_that_appears_during_the_download_is_not_replaced_either(server, 
     assert [path.read_bytes() for path in left(tmp_path)] == [b"another's"]
 
 
+def test_of_two_processes_that_fetch_a_file_at_once_both_have_it(server, tmp_path, monkeypatch):
+    put = download._put
+
+    def after_another(draft, path):
+        put(draft, path)
+        put(draft, path)
+
+    monkeypatch.setattr(download, "_put", after_another)
+    assert len(manifest(server).dataset().open()) == 2
+    assert [path.read_bytes() for path in left(tmp_path)] == [CONTENT]
+
+
+def test_a_file_that_another_process_puts_there_before_the_download_is_used(server, tmp_path, monkeypatch):
+    asked, exists = [], Path.exists
+
+    def late(path, **options):
+        """Between the first look and the next one it appears."""
+        if path.name == "raw.csv" and not asked:
+            asked.append(path)
+            path.parent.mkdir(parents=True)
+            path.write_bytes(CONTENT)
+        return exists(path, **options)
+
+    dataset = manifest(server).dataset()
+    monkeypatch.setattr(Path, "exists", late)
+    assert len(dataset.open()) == 2
+    assert (len(asked), server.requests) == (1, 0)
+
+
+def test_a_file_where_the_folder_should_be_is_one_line(server, tmp_path):
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / hashlib.sha256(CONTENT).hexdigest()[:16]).write_text("mine")
+    assert "is no folder; remove it" in complaint(manifest(server).dataset())
+
+
+def test_a_server_that_sends_without_end_is_left(server, tmp_path, monkeypatch):
+    monkeypatch.setattr(download, "LARGEST", 2 << 20)
+    server.content = b"x" * (8 << 20)
+    assert "it is larger than 2 MiB" in complaint(manifest(server).dataset())
+    assert left(tmp_path) == []
+
+
+def test_a_copy_that_is_interrupted_leaves_no_half_of_a_file(server, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError(95, "Operation not supported")
+
+    def full(source, stream):
+        stream.write(source.read(5))
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(download.os, "link", refuse)
+    with monkeypatch.context() as patch:
+        patch.setattr(download, "copyfileobj", full)
+        assert "No space left" in complaint(manifest(server).dataset())
+    assert left(tmp_path) == []
+    assert len(manifest(server).dataset().open()) == 2
+
+
 def test_without_hard_links_it_is_copied_and_replaces_nothing(server, tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(95, "Operation not supported")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 from shutil import copyfileobj
@@ -18,6 +19,9 @@ from .names import inside, is_name
 CACHE = "SPRINGPOT_CACHE"
 """Environment variable that names another place for downloads."""
 INSTALL = "pip install 'springpot[download]'"
+LARGEST = 1 << 30
+"""Bytes of a download, since a server may send without end. A file as large as that is allowed ten times its size of
+memory to be read in (`springpot.measurement.budget`): few machines could use a larger one."""
 
 
 def missing() -> str:
@@ -95,9 +99,8 @@ def fetched(name: str, url: str, sha256: str) -> Path:
         in its place.
     """
     path = place(url, sha256)
-    if _is(path, sha256):
+    if _in_place(name, path, sha256):
         return path
-    _require_room(name, path)
     try:
         import pooch
     except ImportError:
@@ -112,8 +115,9 @@ def fetched(name: str, url: str, sha256: str) -> Path:
             got = pooch.retrieve(url, f"sha256:{sha256}", fname=path.name, path=draft, downloader=safely)
             _put(Path(got), path)
     except FileExistsError:
-        # Somebody else was quicker: nothing is ever replaced.
-        _require_room(name, path)
+        # Another process was quicker. Nothing is ever replaced: what it put there is used if it is the same.
+        if not _in_place(name, path, sha256):
+            raise DataError(f"data set '{name}': {path.parent} is no folder; remove it") from None
     except ValueError:
         # Pooch says so of a wrong checksum.
         raise DataError(
@@ -127,13 +131,23 @@ def fetched(name: str, url: str, sha256: str) -> Path:
     return path
 
 
-def _require_room(name: str, path: Path) -> None:
-    """Refuse to replace anything."""
-    if path.exists() or path.is_symlink():
+def _in_place(name: str, path: Path, sha256: str) -> bool:
+    """Whether the file is in its place already.
+
+    Raises
+    ------
+    DataError
+        If anything else is there, since nothing is ever replaced.
+    """
+    # In this order: a file that another process puts there meanwhile is the right one, and no obstacle.
+    if not (path.exists() or path.is_symlink()):
+        return False
+    if not _is(path, sha256):
         raise DataError(
             f"data set '{name}': {path} holds something else than what was published, and is not replaced; "
             "remove it, and it is downloaded again"
         )
+    return True
 
 
 def _put(draft: Path, path: Path) -> None:
@@ -146,13 +160,30 @@ def _put(draft: Path, path: Path) -> None:
     except OSError:
         # Not every file system has hard links.
         with draft.open("rb") as source, path.open("xb") as stream:
-            copyfileobj(source, stream)
+            try:
+                copyfileobj(source, stream)
+            except BaseException:
+                # Half a file would stand in the way of the whole one for ever.
+                path.unlink()
+                raise
 
 
 def _stay_safe(response: Any, *_: Any, **__: Any) -> None:
-    """Follow no redirection away from https."""
+    """Follow no redirection away from https, and take no file without end."""
     if response.is_redirect and urlparse(urljoin(response.url, response.headers["location"])).scheme != "https":
         raise OSError(0, "it leads to an address without https")
+    pieces = response.iter_content
+
+    def counted(*given: Any, **named: Any) -> Iterator[bytes]:
+        received = 0
+        # Counted as they come: what a server says of the length beforehand need not be so.
+        for piece in pieces(*given, **named):
+            received += len(piece)
+            if received > LARGEST:
+                raise OSError(0, f"it is larger than {LARGEST >> 20} MiB")
+            yield piece
+
+    response.iter_content = counted
 
 
 def _reason(error: OSError) -> str:
