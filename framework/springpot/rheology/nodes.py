@@ -40,7 +40,7 @@ class Response(NamedTuple):
 
 
 def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
-    """The same numbers (..., 1) at all frequencies of shape (..., n); of many points a view, which takes no memory."""
+    """The same numbers (..., 1) at all frequencies (..., n); of many points it is a view, which takes no memory."""
     # A single point is what most optimisers ask for: to write its few numbers is six times as quick as such a view.
     if column.ndim == 1 and len(frequencies) == 1:
         return column.repeat(frequencies[0])
