@@ -8,21 +8,31 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
-from math import inf, nan
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from springpot.diagnosis import Candidate, Diagnosis, Error, NextExperiment, Value, Where
 from springpot.drawing import draw
 from springpot.errors import DataError
-from springpot.identification import Identification, Objective, default_objective, kept_interval
+from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
-from springpot.measurement import material_of
-from springpot.registry import parse_model, parse_timed, plugins
+from springpot.registry import parse_model, plugins
 from springpot.rheology import Model
 from springpot.standing import standing_of
-from springpot.timetests import Known
+
+from .kept_in_time import (
+    KeptTimeComparison,
+    KeptTimeDiagnosis,
+    KeptTimeFit,
+    KeptTimeLadder,
+    comparison_in_time,
+    diagnosis_in_time,
+    fit_in_time,
+    ladder_in_time,
+)
+from .kept_values import number, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -123,46 +133,16 @@ class KeptComparison:
         return f"<KeptComparison of {self.data}: {shown}>"
 
 
-@dataclass(frozen=True, eq=False)
-class KeptTimeFit(Known):
-    """A fit of tests in time, as its file tells it; it predicts frequencies and further tests as before."""
-
-    kept: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def parameters(self) -> dict[str, Value]:
-        """Values and 95 % intervals as printed."""
-        return _values(self.kept["parameters"])
-
-    def __getitem__(self, name: str) -> Value:
-        """The parameter of that name."""
-        return self.parameters[name]
-
-    @property
-    def tests(self) -> tuple[Mapping[str, Any], ...]:
-        """Each test beside its noise floor, as in the file."""
-        return tuple(self.kept["tests"])
-
-    @property
-    def relative_rms(self) -> float:
-        """Error of the worst test."""
-        return float(self.kept["relative_rms"])
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the numbers do not say."""
-        return tuple(self.kept["notes"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Schema ``springpot.identification-in-time/1``, as in the file."""
-        return dict(self.kept)
-
-    def __repr__(self) -> str:
-        values = ", ".join(f"{name} {row.value:.4g} {row.unit}".rstrip(" -") for name, row in self.parameters.items())
-        return f"<KeptTimeFit {self.model.name}: {values}>"
-
-
-Loaded = Identification | Diagnosis | KeptLadder | KeptComparison | KeptTimeFit
+Loaded: TypeAlias = (
+    Identification
+    | Diagnosis
+    | KeptLadder
+    | KeptComparison
+    | KeptTimeFit
+    | KeptTimeDiagnosis
+    | KeptTimeLadder
+    | KeptTimeComparison
+)
 
 
 def load(path: str | Path) -> Loaded:
@@ -175,8 +155,9 @@ def load(path: str | Path) -> Loaded:
 
     Returns
     -------
-    Identification, KeptTimeFit, Diagnosis, KeptLadder or KeptComparison
-        By the schema that the file names.
+    Identification, Diagnosis, KeptLadder or KeptComparison
+        By the schema that the file names; of tests in time a KeptTimeFit, KeptTimeDiagnosis, KeptTimeLadder or
+        KeptTimeComparison.
 
     Raises
     ------
@@ -224,7 +205,7 @@ def _read(path: Path) -> Any:
 def _fit(answer: dict[str, Any]) -> Identification:
     kept, objective = answer["kept"], answer["objective"]
     fit = fit_of(
-        kept, parse_model(answer["model"]), _objective(objective["name"], kept), _number(objective["value"]),
+        kept, parse_model(answer["model"]), _objective(objective["name"], kept), number(objective["value"]),
         int(answer["evaluations"]),
     )  # fmt: skip
     known, low, high = uncertainty_of(kept, fit)
@@ -260,7 +241,7 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         next_experiment=advice,
         notes=tuple(answer["notes"]),
         evidence=answer["evidence"],
-        parameters=_values(answer.get("parameters", {})),  # older files have none
+        parameters=values(answer.get("parameters", {})),  # older files have none
     )
 
 
@@ -269,7 +250,7 @@ def _error(row: dict[str, Any]) -> Error:
 
 
 def _where(row: dict[str, Any]) -> Where:
-    return Where(row["plane"], row["condition"], _number(row["from"]), _number(row["to"]), row["size"], row["says"])
+    return Where(row["plane"], row["condition"], number(row["from"]), number(row["to"]), row["size"], row["says"])
 
 
 def _candidate(row: dict[str, Any]) -> Candidate:
@@ -284,30 +265,14 @@ def _candidate(row: dict[str, Any]) -> Candidate:
         alike=tuple(row["class"]),
         probability=row["probability"],
         delta_bic=delta_bic,
-        score=_number(row["score"]),
+        score=number(row["score"]),
         verdict=row["verdict"],
-        predicted_error=_number(row["predicted_error"]),
-        error_after=_number(row["error_after"]),
+        predicted_error=number(row["predicted_error"]),
+        error_after=number(row["error_after"]),
         bound=bound,
-        parameters=_values(row["parameters"]),
+        parameters=values(row["parameters"]),
         says=row["says"],
     )
-
-
-def _values(rows: dict[str, dict[str, Any]]) -> dict[str, Value]:
-    """Parameters by name."""
-    return {name: _value(row) for name, row in rows.items()}
-
-
-def _value(row: dict[str, Any]) -> Value:
-    return Value(_number(row["value"]), *kept_interval(row), row["unit"])
-
-
-def _number(value: float | None) -> float:
-    """A number; JSON has no word for one that is not finite."""
-    if value is None:
-        return nan
-    return float(value)
 
 
 def _ladder(answer: dict[str, Any]) -> KeptLadder:
@@ -319,7 +284,7 @@ def _ladder(answer: dict[str, Any]) -> KeptLadder:
             row["noise_floor"],
             row["material_floor"],
             row["predicted_error"],
-            _values(row["parameters"]),
+            values(row["parameters"]),
             row["changed"],
             tuple(row["class"]),
         )
@@ -333,10 +298,10 @@ def _comparison(answer: dict[str, Any]) -> KeptComparison:
         KeptJudgement(
             parse_model(row["model"]),
             _error(row["error"]),
-            _number(row["delta_bic"]),
+            number(row["delta_bic"]),
             row["fails"],
             row["says"],
-            _values(row["parameters"]),
+            values(row["parameters"]),
             tuple(_where(place) for place in row["where"]),
         )
         for row in answer["models"]
@@ -344,15 +309,13 @@ def _comparison(answer: dict[str, Any]) -> KeptComparison:
     return KeptComparison(answer["data"], judgements, tuple(answer["notes"]), answer)
 
 
-def _fit_in_time(answer: dict[str, Any]) -> KeptTimeFit:
-    known = Known.read(answer, material_of(parse_timed(str(answer["model"]))))
-    return KeptTimeFit(**{each.name: getattr(known, each.name) for each in fields(known)}, kept=answer)
-
-
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.identification/1": _fit,
-    "springpot.identification-in-time/1": _fit_in_time,
     "springpot.diagnosis/1": _diagnosis,
     "springpot.discovery/1": _ladder,
     "springpot.comparison/1": _comparison,
+    "springpot.identification-in-time/1": fit_in_time,
+    "springpot.diagnosis-in-time/1": diagnosis_in_time,
+    "springpot.discovery-in-time/1": ladder_in_time,
+    "springpot.comparison-in-time/1": comparison_in_time,
 }

@@ -1,7 +1,16 @@
+import numpy as np
 import pytest
 
 from springpot.errors import DataError
-from springpot.measurement import FREQUENCY_UNITS, MODULUS_UNITS, known_unit, normal_unit, temperature_in_celsius
+from springpot.measurement import (
+    FREQUENCY_UNITS,
+    MODULUS_UNITS,
+    Units,
+    known_unit,
+    normal_unit,
+    temperature_in_celsius,
+)
+from springpot.rheology import Dimension
 
 
 @pytest.mark.parametrize(
@@ -58,3 +67,25 @@ def test_temperatures(value, unit, celsius):
 def test_one_spelling_of_a_unit(written, unit):
     assert normal_unit(written) == unit
     assert normal_unit(unit) == unit
+
+
+@pytest.mark.parametrize(
+    ("units", "powers", "label"),
+    [
+        (Units("N/mm", "mm"), {"stiffness": 1, "amplitude": 1, "time": -1}, "N/s"),
+        (Units("kN/m", "mm"), {"stiffness": 1, "amplitude": 1, "time": -1}, "N/s"),
+        (Units("kPa", "%"), {"stiffness": 1, "amplitude": 1, "time": -1}, "kPa/s"),
+        (Units("N/mm", "mm"), {"amplitude": 1, "time": -1}, "mm/s"),
+        (Units("kPa", "-"), {"amplitude": 1, "time": -1}, "1/s"),
+        (Units("N/mm", "mm"), {"stiffness": 1, "amplitude": -1}, "N/mm^2"),
+        (Units("N/mm", "mm"), {"stiffness": 1, "time": 3, "amplitude": -2}, "N s^3/mm^3"),
+        (Units("N m/rad", "deg"), {"stiffness": 1, "amplitude": 1}, "N m"),
+    ],
+)
+def test_rates_and_powers_of_lengths_are_written_as_a_person_would(units, powers, label):
+    assert units.of(Dimension(**powers))[1] == label
+
+
+def test_a_torque_against_degrees_keeps_its_size():
+    factor, _ = Units("N m/rad", "deg").of(Dimension(stiffness=1, amplitude=1))
+    assert factor == pytest.approx(np.pi / 180.0)

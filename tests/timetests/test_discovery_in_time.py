@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
+import json
 
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import DataError
 from springpot.measurement import TimeTest
 from springpot.registry import parse_model, plugins
-from springpot.timetests import discover
+from springpot.timetests import compare, diagnose, discover
 
 EFFECTS = [plugins().effect(name) for name in ("friction", "inertia", "time-delay")]
+MODEL = parse_model("fractional-maxwell")
 
 
 def test_a_record_with_a_mass_and_friction_names_both():
@@ -29,3 +35,61 @@ def test_a_record_with_a_mass_and_friction_names_both():
     named = discover([test], base, EFFECTS, accept=EFFECTS[:2])
     assert [step.accepted for step in named.steps] == [None, "friction", "inertia"]
     assert named.to_dict()["steps"][-1]["model"] == found.model.name or found.steps[1].accepted == "inertia"
+
+
+@pytest.fixture(scope="module")
+def drifting():
+    """A relaxation on a transducer whose zero drifts."""
+    t = np.geomspace(0.01, 100.0, 80)
+    exact = MODEL.relaxation(MODEL.theta(k=400.0, c=60.0, alpha=0.5), t) + 0.2 * t
+    return TimeTest.of_relaxation(t, exact + np.random.default_rng(1).normal(size=80), "kPa", name="drifting")
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """What springpot.load makes of an answer that was written as JSON."""
+
+    def through_a_file(answer):
+        path = tmp_path / "answer.json"
+        path.write_text(json.dumps(answer.to_dict()), encoding="utf-8")
+        again = springpot.load(path)
+        assert again.to_dict() == answer.to_dict()
+        return again
+
+    return through_a_file
+
+
+def test_a_discovery_in_time_and_its_diagnosis_are_loaded_again(drifting, loaded):
+    effects = [plugins().find("time effect", "force-drift")]
+    ladder = discover([drifting], MODEL, effects)
+    again = loaded(ladder)
+    assert [step.accepted for step in again.steps] == [None, "force-drift"]
+    assert again.model.name == ladder.model.name == "fractional-maxwell + force-drift"
+    assert again.steps[-1].parameters["force-drift.rate"].unit == "kPa/s"
+    assert again.verdict == again.diagnosis.verdict == "adequate"
+    assert again.steps[0].over_floor == ladder.steps[0].over_floor
+
+
+def test_a_diagnosis_in_time_is_loaded_again_with_the_effect_itself(drifting, loaded):
+    effects = [plugins().find("time effect", "force-drift")]
+    diagnosis = diagnose(drifting, MODEL, effects)
+    again = loaded(diagnosis)
+    assert again.missing == diagnosis.missing == ("force-drift",)
+    assert again.best.physics is effects[0]
+    assert (again.says, again.verdict, again.error) == (diagnosis.says, "effect-missing", diagnosis.error)
+    assert again.where == diagnosis.where
+
+
+def test_a_comparison_in_time_is_loaded_again(drifting, loaded):
+    comparison = compare([drifting], [MODEL, "fractional-maxwell + force-drift"])
+    again = loaded(comparison)
+    assert again.best.model.name == "fractional-maxwell + force-drift"
+    assert [one.delta_bic for one in again.judgements] == list(comparison.delta_bic)
+    assert again.best.parameters["k"].value == comparison.best.parameters["k"]["value"]
+
+
+def test_an_answer_in_time_that_was_cut_short_is_told_in_one_line(tmp_path):
+    path = tmp_path / "cut.json"
+    path.write_text('{"schema": "springpot.discovery-in-time/1", "steps": []}', encoding="utf-8")
+    with pytest.raises(DataError, match="damaged or of an older version"):
+        springpot.load(path)

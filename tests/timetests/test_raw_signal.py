@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from springpot.measurement import Timed, TimeTest
+from springpot.measurement import Timed, TimeTest, noise_of
 from springpot.registry import parse_model, parse_timed, plugins
 from springpot.timetests import compare, diagnose, discover, recorded
 from springpot.timetests.scatter import scatter_of
@@ -130,3 +130,15 @@ def test_a_slow_misfit_beneath_the_noise_is_seen():
     assert scatter_of(slow + rng.normal(size=300)).misfit
     bump = 4.0 * np.exp(-(((np.arange(300) - 140.0) / 5.0) ** 2))
     assert scatter_of(bump + rng.normal(size=300)).misfit
+
+
+def test_a_channel_at_its_limit_carries_no_noise_and_is_named():
+    # What saturates last cuts the noise off too: half of such a record repeats one value.
+    noisy = record()
+    limit = 0.7 * np.abs(noisy.response).max()
+    held = TimeTest.of_history(T, X, np.clip(noisy.response, -limit, limit), "mm", "N", control="displacement")
+    assert noise_of(held).absolute == pytest.approx(noise_of(noisy).absolute, rel=0.3)
+    answer = diagnose(held, MODEL, library())
+    assert answer.verdict == "effect-missing"
+    assert answer.missing == ("force-clipping",)
+    assert answer.best.over_floor == pytest.approx(1.0, abs=0.2)

@@ -100,9 +100,12 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
         clock = np.log(clock)
     scatter = _scatter(clock, test.response if misfit is None else misfit)
     level = level[ORDER // 2 : len(level) - ORDER // 2]
-    smooth = _without_jumps(test)
-    if misfit is None and np.count_nonzero(smooth) >= FEWEST:
-        scatter, level = scatter[smooth], level[smooth]
+    telling = _moving(test)
+    # A good model has followed the jumps already.
+    if misfit is None:
+        telling &= _without_jumps(test)
+    if np.count_nonzero(telling) >= FEWEST:
+        scatter, level = scatter[telling], level[telling]
     absolute, relative = _two_parts(scatter, level)
     absolute = max(absolute, LEAST * largest)
     return SignalNoise(np.hypot(relative * size, absolute), absolute, relative, True)
@@ -114,6 +117,17 @@ def _without_jumps(test: TimeTest) -> NDArray[np.bool_]:
     when = test.loading.jumps[0]
     smooth: NDArray[np.bool_] = ~np.any((when > first) & (when <= last), axis=1)
     return smooth
+
+
+def _moving(test: TimeTest) -> NDArray[np.bool_]:
+    """Which windows of five samples (n - 4,) hold more than one value.
+
+    A channel at its limit, or printed digits that repeat, show no scatter, whatever the noise is: were such windows
+    counted, a record that is clipped for half of its time would seem to be exact.
+    """
+    changes = np.diff(test.response) != 0.0
+    windows = np.lib.stride_tricks.sliding_window_view(changes, ORDER)
+    return np.asarray(windows.any(axis=1), dtype=bool)
 
 
 def _smooth(size: Real) -> Real:

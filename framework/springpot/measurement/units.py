@@ -297,11 +297,10 @@ class Units:
             if self.stiffness in TORSION_UNITS:
                 return stiff, "kg m^2/rad^2"
             return stiff, "kg"
-        # Stiffness times amplitude is a force, modulus times strain a stress.
-        if powers == (1, 0, 1) and not self.is_modulus and self.amplitude in LENGTH_UNITS:
-            return stiff * LENGTH_UNITS[self.amplitude], "N"
-        if powers == (1, 0, 1) and self.is_modulus and self.amplitude in STRAIN_UNITS:
-            return STRAIN_UNITS[self.amplitude], self.stiffness
+        if (dimension.stiffness, dimension.amplitude) == (1, 1):
+            force = self._force()
+            if force:
+                return force[0], _with_time(force[1], dimension.time)
         if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
             reach = AMPLITUDE_UNITS[self.amplitude]
             per_watt = 1.0 / (stiff * reach * reach)
@@ -310,18 +309,41 @@ class Units:
             return per_watt, "1/W"
         return None
 
+    def _force(self) -> tuple[float, str] | None:
+        """What stiffness times amplitude is: a force, a torque, or where strain was measured a stress."""
+        if self.is_modulus and self.amplitude in STRAIN_UNITS:
+            return STRAIN_UNITS[self.amplitude], self.stiffness
+        if self.stiffness in STIFFNESS_UNITS and self.amplitude in LENGTH_UNITS:
+            return STIFFNESS_UNITS[self.stiffness] * LENGTH_UNITS[self.amplitude], "N"
+        if self.stiffness in TORSION_UNITS and self.amplitude in ANGLE_UNITS:
+            return TORSION_UNITS[self.stiffness] * ANGLE_UNITS[self.amplitude], "N m"
+        return None
+
     def _plain(self, dimension: Dimension) -> str:
-        stiff = length = ""
-        if dimension.stiffness == 1:
-            stiff = _with_time(self.stiffness, dimension.time)
-        elif dimension.stiffness == -1:
-            stiff = _inverse(self.stiffness)
-        elif not dimension.stiffness and dimension.time:
-            stiff = {1: "s", -1: "rad/s", 2: "s^2"}.get(dimension.time, f"s^{dimension.time}")  # type: ignore[call-overload]
+        length = ""
         # A strain has no unit to be raised to a power.
         if self.amplitude != "-":
             length = _power(self.amplitude, dimension.amplitude)
-        return " ".join(part for part in (stiff, length) if part) or "-"
+        if dimension.stiffness == 1:
+            return self._of_stiffness(dimension, length)
+        if dimension.stiffness == -1:
+            return f"{_inverse(self.stiffness)} {length}".rstrip()
+        if dimension.amplitude and dimension.time:
+            # A speed or a rate of strain, not an angular frequency times something.
+            return _with_time(length or "1", dimension.time)
+        if dimension.time:
+            return {1: "s", -1: "rad/s", 2: "s^2"}.get(dimension.time, f"s^{dimension.time}")  # type: ignore[call-overload, no-any-return]
+        return length or "-"
+
+    def _of_stiffness(self, dimension: Dimension, length: str) -> str:
+        over, _, under = self.stiffness.partition("/")
+        if under != self.amplitude:
+            return f"{_with_time(self.stiffness, dimension.time)} {length}".rstrip()
+        # N/mm times a power of mm is N over another power of mm, which is what a person would write.
+        below = _power(under, 1 - dimension.amplitude)
+        if below:
+            over = f"{over}/{below}"
+        return _with_time(over, dimension.time)
 
 
 def _inverse(unit: str) -> str:
@@ -347,6 +369,8 @@ def _with_time(unit: str, time: float | str) -> str:
     if isinstance(power, str):
         # The paper prints the order alone, without the part that it belongs to.
         power = power.rpartition(".")[2]
+    if power == -1 and "/" not in unit:
+        return f"{unit}/s"
     seconds = "s"
     if power != 1:
         seconds = f"s^{power}"

@@ -1,6 +1,6 @@
 """Tests in time: what a model answers, identification, prediction of one test from another."""
 
-from .answer import TimeCandidate, TimeDiagnosis, TimeError
+from .answer import TimeCandidate, TimeDiagnosis, TimeError, best_of, missing_of
 from .compare import TimeComparison, compare
 from .diagnosis import diagnose
 from .discover import TimeLadder, TimeStep, discover
@@ -25,10 +25,12 @@ __all__ = [
     "TimeIdentification",
     "TimeLadder",
     "TimeStep",
+    "best_of",
     "compare",
     "diagnose",
     "discover",
     "identify",
+    "missing_of",
     "predict_test",
     "predicted",
     "recorded",

@@ -14,7 +14,7 @@ from springpot.rheology import Effect
 from .judging import PLAINLY, Left
 from .parts import InTimePart, Part
 from .result import TimeIdentification
-from .scatter import Scatter
+from .scatter import Scatter, times_noise
 from .where import Place
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class TimeError:
                 sd = np.asarray(part.sd, dtype=float)
                 size = float(np.sqrt(np.mean(part.test.response**2)))
             error = float(np.sqrt(np.mean((residual * sd) ** 2))) / size
-            ratio = float(np.sqrt(np.mean(residual**2))) / scatter.size
+            ratio = times_noise(residual, scatter.size)
             floor = 0.0
             # A fit that leaves nothing at all says nothing of the noise.
             if ratio:
@@ -128,6 +128,21 @@ class TimeCandidate:
         }
 
 
+def best_of(candidates: Sequence[TimeCandidate]) -> TimeCandidate | None:
+    """The effect that should be added, if any: the first, where the evidence for it is beyond doubt."""
+    if not candidates or candidates[0].delta_bic <= PLAINLY:
+        return None
+    return candidates[0]
+
+
+def missing_of(candidates: Sequence[TimeCandidate]) -> tuple[str, ...]:
+    """That effect and those that the tests cannot tell from it; empty where nothing is missing."""
+    best = best_of(candidates)
+    if best is None:
+        return ()
+    return (best.effect, *best.alike)
+
+
 @dataclass(frozen=True, eq=False)
 class TimeDiagnosis:
     """What is missing from a model of tests in time.
@@ -168,17 +183,12 @@ class TimeDiagnosis:
     @property
     def best(self) -> TimeCandidate | None:
         """The effect that should be added, if any: the first that is missing, or that helps most beyond doubt."""
-        if not self.candidates or self.candidates[0].delta_bic <= PLAINLY:
-            return None
-        return self.candidates[0]
+        return best_of(self.candidates)
 
     @property
     def missing(self) -> tuple[str, ...]:
         """The effects that may be missing, which these tests cannot tell apart; empty where nothing is."""
-        best = self.best
-        if best is None:
-            return ()
-        return (best.effect, *best.alike)
+        return missing_of(self.candidates)
 
     @property
     def says(self) -> str:

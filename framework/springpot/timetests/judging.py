@@ -11,7 +11,7 @@ from springpot.measurement import Measurement, Timed
 from springpot.rheology import Model, Real
 
 from .parts import InTimePart, Part
-from .scatter import Scatter, scatter_of
+from .scatter import Scatter, scatter_of, times_noise
 
 PLAINLY = 10.0
 """Difference of the Bayesian information criterion that is very strong evidence (Kass & Raftery 1995,
@@ -67,7 +67,7 @@ class Left:
     def over(self, noise: Sequence[Scatter]) -> float:
         """Error over that noise, of the worst test."""
         pairs = zip(self.residuals, noise, strict=True)
-        return max(float(np.sqrt(np.mean(value**2))) / scatter.size for value, scatter in pairs)
+        return max(times_noise(value, scatter.size) for value, scatter in pairs)
 
 
 def _of_sweep(residual: Real, sweep: Measurement) -> Scatter:

@@ -86,6 +86,7 @@ def scatter_of(residual: Real) -> Scatter:
     Scatter
         Of few samples: white noise of the presumed size.
     """
+    residual = residual[_scattered(residual)]
     n = len(residual)
     if n < FEWEST:
         return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, 0.5 * CLIP * n))
@@ -107,6 +108,24 @@ def scatter_of(residual: Real) -> Scatter:
     local = _local(residual, above[1])
     size, memory = above if excess > PLAIN or local < LOCAL else alone
     return Scatter(size, memory, float(excess), local)
+
+
+def times_noise(residual: Real, size: float) -> float:
+    """Root mean square of a residual over noise of that size, where there is noise."""
+    power = float(np.sum(residual**2)) / np.count_nonzero(_scattered(residual))
+    return float(np.sqrt(power)) / size
+
+
+def _scattered(residual: Real) -> NDArray[np.bool_]:
+    """Which samples do not repeat the one before to the last bit; all, where too few would be left.
+
+    A channel at its limit carries no noise, and a model that knows the limit leaves the same number all along there:
+    beside these samples the others would look as if they were missed by more than is usual.
+    """
+    new = np.concatenate([[True], np.diff(residual) != 0.0])
+    if np.count_nonzero(new) < FEWEST:
+        return np.ones(len(residual), dtype=bool)
+    return new
 
 
 def _periodogram(residual: Real) -> tuple[Real, Real]:
