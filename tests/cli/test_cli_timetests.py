@@ -188,3 +188,18 @@ def test_an_effect_of_the_test_itself_is_found_named_and_added(springpot, write)
 def test_a_sweep_has_no_effect_of_a_test_in_time(springpot, swept):
     springpot("identify", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
     springpot("diagnose", swept, "-m", "fractional-maxwell + force-drift").is_one_line("'force-drift'", "sweep")
+
+
+def test_inspect_of_a_record_tells_both_ways_on(springpot, write):
+    t = np.linspace(0.0, 2.0, 200)
+    rows = "".join(f"{a!r},{b!r},{2 * b!r}\n" for a, b in zip(t.tolist(), np.sin(9 * t).tolist(), strict=True))
+    shown = springpot("inspect", write(f"time [s],displacement [mm],force [N]\n{rows}", "record.csv")).out
+    assert "next: springpot identify " in shown
+    assert "steadily: springpot signals " in shown
+
+
+def test_which_of_several_absent_effects_is_absent_is_no_news(springpot, relaxed):
+    answer = springpot("diagnose", relaxed, "--model", "fractional-maxwell", "--json").json
+    absent = {each["effect"] for each in answer["candidates"] if each["verdict"] == "absent"}
+    assert any(names[0] in absent for names in answer["classes"])
+    assert "cannot tell apart" not in springpot("diagnose", relaxed, "--model", "fractional-maxwell").out

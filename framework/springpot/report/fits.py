@@ -137,7 +137,10 @@ def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
         "\n".join(f"where: {place.says}" for place in found.where),
     ]
     physics = [f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing]
-    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in found.classes]
+    # Which of several absent effects is absent is no news.
+    absent = {each.effect for each in found.candidates if each.verdict == "absent"}
+    told = [names for names in found.classes if names[0] not in absent]
+    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in told]
     # The table has its own widths; what is told in sentences is broken at words.
     parts = [wrapped(part, width) for part in sentences if part]
     if ranked:

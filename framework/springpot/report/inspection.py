@@ -193,10 +193,9 @@ def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, w
     """What tests in time hold."""
     head = f"{result['data']}: {_counted(len(tests), 'test')} in time, {result['points']} points"
     blocks = [_test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)]
+    following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
     if any(test.kind == HISTORY for test in tests):
-        following = f"next, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
-    else:
-        following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+        following += f"\nor, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
     return "\n\n".join([wrapped(head, width), *blocks, following])
 
 
