@@ -82,14 +82,19 @@ AMPLITUDE_UNITS = LENGTH_UNITS | STRAIN_UNITS | ANGLE_UNITS
 
 _SPELLINGS = {
     "°c": "degC", "degc": "degC", "c": "degC", "celsius": "degC", "deg c": "degC", "℃": "degC", "kelvin": "K",
-    "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rads/s": "rad/s", "rad s^-1": "rad/s",
+    "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rpm": "1/min",
+    "u/min": "1/min", "upm": "1/min", "r/min": "1/min", "rev/min": "1/min", "min^-1": "1/min", "cps": "Hz",
+    "cycles/s": "Hz", "kpsi": "ksi", "rads/s": "rad/s", "rad s^-1": "rad/s",
     "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
     "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in", "inches": "in",
     "newton": "N", "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "pounds": "lbf", "pound": "lbf",
     "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",
     "metre": "m", "metres": "m", "milliseconds": "ms", "minutes": "min", "pascal": "Pa", "pascals": "Pa",
 }  # fmt: skip
-_SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
+_SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁶": "^6", "⁹": "^9", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
+_POWER_BEFORE = re.compile(r"(?:[x×]\s*)?(?:10\^\s*(-?\d)|1[eE]([-+]?\d))\s*(?=[A-Za-z])(.+)\Z")
+_POWER_BEHIND = re.compile(r"([A-Za-z].*?)\s*[x×]\s*10\^\s*(-?\d)\Z")
+_PREFIXES = {3: "k", 6: "M", 9: "G", -3: "m", -6: "u"}
 _WITHOUT_BLANK = {"Nm": "N m", "mNm": "mN m", "uNm": "uN m", "kNm": "kN m", "Nmm": "N mm"}
 _SHOWN = 12
 """Units that a message lists."""
@@ -111,8 +116,8 @@ def normal_unit(text: str) -> str:
 
     Examples
     --------
-    >>> normal_unit("°C"), normal_unit("N.m"), normal_unit("rad·s-1"), normal_unit("[mPa.s]")
-    ('degC', 'N m', 'rad/s', 'mPa s')
+    >>> normal_unit("°C"), normal_unit("N.m"), normal_unit("rad·s-1"), normal_unit("[mPa.s]"), normal_unit("10³ Pa")
+    ('degC', 'N m', 'rad/s', 'mPa s', 'kPa')
     """
     unit = text.strip().strip("[]").strip()[:_LONGEST]
     if _CYRILLIC.search(unit):
@@ -123,6 +128,7 @@ def normal_unit(text: str) -> str:
     unit = re.sub(r"\bsec(?:onds?)?\b", "s", unit)
     unit = re.sub(r"^([mkM]?Pa)s$", r"\1 s", unit)
     unit = " ".join(unit.translate(_SIGNS).split())
+    unit = _with_prefix(unit)
     if (spelt := _SPELLINGS.get(unit.lower())) is not None:
         return spelt
     unit = re.sub(r"(?<=/)(m|cm|mm|in)2$", r"\1^2", re.sub(r"\bdynes?\b", "dyn", unit))
@@ -133,6 +139,20 @@ def normal_unit(text: str) -> str:
     if not slash:
         return _WITHOUT_BLANK.get(over, over)
     return f"{_part(over)}/{_part(under)}"
+
+
+def _with_prefix(unit: str) -> str:
+    """``10^6 Pa``, ``1e6 Pa`` or ``Pa x10^6`` as ``MPa``; other units as they are."""
+    if match := _POWER_BEFORE.match(unit):
+        power, base = int(match[1] or match[2]), match[3]
+    elif match := _POWER_BEHIND.match(unit):
+        power, base = int(match[2]), match[1]
+    else:
+        return unit
+    if power not in _PREFIXES:
+        return unit
+    # A unit with a prefix of its own gives a name that no table has, and is told as it stands.
+    return f"{_PREFIXES[power]}{base}"
 
 
 def _part(text: str) -> str:

@@ -8,9 +8,10 @@ from functools import cached_property
 
 from springpot.errors import DataError
 
-from .grid import COMMENT, MISSING, Grid, is_number
+from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI
+from .pairs import with_pairs_apart
 from .titles import Heading, heading, plainly
 
 _UNITS_WITHIN = 3
@@ -148,7 +149,7 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
     above: list[list[str]] = []
     i, rows, tried = 0, grid.rows, 0
     while i < len(rows):
-        words = not any(map(is_number, rows[i][:_WIDEST]))
+        words = not any(map(holds_number, rows[i][:_WIDEST]))
         start = None
         if words:
             tried += len(rows[i])
@@ -175,6 +176,7 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
         headings = headings_of(names, between, len(rows[start]))
         above += [[cell.strip() for cell in row] for row in between if is_remark(row)]
         cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), strict)
+        headings, cells = with_pairs_apart(headings, cells)
         blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
         above, i, tried = [], stop, 0
     return blocks, above
@@ -194,7 +196,7 @@ def _goes_on(blocks: Sequence[Block], rows: Sequence[Sequence[str]], i: int, abo
 
 def is_header(row: Sequence[str]) -> bool:
     """Whether a row names columns: at least two roles and no number."""
-    if len(row) < 2 or any(is_number(cell) for cell in row[:_WIDEST]):
+    if len(row) < 2 or any(holds_number(cell) for cell in row[:_WIDEST]):
         return False
     headings = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
     roles = {each.role for each in headings if each.role}
@@ -204,7 +206,7 @@ def is_header(row: Sequence[str]) -> bool:
 
 def is_data(row: Sequence[str]) -> bool:
     """Whether a row holds numbers, rather than a key and its value."""
-    numbers = sum(1 for cell in row if is_number(cell))
+    numbers = sum(1 for cell in row if holds_number(cell))
     if numbers < 2 and not (numbers == 1 and len(row) == 1):
         return False
     # More words than numbers are a line of a report.
@@ -224,7 +226,7 @@ def _first_row(rows: Sequence[Sequence[str]], i: int) -> int | None:
 def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -> int:
     """Behind the last row of a table: rows of the same width whose first number is one go quickly."""
     width = len(rows[start])
-    key = next(k for k, cell in enumerate(rows[start]) if is_number(cell))
+    key = next(k for k, cell in enumerate(rows[start]) if holds_number(cell))
     for j in range(start + 1, len(rows)):
         row = rows[j]
         # Nearly all rows go by this quick test; those that it does not know are looked at closely.
@@ -232,7 +234,7 @@ def _last_row(rows: Sequence[Sequence[str]], start: int, names: Sequence[str]) -
             continue
         if is_data(row) and not _ends(row):
             continue
-        if len(row) == width and width > 1 and any(is_number(cell) for cell in row) and not _ends(row):
+        if len(row) == width and width > 1 and any(holds_number(cell) for cell in row) and not _ends(row):
             continue
         return j
     return len(rows)

@@ -114,10 +114,10 @@ def _with_base(heading_: Heading, base: str) -> Heading:
     """A column of logarithms whose base the user says."""
     if base not in ("10", "e"):
         raise DataError(f"the base of logarithms is 10 or e, not '{base:.20}'; write 'FILE?log=10'")
-    if heading_.log != "?":
+    if heading_.written != "?":
         # Plain numbers, or a title that says the base itself.
         return heading_
-    return replace(heading_, log=base)
+    return replace(heading_, written=base)
 
 
 def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
@@ -146,12 +146,12 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
     if match:
         name, unit = match[1].strip(), match[2]
     elif is_unit(meaning) and meaning not in ROLES:
-        return replace(heading_, unit=meaning, log=base or heading_.log)
+        return replace(heading_, unit=meaning, written=base or heading_.written)
     role = _role(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
         raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
-    return Heading(heading_.title, name, role, unit, log=base or heading_.log)
+    return Heading(heading_.title, name, role, unit, written=base or heading_.written)
 
 
 def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
@@ -179,7 +179,7 @@ def _unit_of(heading_: Heading) -> Question:
 def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the base of logarithms, and for the units that are missing as well."""
     logarithms = list(headings)
-    unsure = ", ".join(f"'{heading.title}'" for heading in logarithms if heading.log == "?")
+    unsure = ", ".join(f"'{heading.title}'" for heading in logarithms if heading.written == "?")
     # An omega is in rad/s by its name, so that no unit is asked for.
     bare = [heading for heading in logarithms if heading.unit is None and heading.role in {*USUAL} - {"omega"}]
     given = ",".join(["log=10", *(f"{heading.role}={USUAL[str(heading.role)]}" for heading in bare)])

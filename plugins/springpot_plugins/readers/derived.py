@@ -1,4 +1,4 @@
-"""Moduli from what stands in their place: complex viscosity, its parts, compliances, or logarithms."""
+"""Moduli from what stands in their place: complex viscosity, its parts, compliances, damping, work."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from springpot.measurement import LENGTH_UNITS, MODULUS_UNITS, known_unit, norma
 from springpot.measurement.signals import stiffness_unit
 from springpot.rheology import Real
 
-from .grid import MISSING, is_number
 from .table import Column
-from .titles import COMPLIANCE_UNITS, DAMPING_UNITS, UNITS, VISCOSITY_UNITS
+from .titles import COMPLIANCE_UNITS, DAMPING_UNITS, RECEPTANCE_UNITS, UNITS, VISCOSITY_UNITS
 
 VISCOSITIES = ("dynamic_viscosity", "out_of_phase_viscosity")
 COMPLIANCES = ("storage_compliance", "loss_compliance")
@@ -61,8 +60,11 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         # A compliance of zero gives no finite modulus, which the measurement refuses.
         with np.errstate(all="ignore"):
             modulus = 1.0 / (_si(elastic, COMPLIANCE_UNITS) - 1j * _si(viscous, COMPLIANCE_UNITS))
-        columns["storage"] = _column(elastic, "storage", modulus.real)
-        columns["loss"] = _column(viscous, "loss", modulus.imag)
+        unit = "Pa"
+        if known_unit(elastic.unit or "", COMPLIANCE_UNITS, elastic.name) in RECEPTANCE_UNITS:
+            unit = "N/m"
+        columns["storage"] = _column(elastic, "storage", modulus.real, unit)
+        columns["loss"] = _column(viscous, "loss", modulus.imag, unit)
     return columns
 
 
@@ -95,36 +97,6 @@ def _rest(size: Column, loss: Real, damping: Column) -> Column:
         raise damping.error("it alone gives more than the whole dynamic stiffness", row)
     unit = known_unit(size.unit or "", MODULUS_UNITS, size.name)
     return _column(size, "storage", np.sqrt(left) / MODULUS_UNITS[unit], unit)
-
-
-def unlogged(column: Column, base: str) -> Column:
-    """The column itself of one that holds its logarithms, to base ``10`` or ``e``; others as they are."""
-    if not base:
-        return column
-    return replace(column, cells=[_unlogged(cell, base) for cell in column.cells], decimal_comma=False)
-
-
-def _unlogged(cell: str, base: str) -> str:
-    """The number of which a cell holds the logarithm; what is no number is told later, as it stands in the file."""
-    if cell.strip() in MISSING or not is_number(cell):
-        return cell
-    return _power(base, cell)
-
-
-def _power(base: str, cell: str) -> str:
-    number = value_of(cell)
-    with np.errstate(all="ignore"):
-        raised = np.exp(number) if base == "e" else np.power(10.0, number)
-    value = float(raised)
-    if not np.isfinite(value):
-        # A mere "inf" would pass for a gap; this is refused later, with its line.
-        return "infinity"
-    return repr(value)
-
-
-def value_of(cell: str) -> float:
-    """The number in a cell that holds one."""
-    return float(cell.strip().replace(",", ".").replace("−", "-").replace("D", "E").replace("d", "e"))
 
 
 def _omega(roles: Mapping[str, Column]) -> Real:

@@ -18,7 +18,7 @@ from .blocks import Block, is_dynamic, lacking
 from .choices import ask_base, ask_meaning, ask_units, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of
 from .columns import measurement_of
-from .derived import COMPLIANCES, VISCOSITIES, unlogged, with_moduli
+from .derived import COMPLIANCES, VISCOSITIES, with_moduli
 from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
@@ -26,6 +26,7 @@ from .names import FREQUENCIES, rank
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
 from .titles import UNITS, Heading, heading
+from .written import as_measured
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
 """Further columns of instruments that are kept as conditions."""
@@ -260,8 +261,8 @@ def _picked(blocks: Sequence[Block], part: str) -> list[Block]:
 
 def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], further: bool) -> Measurement:
     chosen = with_choice(block.headings, choice)
-    if any(each.log == "?" and each.role in _MEANT for each in chosen.headings):
-        raise ask_base([each for each in chosen.headings if each.log and each.role in _MEANT])
+    if any(each.written == "?" and each.role in _MEANT for each in chosen.headings):
+        raise ask_base([each for each in chosen.headings if each.written and each.role in _MEANT])
     columns = _columns(block, chosen.headings)
     # What the user says goes before what the file says.
     constants = {**block.constants, **chosen.constants}
@@ -317,7 +318,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
                 column = halved(column)
         seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
-        made.append(unlogged(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.log))
+        made.append(as_measured(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.written))
     return made
 
 

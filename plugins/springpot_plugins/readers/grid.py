@@ -11,6 +11,13 @@ from itertools import islice
 from springpot.errors import DataError
 
 NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
+_SIZE = r"(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
+COMPLEX = re.compile(
+    rf"\s*\(?\s*([-+−]?\s*{_SIZE})\s*([-+−])\s*(?:({_SIZE})\s*\*?\s*[ijIJ]|[ijIJ]\s*\*?\s*({_SIZE}))\s*\)?\s*\Z"
+)
+"""A complex number as programs write it: ``(1+2j)``, ``1.2 + 0.3i``, ``1,2-i0,3``, ``1 + 2*I``."""
+DEVIATING = re.compile(rf"\s*\(?\s*([-+−]?{_SIZE})\s*(?:±|\+/-|\+-)\s*({_SIZE})\s*\)?\s*\Z")
+"""A value with its deviation: ``12.3 ± 0.4``."""
 MISSING = frozenset(
     (
         *("", "-", "--", "---", "----", "-----", "------", "*", "***", "****", "*****", "******", "—", "–", "?"),
@@ -55,6 +62,13 @@ def is_number(cell: str) -> bool:
     return NUMBER.match(cell) is not None
 
 
+def holds_number(cell: str) -> bool:
+    """Whether a cell is a number, a complex one, or a number with its deviation."""
+    if NUMBER.match(cell):
+        return True
+    return COMPLEX.match(cell) is not None or DEVIATING.match(cell) is not None
+
+
 def lines_of(text: str) -> list[str]:
     """The lines of a text, with any kind of ending."""
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -75,7 +89,7 @@ def _gain(line: str, separator: str) -> int:
     cells = split_line(line, separator)
     if len(cells) < 2:
         return 0
-    numbers = sum(map(is_number, cells))
+    numbers = sum(map(holds_number, cells))
     if numbers < 2:
         # A key and its value are parted by many signs.
         return 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from .derived import value_of
 from .grid import is_number
 from .titles import Heading
+from .written import value_of
 
 SWINGING = ("amplitude", "force_amplitude")
 """What may be counted either way."""

@@ -23,9 +23,19 @@ from springpot.measurement import (
 
 from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
 from .names import FREQUENCIES, role_of
+from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
-COMPLIANCE_UNITS = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
+RECEPTANCE_UNITS = {
+    f"{length}/{force}": metre / newton
+    for length, metre in LENGTH_UNITS.items()
+    for force, newton in FORCE_UNITS.items()
+}
+"""Displacement over force, as modal tests measure it."""
+COMPLIANCE_UNITS = {
+    **{"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6},
+    **RECEPTANCE_UNITS,
+}
 DAMPING_UNITS = {
     f"{force}{space}s/{length}": newton / metre
     for force, newton in FORCE_UNITS.items()
@@ -86,6 +96,7 @@ KNOWN = frozenset(
     for table in (*UNITS.values(), FORCE_UNITS, LENGTH_UNITS, PRESSURE_UNITS, TORQUE_UNITS, TIME_UNITS)
     for unit in table
 ) | {"1/s", "1/K", "1/Pa", "1/MPa", "1/kPa", "1/rad", "A", "V"}
+_MADE_A_NAME = re.compile(r"(.*[A-Za-z*])(?:_|\.\.+)([A-Za-z]\w*(?:\.\w+)*)[_.]+\Z")
 _LONGEST = 120
 """Signs of a title that is looked at."""
 _BRACKETS = re.compile(r"^(.*?)\s*\[([^\[\]]*)\]\s*$")
@@ -108,9 +119,9 @@ class Heading:
         The unit as written; None where there is none.
     joined : bool
         Whether the unit was joined by an underscore, as programs write it.
-    log : str
-        Base of the logarithm that the column holds, ``10`` or ``e``; ``?`` where the title does not say which,
-        empty for plain numbers.
+    written : str
+        What was done to the numbers before they were written: ``10`` or ``e`` is the base of their logarithm, ``?``
+        one that the title does not say, `DECIBEL`, `INVERSE` or `OPPOSITE`; empty for plain numbers.
     curve : CurveName or None
         Which of several curves the column belongs to.
     """
@@ -120,7 +131,7 @@ class Heading:
     role: str | None
     unit: str | None
     joined: bool = False
-    log: str = ""
+    written: str = ""
     curve: CurveName | None = None
 
 
@@ -139,11 +150,11 @@ def heading(title: str, below: str | None = None) -> Heading:
         return _by_unit(_marked(title) or _plain(title))
     own = heading(title)
     name = title
-    if own.log or own.curve:
+    if own.written or own.curve:
         name = own.name
     # The row of units stands for the whole column, so that its unit goes before one within the title.
     unit = _unbracketed(below.strip()).strip()
-    return _by_unit(Heading(title, name, role_of(title) or own.role, unit, log=own.log, curve=own.curve))
+    return _by_unit(Heading(title, name, role_of(title) or own.role, unit, written=own.written, curve=own.curve))
 
 
 def _unbracketed(unit: str) -> str:
@@ -153,8 +164,19 @@ def _unbracketed(unit: str) -> str:
 
 
 def _by_unit(named: Heading) -> Heading:
-    """The heading whose unit tells what its name leaves open: a damping, or the dynamic stiffness ``C_dyn``."""
+    """The heading whose unit tells what its name leaves open: a damping, the dynamic stiffness ``C_dyn``, a level."""
     unit = normal_unit(named.unit or "")
+    if named.role == "period":
+        # Without a unit of time it may count periods.
+        frequency = PER_PERIOD.get(unit)
+        if frequency is None:
+            return replace(named, role=None)
+        return replace(named, role="frequency", unit=frequency, written=INVERSE)
+    if named.role == "receptance_imaginary":
+        # X / F = J' - i J'': its imaginary part is the negative of the loss compliance.
+        return replace(named, role="loss_compliance", written=OPPOSITE)
+    if (reference := decibel_of(named.unit or "")) and named.role in UNITS:
+        return replace(named, unit=reference, written=DECIBEL)
     if unit in DAMPING_UNITS:
         return replace(named, role="damping")
     if named.role == "damping" and unit in MODULUS_UNITS:
@@ -175,7 +197,7 @@ def _marked(title: str) -> Heading | None:
         base, inner = taken
         plain = _plain(inner)
         if plain.role in UNITS and plain.role not in ("time", "temperature"):
-            return replace(plain, title=title, log=base)
+            return replace(plain, title=title, written=base)
     return None
 
 
@@ -194,7 +216,13 @@ def _plain(title: str) -> Heading:
         # "% strain"
         unit = "%" if title.startswith("%") else None
         return Heading(title, title, role, unit)
-    return _in_parentheses(title) or _after_sign(title) or _joined(title) or Heading(title, title, None, None)
+    return (
+        _in_parentheses(title)
+        or _after_sign(title)
+        or _joined(title)
+        or _made_a_name(title)
+        or Heading(title, title, None, None)
+    )
 
 
 def _stem_role(stem: str) -> str | None:
@@ -254,6 +282,17 @@ def _joined(title: str) -> Heading | None:
             if known in UNITS[role] or known.lower() in {name.lower() for name in UNITS[role]}:
                 return Heading(title, stem, role, unit, joined=True)
     return None
+
+
+def _made_a_name(title: str) -> Heading | None:
+    """``Frequency_Hz_`` and ``Storage.modulus..Pa.``: titles that MATLAB and R made names of, by replacing signs."""
+    match = _MADE_A_NAME.match(title)
+    if match is None:
+        return None
+    named = _joined(f"{match[1]}_{match[2]}".replace(".", "_"))
+    if named is None:
+        return None
+    return replace(named, title=title)
 
 
 def _sign_of(word: str) -> str:
