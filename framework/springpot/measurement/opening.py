@@ -165,13 +165,15 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
         measurement = guarded(reader, path, lambda: reader.read(path, choice))
+        provenance = dict(measurement.provenance)
+        for key, text in provenance.items():
+            if key.startswith("note "):
+                # A reader does not know under which name the user opened the file.
+                provenance[key] = text.replace("'FILE", f"'{path}")
         # A number in the file's name is only offered: what the file itself says comes first.
-        if "temperature" in measurement.conditions:
-            return measurement
-        offer = temperature_offer(path)
-        if not offer:
-            return measurement
-        return replace(measurement, provenance={**measurement.provenance, **offer})
+        if "temperature" not in measurement.conditions:
+            provenance |= temperature_offer(path)
+        return replace(measurement, provenance=provenance)
 
     return within_budget(path, read)
 

@@ -91,7 +91,22 @@ _SPELLINGS = {
     "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",
     "metre": "m", "metres": "m", "milliseconds": "ms", "minutes": "min", "pascal": "Pa", "pascals": "Pa",
 }  # fmt: skip
-_SIGNS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁶": "^6", "⁹": "^9", "·": " ", "⋅": " ", "*": " ", "−": "-", "⁻": "^-", "¹": "1"})
+_SIGNS = str.maketrans(
+    {
+        "µ": "u",
+        "μ": "u",
+        "²": "^2",
+        "³": "^3",
+        "⁶": "^6",
+        "⁹": "^9",
+        "·": " ",
+        "⋅": " ",
+        "*": " ",
+        "−": "-",
+        "⁻": "^-",
+        "¹": "1",
+    }
+)
 _POWER_BEFORE = re.compile(r"(?:[x×]\s*)?(?:10\^\s*(-?\d)|1[eE]([-+]?\d))\s*(?=[A-Za-z])(.+)\Z")
 _POWER_BEHIND = re.compile(r"([A-Za-z].*?)\s*[x×]\s*10\^\s*(-?\d)\Z")
 _PREFIXES = {3: "k", 6: "M", 9: "G", -3: "m", -6: "u"}

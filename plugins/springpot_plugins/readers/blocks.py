@@ -10,7 +10,7 @@ from springpot.errors import DataError
 
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, uncommented, units_in, unquoted
-from .names import FREQUENCIES, MODULI
+from .names import FREQUENCIES, MODULI, names_a_modulus
 from .pairs import with_pairs_apart
 from .titles import Heading, heading, plainly
 
@@ -200,6 +200,8 @@ def is_header(row: Sequence[str]) -> bool:
         return False
     headings = [heading(unquoted(cell.strip())) for cell in uncommented(row)[:_WIDEST]]
     roles = {each.role for each in headings if each.role}
+    if any(each.unit is not None and names_a_modulus(each.name) for each in headings):
+        roles.add("modulus")
     # A table of several curves may have but the frequency in common: G'_A, G''_A, G'_B, G''_B.
     return len(roles) > 1 or len({plainly(each).role for each in headings} - {None}) > 2
 

@@ -74,7 +74,8 @@ def with_choice(headings: Sequence[Heading], choice: Choice) -> Chosen:
         if role is not None and not name.isdigit() and constant is not None:
             constants[f"{role} [{constant[2]}]"] = constant[1]
             continue
-        place = _place(columns, name, role)
+        # By the file's own words: storage and loss can be exchanged in one line.
+        place = _place(headings, name, role)
         columns[place] = _meant(columns[place], meaning)
         named.add(place)
     meant = {str(columns[place].role) for place in named} | {title.partition(" ")[0] for title in constants}
@@ -210,14 +211,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     A hint must not lead to wrong numbers when it is typed as it stands: columns are named only by who knows them.
     """
     if block_lacks == "missing frequency [Hz] or omega [rad/s]":
-        clock = next((i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None)
-        if clock is not None:
-            unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
-            spec = f"{clock}=frequency[{unit}]"
-            says = f"{says}; if {title} is it, open 'FILE?{spec}'"
-            return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
-        hint = "; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'"
-        return OpenQuestion(f"{says}{hint}", [Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})])
+        return _ask_frequency(says, headings)
     moduli = [each for each in headings if each.role is None and normal_unit(each.unit or "") in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
         return _ask_which_modulus(says, moduli, headings)
@@ -236,6 +230,31 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     named = ", ".join([*unknown.values()][:6])
     hint = f"; if {named} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
     return OpenQuestion(f"{says}{hint}", ask_each(unknown))
+
+
+_SWEPT = frozenset({"amplitude", "temperature", "time", "stress", "torque", "displacement", "repeat"})
+"""What is swept at one frequency."""
+
+
+def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
+    """The question for the frequency: which column holds it, or that it is the same in all rows."""
+    clock = next((i for i, h in enumerate(headings, 1) if normal_unit(h.unit or "") in FREQUENCY_UNITS), None)
+    if clock is not None:
+        unit, title = normal_unit(headings[clock - 1].unit or ""), headings[clock - 1].title
+        spec = f"{clock}=frequency[{unit}]"
+        says = f"{says}; if {title} is it, open 'FILE?{spec}'"
+        return OpenQuestion(says, [Question("frequency", "column", {title: spec})])
+    same = Question("frequency", "constant", {"1 Hz": "frequency=1[Hz]"})
+    unknown = {i: h.title for i, h in enumerate(headings, 1) if h.title and h.role is None}
+    # A constant is the nearest answer only where something else is swept: a column that nobody knows may be the
+    # frequency, and a constant in its place would be wrong without a word.
+    if not unknown or any(each.role in _SWEPT for each in headings):
+        return OpenQuestion(f"{says}; if it is 1 Hz in all rows, open 'FILE?frequency=1[Hz]'", [same])
+    place, title = next(iter(unknown.items()))
+    hint = f"if {title} is it, in Hz, open 'FILE?{place}=frequency[Hz]'"
+    hint += ", if it is 1 Hz in all rows, 'FILE?frequency=1[Hz]'"
+    columns = {title: f"{place}=frequency[Hz]" for place, title in unknown.items()}
+    return OpenQuestion(f"{says}; {hint}", [Question("frequency", "column", columns)])
 
 
 def _ask_which_modulus(says: str, moduli: Sequence[Heading], headings: Sequence[Heading]) -> OpenQuestion:

@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
+from springpot.measurement import normal_unit
 
-from .grid import MISSING
+from .grid import APOSTROPHES, MISSING
 from .table import Column
-from .titles import heading
+from .titles import heading, is_unit
 
 _THOUSANDS = re.compile(r"\s*[-+]?\d{1,3}(?:,\d{3})+\.\d*\s*$")
 _POINTS = re.compile(r"\s*[-+]?\d{1,3}(?:\.\d{3})+,\d*\s*$")
 _BLANKS = re.compile(r"\s*[-+]?\d{1,3}(?:\s\d{3})+(?:[.,]\d*)?\s*$")
+_WITH_UNIT = re.compile(r"\s*[-+−]?\d[\d.,]*(?:[eE][-+]?\d+)?\s*((?:[^\W\d]|[°%]).*)\Z")
 _WHOLE = ("temperature", "amplitude", "storage_sd", "loss_sd")
 
 
@@ -46,12 +48,30 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
     return roles, _named_apart([rows_of(column, keep) for column in others]), notes
 
 
+def with_unit_of_cells(column: Column) -> Column:
+    """A column whose cells carry one unit, ``23 °C``, as plain numbers in that unit; others as they are."""
+    first = next((cell for cell in column.cells if cell.strip() not in MISSING), "")
+    match = _WITH_UNIT.match(first)
+    if match is None or not is_unit(match[1]):
+        return column
+    behind = match[1].strip()
+    cells = [cell.strip() for cell in column.cells]
+    if column.unit not in (None, normal_unit(behind)) or not all(
+        cell.endswith(behind) or cell in MISSING for cell in cells
+    ):
+        return column
+    return replace(column, unit=normal_unit(behind), cells=[cell.removesuffix(behind).rstrip() for cell in cells])
+
+
 def _present(column: Column) -> NDArray[np.bool_]:
     return np.fromiter((cell.strip() not in MISSING for cell in column.cells), bool, len(column.cells))
 
 
 def _without_thousands(column: Column) -> Column:
-    """Numbers such as 1,234.5, where all commas are plainly those of thousands, without them; 1.234,5; 1 234,5."""
+    """Numbers such as 1,234.5, where all commas plainly part thousands, without them; 1.234,5; 1 234,5; 1'234.5."""
+    quoted = [cell for cell in column.cells if "'" in cell or "’" in cell]
+    if quoted and all(map(APOSTROPHES.match, quoted)):
+        column = replace(column, cells=[cell.replace("'", "").replace("’", "") for cell in column.cells])
     parted = [cell for cell in column.cells if len(cell.split()) > 1]
     if parted and all(map(_BLANKS.match, parted)):
         column = replace(column, cells=["".join(cell.split()) for cell in column.cells])

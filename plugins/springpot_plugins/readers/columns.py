@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
+from springpot.measurement.exchange import NOTE as EXCHANGED
+from springpot.measurement.exchange import exchange_note
 from springpot.measurement.together import runs_together
 from springpot.rheology import Complex, Real
 
@@ -84,7 +87,7 @@ def measurement_of(
     notes = {**_doubts(roles), **runs_together(extra, labels, known_labels), **_negative_loss(stiffness)}
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
-    return Measurement(
+    measured = Measurement(
         omega=omega,
         stiffness=stiffness,
         sd=sd,
@@ -96,6 +99,7 @@ def measurement_of(
         provenance=provenance,
         labels=labels,
     )
+    return replace(measured, provenance={**provenance, **exchange_note(measured)})
 
 
 def _unit(column: Column, table: dict[str, float], advice: str) -> str:
@@ -218,7 +222,7 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
-NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature"})
+NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature", EXCHANGED})
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
 
 

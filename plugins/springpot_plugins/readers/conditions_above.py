@@ -54,10 +54,15 @@ def _conditions_in(cells: Sequence[str]) -> list[tuple[str, str, str]]:
     if len(cells) == 1 and (curve := curve_in_cell(cells[0].strip("#%/ "))).title:
         return [(curve.role, normal_unit(curve.title.partition(" ")[2]), curve.value)]
     text = ""
+    if len(cells) == 2 and not re.search("[:=]", cells[0]):
+        # A line of two cells is a key and its value, also without a colon.
+        cells = [f"{cells[0]}:", cells[1]]
     for cell in cells:
-        # A key and its value may stand in two cells: "Temperature:" and "25 °C".
-        end = " " if cell.endswith((":", "=")) else ", "
-        text += cell + end
+        # "Temperature:" and "25 °C" stand in two cells.
+        separator = ", "
+        if cell.endswith((":", "=")):
+            separator = " "
+        text += cell + separator
     for name, bracket, number, behind in _STATED.findall(text[:_LONGEST].removesuffix(", ")):
         role, unit = role_of(name), normal_unit(bracket or behind)
         if role in _ROLES and (bracket or behind) and unit in UNITS[str(role)]:

@@ -16,7 +16,7 @@ from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
 from .choices import ask_base, ask_meaning, ask_units, with_choice
-from .cleaning import bare_name, cleaned, is_blank, rows_of
+from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
 from .flags import STATUS, flags_in, raw_phase_note
@@ -301,7 +301,6 @@ def _moduli(roles: Mapping[str, Column]) -> tuple[Real | None, Real | None]:
 def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     cells: list[Sequence[str]] = list(zip(*block.rows, strict=True))
     made: list[Column] = []
-    seen: dict[str, int] = {}
     complete = _has_all_units(headings)
     for heading_, column in zip(headings, cells, strict=False):
         name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
@@ -316,9 +315,9 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
             unit = unit_of_amplitude(unit)
             if counts_whole_swing(heading_):
                 column = halved(column)
-        seen[name] = seen.get(name, 0) + 1
         title = heading_.title or name
-        made.append(as_measured(Column(title, name, unit, column, block.lines, decimal_comma=True), heading_.written))
+        whole = with_unit_of_cells(Column(title, name, unit, column, block.lines, decimal_comma=True))
+        made.append(as_measured(whole, heading_.written))
     return made
 
 

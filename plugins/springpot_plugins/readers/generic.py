@@ -21,10 +21,14 @@ from .grid import COMMENT, Grid, grid_of, head_grid, is_number
 from .header_facts import facts_of, pairs_in
 from .headings import headings_of
 from .names import FREQUENCIES, MODULI
+from .pairs import with_pairs_apart
 from .side_by_side import apart
 from .text import head_text, text_of
 from .titles import Heading
 from .transposed import upright
+
+_LOOKED_AT = 10
+"""Rows below the names that tell whether a column holds complex numbers."""
 
 
 def recognises(head: bytes) -> float:
@@ -38,7 +42,9 @@ def recognises(head: bytes) -> float:
         if is_header(row):
             below = grid.rows[i + 1 : i + 3]
             width = max(map(len, [row, *below[:1]]))
-            best = max(best, _confidence(headings_of(row, below, width)))
+            headings = headings_of(row, below, width)
+            rows = [each for each in grid.rows[i + 1 : i + 1 + _LOOKED_AT] if len(each) == len(headings)]
+            best = max(best, _confidence(with_pairs_apart(headings, rows)[0]))
     return best
 
 

@@ -11,6 +11,8 @@ from itertools import islice
 from springpot.errors import DataError
 
 NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
+APOSTROPHES = re.compile(r"\s*[-+−]?\d{1,3}(?:['’]\d{3})+(?:[.,]\d*)?\s*\Z")
+"""Thousands as in Switzerland: 1'234.5."""
 _SIZE = r"(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 COMPLEX = re.compile(
     rf"\s*\(?\s*([-+−]?\s*{_SIZE})\s*([-+−])\s*(?:({_SIZE})\s*\*?\s*[ijIJ]|[ijIJ]\s*\*?\s*({_SIZE}))\s*\)?\s*\Z"
@@ -63,10 +65,10 @@ def is_number(cell: str) -> bool:
 
 
 def holds_number(cell: str) -> bool:
-    """Whether a cell is a number, a complex one, or a number with its deviation."""
+    """Whether a cell is a number in any style: with thousands parted, complex, or with its deviation."""
     if NUMBER.match(cell):
         return True
-    return COMPLEX.match(cell) is not None or DEVIATING.match(cell) is not None
+    return any(style.match(cell) for style in (APOSTROPHES, COMPLEX, DEVIATING))
 
 
 def lines_of(text: str) -> list[str]:

@@ -4,12 +4,38 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
-from springpot.measurement import normal_unit
+from springpot.measurement import MODULUS_UNITS, normal_unit
 
 from .grid import COMMENT
 from .titles import UNITS, Heading, heading, is_unit
 
+_WITH_DEVIATION = frozenset({"storage", "loss"})
+_DEVIATIONS = frozenset(
+    (
+        *(
+            "±",
+            "+/-",
+            "+-",
+            "sd",
+            "s.d",
+            "std",
+            "std.",
+            "stdev",
+            "st.dev",
+            "std dev",
+            "std. dev",
+            "stddev",
+            "σ",
+            "sigma",
+        ),
+        *("standard deviation", "uncertainty", "standardabweichung", "unsicherheit", "écart-type", "écart type"),
+        *("ecart-type", "ecart type", "desviación estándar", "deviazione standard"),
+    )
+)
+_COUNTED = re.compile(r"[._ ]\d{1,3}\Z")
+"""What programs put behind a title that comes again."""
 _MOST_JOINED = 200
 """Words above a table that are tried in pairs; each joining looks at all of them again."""
 
@@ -26,7 +52,29 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
             units = _beside_titles(row_units, titles)
         elif len(row) == len(titles):
             titles = _in_two_rows(titles, [unquoted(cell.strip()) for cell in uncommented(row)])
-    return tuple(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+    for place, (title, unit) in enumerate(zip(titles, units, strict=True)):
+        if unit and not title and heading(unit).role:
+            # A name that stands in the row of units, as where pandas names the index below the columns.
+            titles[place], units[place] = unit, None
+    return with_deviations(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def with_deviations(headings: Iterable[Heading]) -> tuple[Heading, ...]:
+    """The headings, where one that says no more than "±" or "SD" is the deviation of the column before it."""
+    made: list[Heading] = []
+    for each in headings:
+        before = made[-1] if made else None
+        if before and before.role in _WITH_DEVIATION and each.role is None and _says_deviation(each):
+            role = f"{before.role}_sd"
+            each = replace(each, name=role, role=role, unit=each.unit or before.unit)
+        made.append(each)
+    return tuple(made)
+
+
+def _says_deviation(each: Heading) -> bool:
+    word = _COUNTED.sub("", each.name.strip().strip("().").casefold())
+    # A share of the value is no standard deviation in the unit of the modulus.
+    return word in _DEVIATIONS and normal_unit(each.unit or "Pa") in MODULUS_UNITS
 
 
 def _beside_titles(units: Sequence[str], titles: Sequence[str]) -> list[str | None]:

@@ -135,6 +135,7 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("j'", "jprime", "storagecompliance", "d'", "speichernachgiebigkeit"),
         *("re(x/f)", "rex/f", "receptancereal", "realreceptance", "re(receptance)"),
     ),
+    "complex_compliance": ("j*", "d*", "complexcompliance", "x/f", "receptance", "komplexenachgiebigkeit"),
     "loss_compliance": ("j''", "jdoubleprime", "losscompliance", "d''", "verlustnachgiebigkeit"),
     "receptance_imaginary": ("im(x/f)", "imx/f", "receptanceimag", "imaginaryreceptance", "im(receptance)"),
     "period": ("period", "periode", "période", "periodo", "periodendauer", "schwingungsdauer", "perioddauer", "周期"),
@@ -352,6 +353,11 @@ _NEUTRAL = frozenset(
     )
 )
 """Words before a symbol that leave it to the symbol which part of a modulus is meant."""
+
+
+def names_a_modulus(name: str) -> bool:
+    """Whether a name says modulus or stiffness and no more, so that its numbers tell which part it is."""
+    return fold(name) in _NEUTRAL
 
 
 @lru_cache(maxsize=4096)

@@ -17,9 +17,9 @@ _SAMPLED = 20
 """Cells of a column by which it is told: a column of numbers alone must cost nothing."""
 _CONJUGATE = {
     "viscosity": ("dynamic_viscosity", "out_of_phase_viscosity"),
-    "storage_compliance": ("storage_compliance", "loss_compliance"),
+    "complex_compliance": ("storage_compliance", "loss_compliance"),
 }
-"""Parts of quantities that are written x' - i x'', since they oppose the modulus: eta* = G* / (i omega), J* = 1 / G*."""
+"""Parts of what is written x' - i x'', since it goes against the modulus: eta* = G* / (i omega), J* = 1 / G*."""
 
 
 def with_pairs_apart(
@@ -47,9 +47,10 @@ def _parts(heading: Heading, rows: Sequence[Sequence[str]], place: int) -> list[
     """The two headings of a column of pairs; none for a column that stays as it is."""
     filled = (row[place] for row in rows if row[place].strip() not in MISSING)
     sample = [cell for cell in islice(filled, _SAMPLED) if not is_number(cell)]
-    if sample and all(map(COMPLEX.match, sample)):
+    # By most of them: a slip in one cell is told with its line, not by a column that nobody knows.
+    if 2 * sum(1 for cell in sample if COMPLEX.match(cell)) > len(sample):
         return _complex_parts(heading)
-    if sample and all(map(DEVIATING.match, sample)):
+    if 2 * sum(1 for cell in sample if DEVIATING.match(cell)) > len(sample):
         return _with_deviation(heading)
     return []
 
@@ -58,9 +59,11 @@ def _complex_parts(heading: Heading) -> list[Heading]:
     roles = _CONJUGATE.get(str(heading.role))
     unit = normal_unit(heading.unit or "")
     if heading.role is None and unit in COMPLIANCE_UNITS:
-        roles = _CONJUGATE["storage_compliance"]
+        roles = _CONJUGATE["complex_compliance"]
     # A name such as "stiffness" leaves open which part is meant: a complex number is both.
-    elif heading.role in MODULI - {*_CONJUGATE} or (heading.role is None and (not heading.unit or unit in MODULUS_UNITS)):
+    elif heading.role in MODULI - {*_CONJUGATE} or (
+        heading.role is None and (not heading.unit or unit in MODULUS_UNITS)
+    ):
         roles = ("storage", "loss")
     if roles is None:
         return []

@@ -30,8 +30,10 @@ from springpot.measurement import (
     unguarded_line,
 )
 
+from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
 from .generic import read as read_any
+from .grid import MISSING
 from .names import role_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
@@ -41,6 +43,10 @@ _TWICE = "measured twice"
 """Comment of a file whose rows of one frequency were all meant."""
 _TOLD = "told in"
 """Comment of a file that springpot wrote, whose frequencies are in rad/s whatever the data came in."""
+_NOT_MEASURED = frozenset(
+    word for word in MISSING if word and not word.casefold().strip("+-").startswith(("nan", "inf"))
+)
+"""What spreadsheets and people write for no value; an empty cell, nan or inf is more likely a slip, and is told."""
 
 
 def recognises(head: bytes) -> float:
@@ -77,9 +83,12 @@ def parse(text: str, name: str) -> Measurement:
     """The measurement in a text, with this name where the text itself gives none."""
     table = table_of(text)
     roles, others = assign(tuple(map(_as_written, table.columns)))
+    notes: dict[str, str] = {}
+    if any(cell.strip() in _NOT_MEASURED for column in roles.values() for cell in column.cells):
+        roles, others, notes = cleaned(roles, others)
     comments = {key: unguarded_line(value) for key, value in table.comments.items()}
     provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)}
-    measurement = measurement_of(roles, others, comments.get("name", name), provenance)
+    measurement = measurement_of(roles, others, comments.get("name", name), {**provenance, **notes})
     if _TOLD in comments:
         measurement = replace(measurement, units=_told(measurement.units, comments[_TOLD]))
     # A file that springpot wrote of repeated frequencies says so, since it must be readable again.

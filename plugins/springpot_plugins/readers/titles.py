@@ -32,10 +32,8 @@ RECEPTANCE_UNITS = {
     for force, newton in FORCE_UNITS.items()
 }
 """Displacement over force, as modal tests measure it."""
-COMPLIANCE_UNITS = {
-    **{"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6},
-    **RECEPTANCE_UNITS,
-}
+_OVER_PRESSURE = {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9, "Pa^-1": 1.0, "MPa^-1": 1e-6}
+COMPLIANCE_UNITS = _OVER_PRESSURE | RECEPTANCE_UNITS
 DAMPING_UNITS = {
     f"{force}{space}s/{length}": newton / metre
     for force, newton in FORCE_UNITS.items()

@@ -14,7 +14,7 @@ from .table import Column
 DECIBEL, INVERSE, OPPOSITE = "dB", "1/x", "-x"
 PER_PERIOD = {"s": "Hz", "ms": "kHz", "min": "1/min"}
 """Unit of the frequency that is one over a period in this unit."""
-_LEVEL = re.compile(r"dB\s*[\[(]?\s*(?:re|rel|ref)\.?\s*:?\s*(?:1\s+|1(?=[A-Za-z]))?([A-Za-z][^\[\]()]*?)\s*[\])]?\Z")
+_LEVEL = re.compile(r"dB\s*[\[(]?\s*(?:ref|rel|re)\.?\s*:?\s*(?:1\s+|1(?=[A-Za-z]))?([A-Za-z][^\[\]()]*?)\s*[\])]?\Z")
 
 _FORMS: dict[str, Callable[[float], float]] = {
     "10": lambda number: float(np.power(10.0, number)),
