@@ -234,13 +234,20 @@ def signals_to_measurement(
         If a file holds no time signals or cannot be evaluated.
     """
     known = list(readers)
-    return measurement_from_signals(
+    measurement = measurement_from_signals(
         (_signals(str(path), known) for path in paths),
         omega=omega,
         n_harmonics=n_harmonics,
         window=window,
         name=name,
     )
+    provenance = dict(measurement.provenance)
+    for path in paths:
+        file = file_and_choice(str(path))[0]
+        key = f"note {Path(file).stem}"
+        if key in provenance:
+            provenance[key] = provenance[key].replace("'FILE", f"'{file}")
+    return replace(measurement, provenance=provenance)
 
 
 def _signals(text: str, readers: list[Reader]) -> Signals:

@@ -384,7 +384,7 @@ def measurement_from_signals(
         names.append(PurePath(test.name).stem)
         units.append((test.displacement_unit, test.force_unit))
         told = [value for key, value in test.provenance.items() if key.startswith("note ")]
-        if notes := [*told, *row.notes, *_doubts_of_sign(row)]:
+        if notes := [*told, *row.notes, *_doubts_of_sign(row, test.force_unit)]:
             origin[f"note {names[-1]}"] = "; ".join(notes)
     if not rows:
         raise DataError("no signals given: name at least one file")
@@ -401,9 +401,10 @@ def measurement_from_signals(
     return _measurement(rows, names, units[0], first, origin)
 
 
-def _doubts_of_sign(row: Harmonics) -> list[str]:
+def _doubts_of_sign(row: Harmonics, force_unit: str) -> list[str]:
     """What to tell of a specimen that gives work away, which only a wrong sign or a drive can explain."""
-    mend = "if one channel counts the other way, open 'FILE?force=-N' with its unit"
+    # With the unit that the force has: typed as it stands, another one would change the stiffness a thousandfold.
+    mend = f"if one channel counts the other way, open 'FILE?force=-{force_unit}'"
     doubt = np.pi * row.amplitude**2 * row.sd.imag
     surely = row.stiffness.imag < -SURE * row.sd.imag or row.work < -SURE * doubt
     if surely and row.stiffness.real < -SURE * row.sd.real:

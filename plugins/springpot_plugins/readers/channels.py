@@ -42,6 +42,9 @@ NAMES: dict[str, tuple[str, ...]] = {
             "zeitstempel",
             "datum/zeit",
             "datum uhrzeit",
+            "datum/uhrzeit",
+            "date and time",
+            "elapsed",
             "uhrzeit",
         ),
         *("date/time", "datetime", "date time", "horodatage", "x_value"),
@@ -325,6 +328,8 @@ def _require_all(layout: dict[str, _Place], titles: Sequence[str]) -> None:
             f"no column of {' and '.join(missing)}; write {ADVICE[missing[0]]} above it, "
             f"or say which by 'FILE?{spec}' (columns: {shown:.100})"
         )
+        if missing == ["time"]:
+            message += "; of samples that are evenly spaced say how many there are a second: 'FILE?rate=1000[Hz]'"
         free = set(range(len(titles))) - {place.column for place in layout.values()}
         raise OpenQuestion(message, [_which(channel, titles, sorted(free)) for channel in missing])
     bare = [channel for channel in UNITS if layout[channel].unit is None]

@@ -3,13 +3,72 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from functools import lru_cache
+
+from springpot.errors import DataError
+from springpot.measurement import Choice
+
+from .channels import found_in
 
 _TIME = r"(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,](\d+))?)?\s*([AaPp][Mm])?"
 _DATE = r"(\d{1,4})[-./](\d{1,2})[-./](\d{1,4})"
 _DATED = re.compile(rf"\s*{_DATE}[T\s,]+{_TIME}\s*(?:Z|[+-]\d{{2}}:?\d{{2}})?\s*\Z")
 _OF_DAY = re.compile(rf"\s*{_TIME}\s*\Z")
+
+
+_RATE = re.compile(
+    r"(?:sampl\w*[ _-]?(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|fréquence d.échantillonnage)"
+    r"[\s:;,=\t\"]{1,8}(?:[\[(](?P<before>k?Hz)[\])][\s:;,=\t]*)?(?P<number>\d+(?:[.,]\d+)?)[\s;,\t\"]*(?P<unit>k?Hz|1/s|S/s)?",
+    re.IGNORECASE,
+)
+"""A line of a header such as ``Sample rate: 400 Hz`` or ``Abtastrate [Hz];400``."""
+_SAID = re.compile(r"(\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*\[?\s*(k?Hz|1/s|)\s*\]?\Z")
+RATE = "rate"
+"""What a user says of signals without a column of time: ``FILE?rate=400[Hz]``."""
+
+
+def sample_rate(choice: Choice, head: str, titles: Sequence[str]) -> tuple[float | None, Choice]:
+    """Samples a second where time is to be counted by them, and the choice without what it says of them.
+
+    Parameters
+    ----------
+    choice : Choice
+        What the user says.
+    head : str
+        The beginning of the file.
+    titles : sequence of str
+        Names of the columns.
+
+    Raises
+    ------
+    DataError
+        If what the user says is no rate.
+    """
+    said = choice.columns.get(RATE)
+    if said is not None:
+        match = _SAID.match(said)
+        if match is None or not float(match[1]) > 0:
+            raise DataError(f"'{said:.20}' is no sample rate; write 'FILE?{RATE}=400[Hz]'")
+        others = {name: meaning for name, meaning in choice.columns.items() if name != RATE}
+        return _hertz(match[1], match[2]), replace(choice, columns=others)
+    named = found_in(titles)
+    if choice.columns or "time" in named or not named >= {"displacement", "force"}:
+        return None, choice
+    stated = _RATE.search(head)
+    unit = ""
+    if stated is not None:
+        unit = stated["before"] or stated["unit"] or ""
+    if stated is None or not unit or not float(stated["number"].replace(",", ".")) > 0:
+        return None, choice
+    return _hertz(stated["number"], unit), choice
+
+
+def _hertz(number: str, unit: str) -> float:
+    thousands = 1000.0 if unit.casefold().startswith("k") else 1.0
+    return thousands * float(number.replace(",", "."))
 
 
 def seconds_of(cell: str) -> float | None:

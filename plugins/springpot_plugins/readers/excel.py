@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader, budget_of
+from springpot.measurement import Choice, Measurement, Part, Reader, Signals, budget_of, measurement_from_signals
 
 from .blocks import Block, blocks_of
+from .channels import UNITS as CHANNELS
+from .channels import found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
@@ -19,8 +21,11 @@ from .grid import Grid
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .side_by_side import apart, has_condition
+from .signals_csv import signals_of_sheet
 
 _MOST_ENTRIES = 10_000
+_SEARCHED = 100
+"""Rows of a sheet that may stand above the names of channels."""
 
 
 def recognises(head: bytes) -> float:
@@ -44,12 +49,9 @@ def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list
     DataError
         If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too much.
     """
-    with path.open("rb") as stream:
-        is_old = stream.read(len(SIGNATURE)) == SIGNATURE
-    read_sheets = sheets_of if is_old else _sheets
     made: list[Block] = []
     pairs: list[tuple[str, str]] = []
-    for title, grid in read_sheets(path):
+    for title, grid in _sheets_of(path):
         blocks, below = blocks_of(grid, stacked=True)
         for block in blocks:
             pairs += pairs_in(block.above)
@@ -58,6 +60,15 @@ def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list
             pairs += pairs_in(below)
         made += _named(title, with_conditions_above(apart(blocks, choice)))
     return made, pairs
+
+
+def _sheets_of(path: Path) -> list[tuple[str, Grid]]:
+    """Title and cells of each sheet, by what wrote the file."""
+    with path.open("rb") as stream:
+        is_old = stream.read(len(SIGNATURE)) == SIGNATURE
+    if is_old:
+        return sheets_of(path)
+    return _sheets(path)
 
 
 def _sheets(path: Path) -> list[tuple[str, Grid]]:
@@ -79,6 +90,36 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
         reason = (str(error).splitlines() or [""])[0]
         raise DataError(f"no readable Excel file: {type(error).__name__}: {reason:.80}") from None
     return sheets
+
+
+def signals(path: Path, choice: Choice) -> Signals:
+    """The time signals on the first sheet that holds some, or on the one that the user names.
+
+    Raises
+    ------
+    DataError
+        If a channel or its unit is missing, or a cell is no number.
+    """
+    sheets = _sheets_of(path)
+    if choice.part:
+        sheets = [sheet for i, sheet in enumerate(sheets, 1) if choice.part in (str(i), sheet[0])]
+        if not sheets:
+            raise DataError(f"there is no sheet '{choice.part:.40}'")
+    # Where no sheet names all channels the user says which columns they are, of the longest one.
+    _, grid = max(sheets, key=lambda sheet: (_holds_signals(sheet[1]), len(sheet[1].rows)))
+    return signals_of_sheet(_as_lines(grid), path, choice, "Excel")
+
+
+def _holds_signals(grid: Grid) -> bool:
+    return any(len(found_in(row)) == len(CHANNELS) for row in grid.rows[:_SEARCHED])
+
+
+def _as_lines(grid: Grid) -> list[str]:
+    """The rows as lines of text at their own numbers, so that errors name the right one."""
+    lines = [""] * grid.lines[-1]
+    for number, row in zip(grid.lines, grid.rows, strict=True):
+        lines[number - 1] = "\t".join(cell.replace("\t", " ") for cell in row)
+    return lines
 
 
 def _named(sheet: str, blocks: list[Block]) -> list[Block]:
@@ -147,6 +188,10 @@ def read(path: Path, choice: Choice) -> Measurement:
         One line that says what was recognised and what is missing.
     """
     blocks, pairs = _parsed(path, choice)
+    if not choice and not any(block.is_dynamic for block in blocks):
+        sheets = [grid for _, grid in _sheets_of(path)]
+        if any(map(_holds_signals, sheets)):
+            return measurement_from_signals([signals(path, choice)])
     return measurement_from(blocks, choice, path, {"format": "Excel", **facts_of(pairs)}, further=True)
 
 
@@ -156,5 +201,10 @@ def parts(path: Path) -> tuple[Part, ...]:
 
 
 READER = Reader(
-    "excel", "Excel .xlsx and .xls with named columns on one or more sheets", recognises, read, parts=parts
+    "excel",
+    "Excel .xlsx and .xls with named columns on one or more sheets",
+    recognises,
+    read,
+    parts=parts,
+    signals=signals,
 )

@@ -9,14 +9,19 @@ memory: its numbers go to a temporary file that is mapped, and all that follows 
 
 from __future__ import annotations
 
+import io
+from dataclasses import replace
 from pathlib import Path
+from typing import IO
+
+import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, Reader, Signals, measurement_from_signals
 
 from .blocks import is_dynamic
 from .channels import UNITS, Places, channel_of, found_in, places_of, signals_from
-from .clock import seconds_of
+from .clock import sample_rate, seconds_of
 from .signal_layout import Layout, layout_of
 from .signal_rows import Rows
 from .text import encoding_of, head_text
@@ -40,6 +45,9 @@ def recognises(head: bytes) -> float:
         return 0.95
     if "time" in named and len(named) == 2:
         return 0.3
+    if named == {"displacement", "force"}:
+        # Loops without their time, which a sample rate gives.
+        return 0.25
     # Any other table may be said to be signals.
     return 0.02 * (len(titles) > 2)
 
@@ -59,19 +67,40 @@ def signals(path: Path, choice: Choice) -> Signals:
         encoding = encoding_of(head)
         if encoding is None:
             raise DataError("this is no text file; save the signals as CSV in UTF-8")
-        layout = layout_of(head_text(head))
-        titles, units = _with_clock(layout)
-        places = places_of(titles, units, choice)
-        rows = Rows(layout, places, CHUNK)
         with path.open(encoding=encoding, newline=None) as text:
-            channels = rows.read(text, path.stat().st_size <= IN_MEMORY)
+            return _signals_in(text, head_text(head), path.stat().st_size <= IN_MEMORY, path, choice, "text")
     except UnicodeDecodeError as error:
         raise DataError(f"byte {error.start} is no {error.encoding} text; save it as CSV in UTF-8") from None
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror or error}") from None
+
+
+def signals_of_sheet(lines: list[str], path: Path, choice: Choice, origin: str) -> Signals:
+    """The signals in lines of cells that are separated by tabs, as a sheet of a workbook is."""
+    text = "\n".join(lines)
+    return _signals_in(io.StringIO(text), text[: 1 << 16], True, path, choice, origin)
+
+
+def _signals_in(text: IO[str], head: str, in_memory: bool, path: Path, choice: Choice, origin: str) -> Signals:
+    """The signals in a text that begins with `head`."""
+    layout = layout_of(head)
+    titles, units = _with_clock(layout)
+    rate, choice = sample_rate(choice, head, titles)
+    if rate is not None:
+        # No column of the file: it is counted below, and stands in for one here.
+        titles, units = [*titles, "time"], [*units, *[""] * (len(titles) - len(units)), "s"]
+    places = places_of(titles, units, choice)
+    if rate is not None:
+        places = replace(places, columns=(places.columns[1], *places.columns[1:]), signs=(1.0, *places.signs[1:]))
+    rows = Rows(layout, places, CHUNK)
+    channels = rows.read(text, in_memory)
+    notes = [*places.notes, *rows.notes]
+    if rate is not None:
+        channels[0] = np.arange(len(channels[0])) / rate
+        notes.append(f"no column of time: counted at {rate:g} samples a second")
     # Time is in seconds by now, and all count as they should.
-    final = Places(places.columns, ("s", *places.units[1:]), notes=(*places.notes, *rows.notes))
-    return signals_from(channels, final, path, "text")
+    final = Places(places.columns, ("s", *places.units[1:]), notes=tuple(notes))
+    return signals_from(channels, final, path, origin)
 
 
 def _with_clock(layout: Layout) -> tuple[list[str], list[str]]:
