@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import signal
 import sys
 import threading
+from collections.abc import Container
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 CHILDREN = Path("/proc/thread-self/children")
+ADOPT = 36
+"""PR_SET_CHILD_SUBREAPER of Linux's prctl(2)."""
 TIMERS = (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)
 
 
@@ -27,14 +31,29 @@ def limit_memory(mebibytes: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
 
 
-def end_children() -> int:
-    """End the child processes of this one that still run, where the system lists them; how many there were."""
+def adopt_orphans() -> None:
+    """Let every descendant that loses its parent become a child of this process, where the system can do that.
+
+    A process that leaves its group and its parent, as daemons do, would otherwise be found by nobody.
+    """
+    with suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0)
+
+
+def children_of(listing: Path = CHILDREN) -> list[int]:
+    """The child processes of this one, or those of another file of that kind; none where the system lists none."""
     try:
-        children = [int(pid) for pid in CHILDREN.read_text().split()]
+        return [int(pid) for pid in listing.read_text().split()]
     except OSError:
-        return 0
+        return []
+
+
+def end_children(known: Container[int] = ()) -> int:
+    """End the child processes of this one that still run, but for those known; how many there were."""
     running = 0
-    for pid in children:
+    for pid in children_of():
+        if pid in known:
+            continue
         with suppress(OSError):
             # One that has ended by itself is only collected, and did no harm.
             if os.waitpid(pid, os.WNOHANG)[0] == 0:
@@ -45,12 +64,24 @@ def end_children() -> int:
 
 
 def end_group(pid: int) -> None:
-    """End a process that leads a group of its own, and all that it started."""
+    """End a process that leads a group of its own, and all that it started, in whatever group."""
+    # Listed before it ends: then its children have other parents, and nothing tells whose they were.
+    away = _descendants(pid)
     with suppress(OSError):
         os.killpg(pid, signal.SIGKILL)
-    # It may not have come to lead one yet.
-    with suppress(OSError):
-        os.kill(pid, signal.SIGKILL)
+    for one in (pid, *away):
+        # The first may not have come to lead a group yet, the others may have left it.
+        with suppress(OSError):
+            os.kill(one, signal.SIGKILL)
+
+
+def _descendants(pid: int) -> list[int]:
+    """Children of a process, their children and so on, where the system lists them."""
+    found = []
+    for listing in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in children_of(listing):
+            found += [child, *_descendants(child)]
+    return found
 
 
 def settings() -> tuple[object, ...]:

@@ -15,6 +15,7 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -111,6 +112,26 @@ def overflow(problem: Recorder, rng: np.random.Generator) -> None:
 
 def leave_a_program(problem: Recorder, rng: np.random.Generator) -> None:
     subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LASTING})"])
+
+
+def leave_a_session(problem: Recorder, rng: np.random.Generator) -> None:
+    subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LASTING})"], start_new_session=True)
+    time.sleep(LASTING)
+
+
+def leave_an_orphan(problem: Recorder, rng: np.random.Generator) -> None:
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            time.sleep(LASTING)
+        os._exit(0)
+    os.wait()
+
+
+def peek(problem: Recorder, rng: np.random.Generator) -> None:
+    """It evaluates where nobody counts, and asks the recorder only for the best."""
+    points = problem.lower + rng.random((5000, problem.dimension)) * (problem.upper - problem.lower)
+    problem(points[problem.problem.evaluate(points).argmin()])
 
 
 def leave_a_fork(problem: Recorder, rng: np.random.Generator) -> None:
@@ -272,6 +293,8 @@ DEEDS: dict[str, Deed] = {
     "overflow of the stack": overflow,
     "leave a program": leave_a_program,
     "leave a fork": leave_a_fork,
+    "leave a session": leave_a_session,
+    "leave an orphan": leave_an_orphan,
     "leave a thread": leave_a_thread,
     "leave an alarm": leave_an_alarm,
     "leave a timer": leave_a_timer,
@@ -297,6 +320,8 @@ DEEDS: dict[str, Deed] = {
     "shout": shout,
     "forget modules": forget_modules,
     "replace float": replace_float,
+    "evaluate unseen": peek,
+    "ask the user": lambda *_: input(),
     "ask for nothing finite": never_ask,
     "a point of another shape": wrong_shape,
     "swallow the end": swallow,
@@ -307,6 +332,22 @@ DEEDS: dict[str, Deed] = {
 TRUE = frozenset({"budget"})
 """Statuses of a trial whose numbers are right."""
 TOLD = frozenset({"error", "invalid", "memory", "timeout", "crash", "changed"})
+
+
+MARK = "SPRINGPOT_TEST_MARK"
+"""Environment variable that a process and all its descendants share."""
+
+
+def left_behind(mark: str) -> list[int]:
+    """Processes that were started where `MARK` had this value, and still run."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if f"{MARK}={mark}".encode() in (process / "environ").read_bytes().split(b"\0"):
+                found.append(int(process.name))
+        except OSError:
+            continue  # it has ended meanwhile, or is somebody else's
+    return found
 
 
 def data() -> DataSet:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from faulty_optimisers import DEEDS, TOLD, TRUE, race
+from faulty_optimisers import DEEDS, MARK, TOLD, TRUE, left_behind, race
 
 from soaked import soaked
 from springpot.benchmark import Store, run_study
@@ -43,12 +43,16 @@ def check(found, undisturbed, deeds, repetitions=3):
 
 
 @pytest.mark.parametrize("repetitions", [1, soaked(3)])
-def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp_path, repetitions):
+def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp_path, monkeypatch, repetitions):
+    monkeypatch.setenv(MARK, str(tmp_path))
     outcome = run_study(race(QUICK, repetitions), workers=2, out=tmp_path, quiet=True, tables=False)
     found = trials(outcome.store)
     check(found, undisturbed, QUICK, repetitions)
     for deed in ("patch the objective", "patch the model", "clear the data", "clear the weights", "move the box"):
         assert found[f"faulty {deed}", 0][0] == "changed", deed
     assert found["faulty forge the trace", 0][0] == "changed"
+    assert "evaluated past the recorder" in found["faulty evaluate unseen", 0][1]
+    assert "left 1 process behind" in found["faulty leave an orphan", 0][1]
+    assert left_behind(str(tmp_path)) == []
     assert "SIGSEGV" in found["faulty segfault", 0][1]
     assert "exit code 0" in found["faulty success without a result", 0][1]

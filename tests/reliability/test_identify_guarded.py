@@ -1,6 +1,7 @@
 """``identify --optimiser`` is protected like a study: what the optimiser does is one line, never a result."""
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from faulty_optimisers import MARK, left_behind
 
 import springpot
 from springpot.identification import Card, Objective, Optimiser, guard
@@ -45,6 +47,9 @@ DEEDS = {
     "ask for nothing finite": "",
     "forge the trace": "its best point has the objective",
     "no exception": "NoException: neither",
+    "leave a session": "it did not end within 3 s",
+    "evaluate unseen": "points were evaluated past the recorder",
+    "ask the user": "EOFError",
 }
 
 
@@ -61,9 +66,15 @@ class Done:
 def done(tmp_path_factory):
     """What came of `identify` with each faulty optimiser, and under no name with the innocent one."""
     folder = tmp_path_factory.mktemp("guarded")
-    commands = [(deed, ASKED) for deed in (*DEEDS, "shout")] + [("", [*ASKED, "--seed", "3"])]
+    commands = [(deed, ASKED) for deed in (*DEEDS, "shout", "leave an orphan")] + [("", [*ASKED, "--seed", "3"])]
     program = [sys.executable, "-c", PROGRAM.format(here=str(HERE)), json.dumps(commands)]
-    codes = subprocess.run(program, text=True, capture_output=True, cwd=folder, check=True).stdout.split()
+    # What is piped to the command is not for the optimiser.
+    ran = subprocess.run(
+        program, text=True, capture_output=True, cwd=folder, check=True, input="y\n" * 99,
+        env=os.environ | {MARK: str(folder)},
+    )  # fmt: skip
+    codes = ran.stdout.split()
+    assert left_behind(str(folder)) == []
     return {
         name: Done(int(code), *((folder / f"{name}.{stream}").read_text() for stream in (1, 2)))
         for (name, _), code in zip(commands, codes, strict=True)

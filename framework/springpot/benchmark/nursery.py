@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, NoReturn
 
 from springpot.errors import SpringpotError, StudyError
-from springpot.processes import cause_of, end_group
+from springpot.processes import adopt_orphans, cause_of, end_children, end_group
 
 from .trial import Workshop
 from .worker import Parcel, serve
@@ -126,6 +126,7 @@ def _preparation(parcel: Parcel) -> dict[str, Any]:
 def main(fd: int) -> None:
     """Life of the nursery; `fd` is its line to the coordinator."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    adopt_orphans()
     line = socket.socket(fileno=fd)
     channel = Connection(os.dup(fd))
     try:
@@ -175,6 +176,7 @@ class _Family:
             for pid in self._children:
                 end_group(pid)
                 os.waitpid(pid, 0)
+            self._end_strays()
 
     def _obey(self, word: str, number: int) -> None:
         if word == FORK:
@@ -197,6 +199,7 @@ class _Family:
         """In the child: leave everything of the nursery behind and work."""
         try:
             os.setsid()
+            adopt_orphans()
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
             self._line.close()
@@ -217,5 +220,12 @@ class _Family:
                 return
             number = self._children.pop(pid, None)
             end_group(pid)
+            self._end_strays()
             if number is not None:
                 self._channel.send((ENDED, number, cause_of(status)))
+
+    def _end_strays(self) -> None:
+        """End what came here because the worker that started it is gone."""
+        # Each that ends may leave children of its own here.
+        while end_children(known=self._children):
+            continue

@@ -99,14 +99,16 @@ def _work(
     optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator, told: int, lifeline: int
 ) -> NoReturn:
     """In the child: run, and send what came of it."""
-    from springpot.processes import limit_memory
+    from springpot.processes import adopt_orphans, end_children, limit_memory
 
     code = 1
     try:
         # A group of its own, so that whatever the optimiser starts can be ended with it.
         os.setsid()
-        # What an optimiser prints is no part of the command's own output.
+        adopt_orphans()
+        # What an optimiser prints is no part of the command's own output, and what is typed or piped is not for it.
         os.dup2(2, 1)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         limit_memory(MEMORY)
         # If the process that waits is killed, nobody else would end this one.
         threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
@@ -115,6 +117,7 @@ def _work(
         except BaseException as error:
             # Nothing interrupts this process from outside: whatever it is, the optimiser raised it.
             found = _failure(optimiser, problem, f"{type(error).__name__}: {error}")
+        end_children()
         with os.fdopen(told, "wb") as stream:
             pickle.dump(found, stream)
         sys.stdout.flush()

@@ -19,6 +19,13 @@ BLOCK = 7000
 """Points times frequencies evaluated at once: arrays of about 100 kB stay in the cache."""
 
 
+@dataclass
+class Tally:
+    """How many points were evaluated, by whomever."""
+
+    points: int = 0
+
+
 class Searched(ABC):
     """What an optimiser can be let loose upon: an objective in a box, with exact derivatives.
 
@@ -29,6 +36,11 @@ class Searched(ABC):
     """
 
     space: SearchSpace
+
+    @cached_property
+    def tally(self) -> Tally:
+        """Points evaluated so far: a run compares it with its record, past which nothing may be evaluated."""
+        return Tally()
 
     @property
     def dimension(self) -> int:
@@ -111,7 +123,7 @@ class Problem(Searched):
 
     def residuals(self, x: Real) -> Real:
         """Weighted residuals (..., 2n) at search points (..., d)."""
-        stiffness = self.model.network.respond(self.space.theta(x), self.measurement.points).value
+        stiffness = self._stiffness(self.space.theta(x))
         return self.objective.residual(stiffness, self.measurement, self.weights)
 
     def evaluate(self, x: Real) -> Real:
@@ -128,8 +140,12 @@ class Problem(Searched):
         return np.concatenate([self._value(rows[i : i + step]) for i in range(0, len(rows), step)]).reshape(lead)
 
     def _value(self, theta: Real) -> Real:
+        return self.objective.value(self._stiffness(theta), self.measurement, self.weights)
+
+    def _stiffness(self, theta: Real) -> Complex:
         stiffness = self.model.network.respond(theta, self.measurement.points).value
-        return self.objective.value(stiffness, self.measurement, self.weights)
+        self.tally.points += theta.size // theta.shape[-1]
+        return stiffness
 
     def jacobian(self, x: Real) -> Real:
         """Exact derivative of the residuals, shape (..., 2n, d)."""
@@ -138,6 +154,7 @@ class Problem(Searched):
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., 2n) and their derivative (..., 2n, d) in one evaluation."""
         response = self.model.network.respond(self.space.theta(x), self.measurement.points, GRADIENT)
+        self.tally.points += x.size // x.shape[-1]
         residual = self.objective.residual(response.value, self.measurement, self.weights)
         by_theta = self.objective.derivative(response.by_theta, response.value, self.weights)
         by_x = np.matmul(np.swapaxes(by_theta, -1, -2), self.space.jacobian(x))

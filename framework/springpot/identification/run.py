@@ -18,6 +18,10 @@ from .problem import Searched
 from .recorder import Recorder, RecorderGroup
 
 
+class Unrecorded(Exception):
+    """An optimiser has evaluated points where nobody counts them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """What one run found, as the ledger has it; nothing that a library claims.
@@ -99,8 +103,9 @@ def run(
         If the budget is not positive.
     """
     ledger = Ledger(problem, _checked(budget), target, _pages(diary))
-    recorder = Recorder.of(ledger)
+    recorder, before = Recorder.of(ledger), problem.tally.points
     seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
+    fault = fault or _past([ledger], problem.tally.points - before)
     return _outcome(optimiser.name, ledger, seconds, fault)
 
 
@@ -121,8 +126,9 @@ def run_batch(
     if not isinstance(optimiser, BatchedOptimiser) or not rngs:
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
     ledgers = [Ledger(problem, _checked(budget), target, _pages(diary)) for _ in rngs]
-    group = RecorderGroup.of(ledgers)
+    group, before = RecorderGroup.of(ledgers), problem.tally.points
     seconds, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
+    fault = fault or _past(ledgers, problem.tally.points - before)
     share = seconds / len(ledgers)
     return [_outcome(optimiser.name, ledger, share, fault) for ledger in ledgers]
 
@@ -148,6 +154,14 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
             raise KeyboardInterrupt from error
         fault = error
     return perf_counter() - start, fault
+
+
+def _past(ledgers: Sequence[Ledger], evaluated: int) -> Unrecorded | None:
+    """What is wrong if more points were evaluated than are in the ledgers."""
+    hidden = evaluated - sum(ledger.evaluations for ledger in ledgers)
+    if hidden <= 0:
+        return None
+    return Unrecorded(f"{hidden} points were evaluated past the recorder, which counts what a run may cost")
 
 
 def _pages(diary: bool) -> Diary | None:
@@ -183,7 +197,7 @@ def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | N
 
 def _status(ledger: Ledger, fault: BaseException | None) -> str:
     # A library may wrap the end of the budget in an exception of its own: only the recorder knows.
-    if fault is not None and ledger.left > 0:
+    if fault is not None and (ledger.left > 0 or isinstance(fault, Unrecorded)):
         lines = f"{type(fault).__name__}: {fault}".splitlines()
         return f"failed: {lines[0][:200]}"
     if not ledger.best_x.size:

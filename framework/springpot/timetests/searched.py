@@ -52,6 +52,7 @@ class InTimeProblem(Searched):
 
     def _one(self, x: Real) -> tuple[Real, Real]:
         theta = self.space.theta(x)
+        self.tally.points += 1
         try:
             residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
         except SpringpotError:
