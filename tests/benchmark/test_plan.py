@@ -156,7 +156,14 @@ def test_labels_show_the_options_that_differ():
         ({"name": "a/b"}, "study name 'a/b'"),
         ({"datasets": "kelvin"}, "datasets must be a list"),
         ({"optimisers": []}, "optimisers must be a list with at least one"),
-        ({"budget": 0}, "budget must be positive, not 0"),
+        ({"budget": 0}, "budget must be a whole number from 1 on, not 0"),
+        ({"budget": 2.5}, "budget must be a whole number from 1 on, not 2.5"),
+        ({"repetitions": True}, "repetitions must be a whole number from 1 on, not True"),
+        ({"repetitions": "3"}, "repetitions must be a whole number from 1 on, not '3'"),
+        ({"memory": float("nan")}, "memory must be a whole number from 1 on, not nan"),
+        ({"deadline": float("inf")}, "deadline must be a positive number, not inf"),
+        ({"seed": "x"}, "seed must be a whole number, not 'x'"),
+        ({"finish": 3}, "finish must be a function of two paths, not 3"),
         ({"datasets": [artificial(), artificial()]}, "data set 'kelvin' occurs twice"),
         ({"optimisers": [Walk(), Walk()]}, "optimiser 'walk' occurs twice"),
         ({"optimisers": [Walk(), ("again", Walk())]}, "occurs twice"),
@@ -170,6 +177,13 @@ def test_a_study_that_cannot_be_is_one_line(changes, message):
     with pytest.raises(StudyError, match=message) as caught:
         small_study(**changes).plan()
     assert "\n" not in str(caught.value)
+
+
+def test_whole_numbers_are_the_same_study_however_they_are_written():
+    plain = small_study(repetitions=2, budget=100, seed=3).plan()
+    other = small_study(repetitions=np.int64(2), budget=1e2, seed=np.int64(3)).plan()
+    assert other.cells == plain.cells
+    assert (other.repetitions, repr(other.budget)) == (2, "100")
 
 
 def test_unknown_names_are_one_line():

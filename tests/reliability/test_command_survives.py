@@ -97,3 +97,15 @@ springpot.cli.main(["list"])
 """
     process = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True)
     assert (process.returncode, process.stderr) == (130, "")
+
+
+def test_a_link_that_leads_to_itself_is_one_line(tmp_path):
+    link = tmp_path / "link.py"
+    link.symlink_to(link.name)
+    store = tmp_path / "out" / "faulty" / "faulty.sqlite"
+    store.parent.mkdir(parents=True)
+    store.symlink_to(store.name)
+    for asked in (["tables", link], ["run", link], ["run", script(tmp_path), "--out", tmp_path / "out", "--quiet"]):
+        done = springpot(*asked)
+        assert done.returncode == 2, done.stderr
+        assert done.stderr.count("\n") == 1

@@ -127,6 +127,18 @@ def test_a_link_within_the_folder_and_a_linked_folder_serve(directory):
     assert len(found()["within"].open()) == len(found()["far"].open()) == 2
 
 
+def test_a_link_that_leads_to_itself_is_a_file_that_is_missing(directory):
+    for name in ("file", "manifest"):
+        (directory / name).mkdir()
+    (directory / "file" / "dataset.toml").write_text(GOOD)
+    (directory / "file" / "raw.csv").symlink_to("raw.csv")
+    (directory / "manifest" / "dataset.toml").symlink_to("dataset.toml")
+    found = {dataset.name: dataset for dataset in folders.datasets()}
+    assert found["file"].unavailable.endswith("raw.csv is missing")
+    assert "manifest" not in found
+    assert len(found["good"].open()) == 2
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
 def test_a_pipe_is_waited_for_nowhere(directory):
     (directory / "piped").mkdir()

@@ -59,7 +59,7 @@ def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
     """
     if not path.is_file() or not path.stat().st_size:
         return
-    db = sqlite3.connect(path.resolve().as_uri() + "?mode=ro&immutable=1", uri=True)
+    db = sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
     try:
         found = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     except (sqlite3.OperationalError, UnicodeDecodeError):
@@ -79,7 +79,8 @@ def replace_store(fresh: Path, path: Path) -> None:
 
 
 def _address(path: Path, write: bool) -> str:
-    address = path.resolve().as_uri()
+    # Links are left to SQLite: one that leads to itself is its error, and one line.
+    address = path.absolute().as_uri()
     if write:
         return address + "?mode=rwc"
     # A reader takes part in the log like a writer, so that a study may run meanwhile. In a folder where it cannot,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
 from contextlib import redirect_stdout
@@ -24,7 +25,8 @@ def load_script(path: Path) -> ModuleType:
     StudyError
         If it cannot be read or fails, with file and line.
     """
-    path = path.resolve()
+    # Not by Path.resolve, for which a link that leads to itself is a fault.
+    path = Path(os.path.realpath(path))
     name = f"springpot_study_{path.stem}"
     loaded = sys.modules.get(name)
     if loaded is not None and loaded.__file__ == str(path):

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import product
+from math import isfinite
 from pathlib import Path
 from typing import TypeAlias
 
@@ -100,9 +101,24 @@ class Study:
             # A single name is a sequence too, of letters.
             if isinstance(value, str) or not value:
                 raise StudyError(f"study {self.name}: {key} must be a list with at least one entry, such as ['...']")
-        for key in ("repetitions", "budget", "deadline", "memory", "target", "accuracy"):
-            if not getattr(self, key) > 0:
-                raise StudyError(f"study {self.name}: {key} must be positive, not {getattr(self, key)}")
+        for key in ("repetitions", "budget", "memory"):
+            # 1e4 is how many write ten thousand: what is whole is taken, and kept as what it is.
+            object.__setattr__(self, key, self._whole(key))
+        for key in ("deadline", "target", "accuracy"):
+            self._require(key, _is_number(getattr(self, key)) and getattr(self, key) > 0, "a positive number")
+        self._require("seed", isinstance(self.seed, int | np.integer), "a whole number")
+        # As a plain one: the digests of trials are made of JSON, which knows no other.
+        object.__setattr__(self, "seed", int(self.seed))
+        self._require("finish", self.finish is None or callable(self.finish), "a function of two paths")
+
+    def _whole(self, key: str) -> int:
+        value = getattr(self, key)
+        self._require(key, _is_number(value) and value > 0 and value == int(value), "a whole number from 1 on")
+        return int(value)
+
+    def _require(self, key: str, right: bool, what: str) -> None:
+        if not right:
+            raise StudyError(f"study {self.name}: {key} must be {what}, not {getattr(self, key)!r:.60}")
 
     def with_options(self, budget: int | None = None, repeats: int | None = None) -> Study:
         """The study with another budget or number of repetitions."""
@@ -176,6 +192,13 @@ class Study:
         from .program import main
 
         main(self, arguments)
+
+
+def _is_number(value: object) -> bool:
+    # True and False are whole numbers to Python, and to nobody else.
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    return isfinite(value)
 
 
 def _source(given: AnyData) -> Source:

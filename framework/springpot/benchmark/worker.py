@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import sys
 from contextlib import suppress
@@ -48,7 +49,7 @@ class Parcel:
             If something in it is defined where no worker can import it.
         """
         try:
-            return cls(str(script.resolve()) if script else "", pickle.dumps(plan), quiet, own_program)
+            return cls(os.path.realpath(script) if script else "", pickle.dumps(plan), quiet, own_program)
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             raise StudyError(
                 f"study {plan.name} cannot be sent to workers, define its parts in a file: {error}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def inside(folder: Path, name: str) -> Path:
     if not all(map(is_name, parts)):
         raise DataError(f"'{name:.80}' names no file: use letters, digits and . _ + - = , ( ) and blanks")
     path = folder.joinpath(*parts)
-    # Resolved, since a link within the folder may lead anywhere.
-    if not path.resolve().is_relative_to(folder.resolve()):
+    # Resolved, since a link within the folder may lead anywhere. One that leads to itself stays, and opens nothing.
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
         raise DataError(f"{path} leads out of its folder; put the file itself there")
     return path
