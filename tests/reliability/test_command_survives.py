@@ -99,6 +99,42 @@ springpot.cli.main(["list"])
     assert (process.returncode, process.stderr) == (130, "")
 
 
+NOISY = """
+import os
+
+print("loaded")
+
+from springpot.hooks import hookimpl
+from springpot.identification import Objective
+
+
+def weights(data):
+    print("asked")
+    return 1.0 / abs(data.stiffness) * (1.0 + 1.0j)
+
+
+@hookimpl
+def springpot_objectives():
+    print("listed")
+    return (Objective("talking", "relative squares, with words", weights),)
+"""
+
+
+def test_what_a_plugin_prints_is_not_in_the_json(tmp_path):
+    """Where its author has left a print while it was being written."""
+    (tmp_path / "talking.py").write_text(NOISY)
+    about = tmp_path / "talking-0.1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: talking\nVersion: 0.1\n")
+    (about / "entry_points.txt").write_text("[springpot]\ntalking = talking\n")
+    paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    asked = ["identify", "nist-srm2491@temperature=20", "--model", "fractional-maxwell", "--objective", "talking"]
+    done = springpot(*asked, "--json", PYTHONPATH=paths)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["objective"]["name"] == "talking"
+    assert {"loaded", "listed", "asked"} <= set(done.stderr.split())
+
+
 def test_a_link_that_leads_to_itself_is_one_line(tmp_path):
     link = tmp_path / "link.py"
     link.symlink_to(link.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -25,9 +25,29 @@ FILE = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
 
+OUTPUT = "springpot.output"
+"""Where a command with ``--json`` finds its own output among what its context knows."""
+
+
 def json_option(command: F) -> F:
-    """Add ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")(command)
+    """Add ``--json``; with it, standard output holds what `print_json` prints and nothing else."""
+    text = "Print JSON instead of text."
+    return click.option("--json", "as_json", is_flag=True, callback=_json_alone, help=text)(command)
+
+
+def _json_alone(context: click.Context, parameter: click.Parameter, wanted: bool) -> bool:
+    """Let what anybody else prints, such as a plugin that is being tried, go to standard error."""
+    if wanted:
+        context.meta[OUTPUT] = sys.stdout
+        context.with_resource(redirect_stdout(sys.stderr))
+    return wanted
+
+
+def print_json(result: Any, indent: int | None = 2) -> None:
+    """Print `result` as JSON, at once: what is there stays, even where the rest is interrupted."""
+    from springpot.report.jsontext import to_json
+
+    print(to_json(result, indent), file=click.get_current_context().meta.get(OUTPUT, sys.stdout), flush=True)
 
 
 def data_argument(command: F) -> F:
@@ -144,7 +164,10 @@ def own_stdout(quiet: bool = False) -> Iterator[None]:
     other = os.open(os.devnull, os.O_WRONLY) if quiet else os.dup(2)
     os.dup2(other, 1)
     try:
-        yield
+        with ExitStack() as stack:
+            if quiet:
+                stack.enter_context(redirect_stdout(stack.enter_context(open(os.devnull, "w"))))
+            yield
     finally:
         sys.stdout.flush()
         os.dup2(kept, 1)
@@ -165,8 +188,6 @@ def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:
         Prints the same for people.
     """
     if as_json:
-        from springpot.report.jsontext import to_json
-
-        print(to_json(result))
+        print_json(result)
     else:
         show()

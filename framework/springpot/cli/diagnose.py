@@ -16,6 +16,7 @@ from .common import (
     known_from,
     known_options,
     opened,
+    print_json,
     quoted,
     seed_option,
     verbose_option,
@@ -80,7 +81,7 @@ def command(
     return worst
 
 
-Shown = Callable[["Diagnosis", "Measurement"], str]
+Shown = Callable[["Diagnosis", "Measurement"], None]
 
 
 def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown: Shown) -> int:
@@ -90,25 +91,24 @@ def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown:
     measurement = opener()
     with Waiting() as waiting:
         diagnosis = diagnose(measurement, **arguments, progress=within(measurement.name, waiting.told))
-    # At once: what is there stays, even where the rest is interrupted.
-    print(shown(diagnosis, measurement), flush=True)
+    shown(diagnosis, measurement)
     return 0
 
 
-def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> str:
-    from springpot.report.jsontext import to_json
+def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
+    # Of several answers each is a line, as programs read a stream of them.
+    print_json(diagnosis, indent=None if line else 2)
 
-    return to_json(diagnosis, None if line else 2)
 
-
-def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None) -> str:
+def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None) -> None:
     """The answer, and the command that goes on from it."""
     from springpot.report.answers import diagnosis_text
 
-    text = diagnosis_text(diagnosis, measurement, window(), verbose)
+    # At once: what is there stays, even where the rest is interrupted.
+    print(diagnosis_text(diagnosis, measurement, window(), verbose), flush=True)
     if diagnosis.best is None:
-        return text
+        return
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
-    return f"{text}\n\nnext: springpot discover {quoted(named)}{judged} --accept {diagnosis.best.effect}"
+    print(f"\nnext: springpot discover {quoted(named)}{judged} --accept {diagnosis.best.effect}", flush=True)

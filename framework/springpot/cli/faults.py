@@ -50,7 +50,7 @@ def _exit_code(action: Callable[[], int]) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         # The reader has gone; without this, Python complains when it flushes stdout on its way out.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return BROKEN_PIPE
     except Exception as error:
         return _fault(error)

@@ -21,6 +21,7 @@ from .common import (
     known_options,
     model_option,
     opened,
+    print_json,
     quoted,
     seed_option,
     verbose_option,
@@ -146,7 +147,6 @@ def _each(
 ) -> int:
     """A row for each file that can be used; what is there is printed even where the rest is interrupted."""
     from springpot.report.fits import many_csv, many_text
-    from springpot.report.jsontext import to_json
 
     found: list[Identification] = []
     worst = 0
@@ -155,7 +155,7 @@ def _each(
         def answer(name: str = name) -> int:
             found.append(_fitted(opened(name, geometry), model, arguments))
             if as_json:
-                print(to_json(found[-1], None), flush=True)
+                print_json(found[-1], indent=None)
             return 0
 
         code = exit_code(answer)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .common import MODEL, json_option
+from .common import MODEL, json_option, print_json
 
 
 @click.command("workbench", epilog="Example: springpot workbench damper.csv --model fractional-maxwell")
@@ -18,11 +18,12 @@ def command(data: str | None, model: str | None, port: int, no_browser: bool, as
 
     The address is printed first; Ctrl-C ends it. Nothing leaves this machine.
     """
-    from springpot.report.jsontext import to_json
     from springpot.web import Workbench, serve
 
     def tell(bench: Workbench) -> None:
-        words = {"schema": "springpot.address/1", "address": bench.address}
-        click.echo(to_json(words, None) if as_json else f"springpot workbench: {bench.address}")
+        if as_json:
+            print_json({"schema": "springpot.address/1", "address": bench.address}, indent=None)
+        else:
+            click.echo(f"springpot workbench: {bench.address}")
 
     serve(data, model, port, not no_browser, tell)
