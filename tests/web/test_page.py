@@ -323,6 +323,24 @@ def test_what_is_open_or_refused_is_told(page: Open):
     assert here.page.locator("#redo").get_attribute("aria-disabled") == "false", "what was refused can be seen again"
 
 
+def test_a_test_in_time_is_sent_to_the_command_that_judges_it(page: Open):
+    here = page()
+    rows = b"".join(b"%g,%g\n" % (0.1 * 1.3**i, 300.0 * 0.95**i) for i in range(20))
+    here.drop("relaxed.csv", b"time [s],relaxation [kPa]\n" + rows)
+    here.page.locator("#refused").wait_for()
+    assert here.reads("#refused").startswith("relaxed.csv holds a test in time")
+    assert "springpot diagnose relaxed.csv" in here.reads("#refused")
+    assert here.page.locator("#question").count() == 0
+
+
+def test_a_name_without_end_is_cut_before_a_button_is(page: Open, damper: bytes):
+    here = page()
+    usual = here.page.locator("header").bounding_box()["height"]
+    here.drop(f"{'W' * 300}.csv", damper)
+    here.shows("material")
+    assert here.page.locator("header").bounding_box()["height"] == usual
+
+
 def test_ten_thousand_rows_are_drawn_and_a_computation_is_told_and_cancelled(page: Open):
     here = page()
     rng, frequency = np.random.default_rng(5), np.geomspace(0.1, 100.0, 10_000)

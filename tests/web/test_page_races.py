@@ -160,3 +160,30 @@ def test_answers_to_a_question_are_not_asked_for_again_by_an_answer_that_arrives
         here.page.select_option("#asked-0", label="kPa")
     here.shows(GROWN)
     assert here.page.locator("#asked-0").evaluate("choice => choice.selectedOptions[0].label") == "kPa"
+
+
+def test_a_state_without_an_answer_says_why_even_after_another_message(page: Open, damper: bytes):
+    here = page()
+    here.name("kelvn")
+    here.drop("damper.csv", damper)
+    refused = here.page.locator("#refused")
+    playwright.expect(refused).to_contain_text("did you mean kelvin")
+    here.drop("mine.csv", b"frequency [Hz],storage,loss\n" + damper.partition(b"\n")[2])
+    here.page.click("text=Open instead")
+    here.page.locator("#question").wait_for()
+    here.done()
+    playwright.expect(refused).to_contain_text("did you mean kelvin")
+    here.judge(MODEL)
+    assert refused.is_hidden()
+
+
+def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: bytes):
+    here = page()
+    with here.held("answer"):
+        here.drop("damper.csv", damper)
+        here.page.locator("#facts").wait_for()
+        here.page.click("#cancel")
+    here.done()
+    assert "'Judge this model' begins it again" in here.reads("#refused")
+    here.page.click("#judge")
+    here.shows("material")

@@ -14,7 +14,7 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Part
 from springpot.measurement import joined as together
-from springpot.registry import open_measurement, parts_of, plugins
+from springpot.registry import open_in_time, open_measurement, parts_of, plugins
 
 LONGEST = 80
 """Signs of a file's name that are kept."""
@@ -72,7 +72,36 @@ def measured_in(name: str, content: bytes, choice: str = "") -> tuple[Measuremen
         If it cannot be read.
     """
     with as_file(name, content) as path:
-        return open_measurement(f"{path}{choice}"), parts_of(path)
+        return opened(f"{path}{choice}"), parts_of(path)
+
+
+def opened(spec: str) -> Measurement:
+    """What a file or data set holds, at frequencies.
+
+    Raises
+    ------
+    OpenQuestion
+        If its reader must be told more.
+    DataError
+        If it cannot be read, or holds a test in time, which this page does not judge.
+    """
+    try:
+        return open_measurement(spec)
+    except DataError:
+        if not _in_time(spec):
+            raise
+    raise DataError(
+        f"{spec} holds a test in time, and this page judges sweeps at frequencies; in a shell 'springpot diagnose "
+        f"{spec} --model EXPR' judges it, 'springpot identify SWEEP {spec} --model EXPR' joins it to a sweep"
+    )
+
+
+def _in_time(spec: str) -> bool:
+    """Whether the readers of tests in time take it: a sweep's reader would ask for columns that are not there."""
+    try:
+        return bool(open_in_time(spec))
+    except DataError:
+        return False
 
 
 def text_of(measurement: Measurement) -> str:

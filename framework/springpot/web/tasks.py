@@ -27,7 +27,7 @@ from springpot.rheology.family import Family
 
 from . import leaving
 from .answers import Told, answer, ladder_of
-from .datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
+from .datatext import joined, kept, measured_in, measurement_of, opened, safe_name, text_of
 from .held import hand_of, theta_of
 from .sessions import is_session, session_of
 from .state import State, digest_of
@@ -122,7 +122,7 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
         content = base64.b64encode(path.read_bytes()).decode()
         return understand(told, path.name, content)
     try:
-        return _understood(open_measurement(spec), _relative(spec), parts_of(spec))
+        return _understood(opened(spec), _relative(spec), parts_of(spec))
     except OpenQuestion as error:
         if not path.is_file():  # something is said behind its name already: the page cannot say more
             raise

@@ -13,7 +13,7 @@ import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
 import { Race } from "./race.js";
-import { keyOf, lacking, rowsOf } from "./wants.js";
+import { answerTo, keyOf, lacking, rowsOf, textOf } from "./wants.js";
 import { Work } from "./work.js";
 
 const SAVED = "springpot-session";
@@ -22,6 +22,7 @@ const LOOKS = { view: "storage-loss", plane: "stiffness", plan: 0 };
 const READING = "reading"; // the work that brings data: no step ends it
 const BEGINNING = { model: "", accepted: [], seed: 0 };
 const WAIT = "wait for the computation, or cancel it";
+const CANCELLED = "the computation was cancelled: 'Judge this model' begins it again";
 
 const ERROR = "error: root mean square of |K - K_model| / |K_model| over all points; noise floor: the error that noise alone leaves";
 
@@ -29,7 +30,7 @@ class App {
   constructor() {
     this.known = new Map(); // data by digest
     this.answers = new Map(); // answers by state
-    this.left = new Set(); // what was refused or cancelled: it is not asked for again before the next step
+    this.left = new Map(); // what was refused or cancelled, and why: it is not asked for again before the next step
     this.history = new History();
     this.looks = { ...LOOKS };
     this.hovered = null;
@@ -66,6 +67,13 @@ class App {
   // Whether what is drawn is of another state than the one a person asked for.
   get waiting() { return Boolean(this.state) && !this.answers.has(keyOf(this.state)); }
 
+  // Why there is no answer to it and none on its way; a later message may have taken the place of this one.
+  get unanswered() {
+    if (!this.waiting || this.busy) return "";
+    const { data } = this.state;
+    return this.left.get(answerTo(this.state)) || this.left.get(textOf(data)) || "";
+  }
+
   get reading() { return this.work.name === READING; }
 
   get busy() { return this.work.name !== null; }
@@ -92,10 +100,11 @@ class App {
     byId("data-name").textContent = data ? data.scene.name : "";
     document.title = data ? `${data.scene.name} – springpot workbench` : "springpot workbench";
     document.body.classList.toggle("empty", !data);
-    byId("refused").hidden = !this.refused;
-    byId("refused").textContent = this.refused || "";
+    const refused = this.refused || this.unanswered;
+    byId("refused").hidden = !refused;
+    byId("refused").textContent = refused;
     let word = "Open data to see where a model fails and what is missing from it.";
-    if (data) word = this.refused ? "These data have no answer yet: see what is said above." : "";
+    if (data) word = refused ? "These data have no answer yet: see what is said above." : "";
     byId("verdict").textContent = answer ? verdict(answer) : word;
     byId("verdict").title = answer ? ERROR : "";
     byId("verdict").className = answer ? `verdict ${answer.discovery.verdict}` : "quiet";
@@ -274,7 +283,7 @@ class App {
   }
 
   leave(want, refused) {
-    this.left.add(want.name);
+    this.left.set(want.name, refused || CANCELLED);
     this.refused = refused;
     want.leave?.();
   }

@@ -13,7 +13,7 @@ export class Next {
     const { answer, looks } = this.app;
     const proposed = answer?.discovery.diagnosis.next_experiment;
     if (!proposed) {
-      put(this.parent, h("p", { class: "quiet" }, answer ? "Nothing is open that another measurement would decide." : ""));
+      put(this.parent, h("p", { class: "quiet" }, answer ? "Nothing is open that another measurement would decide." : "What to measure next is told here."));
       return;
     }
     const drawable = answer.next?.rivals.length === 2;

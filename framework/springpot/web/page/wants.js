@@ -10,6 +10,10 @@ export const keyOf = (state) => JSON.stringify(state);
 // The rows that are used: what does not depend on a model is the same for all states of the same rows.
 export const rowsOf = ({ data, excluded, seed }) => JSON.stringify([data, excluded, seed]);
 
+// Names under which what is wanted is known while it runs, and after it was refused.
+export const textOf = (data) => `data ${data}`;
+export const answerTo = (state) => `answer ${keyOf(state)}`;
+
 const withoutModel = (state) => ({ ...state, model: "", accepted: [] });
 
 // Each is named, asks, keeps what came, and is left alone when it was refused or cancelled.
@@ -25,7 +29,7 @@ const wanted = (app, want) => (want && !app.left.has(want.name) ? want : null);
 
 function theData(app, state) {
   return {
-    name: `data ${state.data}`,
+    name: textOf(state.data),
     ask: (how) => api.ask("again", { state }, how),
     take: (found) => app.known.set(found.digest, found),
   };
@@ -35,7 +39,7 @@ function theAnswer(app, state) {
   const key = keyOf(state);
   if (app.answers.has(key)) return null;
   return {
-    name: `answer ${key}`,
+    name: answerTo(state),
     ask: (how) => api.ask("answer", { state }, how),
     take: (found) => app.answers.set(key, found),
     leave: () => app.retreat(state),
