@@ -314,7 +314,8 @@ def test_signals_of_several_frequencies_are_one_measurement():
     assert both.frequency == pytest.approx([1.0, 2.0, 5.0], rel=1e-6)
     assert both.repeat is None
     assert both.stiffness == pytest.approx(np.full(3, 3.0 * np.exp(0.4j)), rel=1e-6)
-    again = joined(both, both)
+    repeated = Measurement(both.omega, 1.001 * both.stiffness, conditions=both.conditions, units=both.units)
+    again = joined(both, repeated)
     assert set(again.repeat.tolist()) == {0, 1}
 
 
@@ -329,3 +330,10 @@ def test_places_in_hertz_stand_where_the_axis_is_in_radians():
         np.testing.assert_allclose(scene["x"], data.frequency * factor, rtol=1e-5)
     turned = springpot.Measurement(omega[:1].repeat(4), [1 + 1j] * 4, conditions={"amplitude": [1.0, 2.0, 4.0, 8.0]})
     assert PageScene(turned).to_dict()["axis"]["per_hertz"] == 1.0
+
+
+def test_a_file_that_is_added_to_itself_is_no_repeat_without_noise(data: Measurement):
+    with pytest.raises(DataError, match="stand in the open data already"):
+        joined(data, data)
+    again = Measurement(data.omega[3:6], 1.001 * data.stiffness[3:6], units=data.units, name="again")
+    assert len(joined(data, again)) == len(data) + 3

@@ -145,15 +145,28 @@ def kept(measurement: Measurement, excluded: tuple[int, ...]) -> Measurement:
     return measurement.subset(rows)
 
 
+def _copied(both: Measurement, count: int) -> bool:
+    """Whether the rows from `count` on stand above already, digit for digit.
+
+    A file that is added to itself by mistake would be a repeat without any scatter, and the noise floor nothing.
+    """
+    rows = np.column_stack([both.omega, both.storage, both.loss, *both.conditions.values()])
+    there = {row.tobytes() for row in rows[:count]}
+    return all(row.tobytes() in there for row in rows[count:])
+
+
 def joined(one: Measurement, other: Measurement) -> Measurement:
     """New data below those that are there, in their units, so that a next experiment joins the first.
 
     Raises
     ------
     DataError
-        If one is a modulus and the other a stiffness, or one lacks a condition of the other.
+        If one is a modulus and the other a stiffness, one lacks a condition of the other, or the new data are there
+        already.
     """
     both = together([one, other])
+    if _copied(both, len(one)):
+        raise DataError(f"{other.name}: all of its points stand in the open data already; nothing was added")
     # Only what was measured twice is a repeat: files of one frequency each are one sweep.
     again = one.repeat is not None or other.repeat is not None or bool(np.intersect1d(one.omega, other.omega).size)
     return Measurement(

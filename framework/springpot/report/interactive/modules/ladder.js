@@ -136,6 +136,13 @@ export class Ladder {
     last.animate([{ transform: `translateY(${rise}px)` }, { transform: "none" }], { duration: 500, easing: "ease-in" });
   }
 
+  // Right of a mark, where the line that leads to it from the left does not cross the words.
+  besideMark(x, y, text) {
+    const fits = x + 50 < this.width;
+    if (fits) return s("text", { class: "tick", x: x + 9, y: y + 4 }, text);
+    return s("text", { class: "tick", x: x + 5, y: y > 26 ? y - 9 : y + 17, "text-anchor": "end" }, text);
+  }
+
   preview(effect) {
     const { answer, steps, rung } = this.app;
     if (!answer || !this.ghost) return;
@@ -150,6 +157,6 @@ export class Ladder {
     this.ghost.replaceChildren(
       s("path", { class: "stairs preview", d: `M${from[0]} ${from[1]}L${at} ${y}` }),
       s("circle", { class: "rung-mark preview", cx: at, cy: y, r: 5 }),
-      s("text", { class: "tick", x: at, y: y > 26 ? y - 9 : y + 17, "text-anchor": at > this.width - 50 ? "end" : "middle" }, percent(preview.error, 2)));
+      this.besideMark(at, y, percent(preview.error, 2)));
   }
 }
