@@ -14,7 +14,21 @@ from itertools import chain
 import numpy as np
 
 from springpot.measurement import Measurement
-from springpot.rheology import GRADIENT, Complex, Continuum, Model, Node, Points, Real, Response
+from springpot.rheology import (
+    GRADIENT,
+    Chain,
+    Complex,
+    Continuum,
+    Model,
+    Node,
+    Parallel,
+    Points,
+    Real,
+    Renamed,
+    Response,
+    Scaled,
+    Shift,
+)
 
 from .alignment import aligned
 from .coordinates import Coordinates
@@ -51,8 +65,8 @@ REACH = 3.0
 """Longest step of a coordinate: a factor of e^3 for a parameter searched by its logarithm."""
 INNER = 6
 """Solutions for the weights where K is not linear in them, as behind a spring in series."""
-LINEAR = 1e-6
-"""Relative difference between foretold and real objective up to which K counts as linear in the weights."""
+FORETOLD = 1e-6
+"""Relative difference between foretold and real objective at which the weights have settled."""
 ROUNDING = 1e-12
 """Objective that is no more than rounding."""
 CLOSER = 0.25
@@ -138,7 +152,7 @@ class _Search:
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
-        self.linear = False
+        self.linear = _linear_in_material(model.network)
         self.evaluations = 0
 
     def theta_of(self, u: Real) -> Real:
@@ -192,10 +206,9 @@ class _Search:
             if not np.isfinite(cost):
                 break  # K is a number, yet its square is none: a wave in a specimen, driven at its resonance
             if np.isfinite(foretold):
-                self.linear = abs(cost - foretold) <= LINEAR * foretold + ROUNDING
                 if cost < best.cost:
                     best = replace(trial, cost=cost)
-                if self.linear:
+                if abs(cost - foretold) <= FORETOLD * foretold + ROUNDING:
                     break
             columns = weighted(response.by_theta[:count], self.weights)
             weights, foretold = non_negative(columns.T, residual + trial.weights @ columns)
@@ -296,6 +309,19 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
         return weights / size, float(rest) ** 2 + outside
     weights, rest = nnls(scaled, target, maxiter=20 * scaled.shape[1])
     return weights / size, float(rest) ** 2
+
+
+def _linear_in_material(network: Node) -> bool:
+    """Whether K is linear in the weights of the spectrum: only sums, factors and shifts stand around it."""
+    if isinstance(network, Continuum):
+        return True
+    if isinstance(network, Renamed | Scaled):
+        return _linear_in_material(network.node)
+    if isinstance(network, Parallel):
+        return any(_linear_in_material(child) for child in network.children)
+    if isinstance(network, Chain | Shift):
+        return _linear_in_material(network.children[0])
+    return False
 
 
 def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, float]:
