@@ -22,6 +22,7 @@ SEEN = {"by_battery": True, "certain": True}
         ({"outliers": True}, "unexplained"),
         ({"gain": CLEAR, "named": True}, "inconclusive"),
         ({"gain": CLEAR}, "adequate"),
+        ({"unknown": True}, "inconclusive"),
         ({"material": True}, "unexplained"),
         ({"repeats": True}, "unexplained"),
         ({"exceeds": True}, "inconclusive"),
@@ -65,4 +66,5 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
             assert not facts.alarm
             assert not facts.outliers
             assert not facts.repeats
+            assert not facts.unknown
     assert used == {rule.reason for rule in RULES}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf
 from typing import TypeAlias
 
 import numpy as np
@@ -170,7 +171,7 @@ def marginal(search: Search, grown: Grown) -> float:
     """
     spent = len(grown.refit.own) - len(search.base.own)
     cost = EVIDENCE.unknown_sign * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
-    explained = _discounted(search, grown.refit.log_likelihood, spent, len(grown.effects))
+    explained = _discounted(search, grown.refit.fair_rss, spent, len(grown.effects))
     return explained + harmonic_evidence(grown.refit) - cost + _refund(search, grown)
 
 
@@ -195,7 +196,7 @@ def _refund(search: Search, grown: Grown) -> float:
     if not kept:
         return 0.0
     nuisances = np.concatenate(kept)
-    drop = max(2.0 * (refit.log_likelihood - search.base.log_likelihood), 0.0)
+    drop = _drop(search, refit.fair_rss, len(refit.own) - len(search.base.own))
     needed = np.minimum(drop, EVIDENCE.vague * _sharpness(refit, nuisances, uncertainty.at_bound))
     return max(0.5 * float(len(nuisances) * np.log1p(drop) - np.sum(np.log1p(needed))) + shares, 0.0)
 
@@ -278,13 +279,47 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
     """Log-evidence of one kind on top of the base model, the mean over its places."""
     frame = search.frame
     misfit = float(frame.rest @ frame.rest)
-    each = [
-        _discounted(search, search.base.noise.log_likelihood(misfit - drop, frame.size), kind.shapes, 1)
-        for drop in kind.drops.tolist()
-    ]
+    fair = search.base.fair_rss / max(search.base.rss, 1e-300)
+    each = [_discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()]
     return float(logsumexp(each)) - float(np.log(len(each)))
 
 
-def _discounted(search: Search, log_likelihood: float, spent: int, effects: int) -> float:
-    drop = max(2.0 * (log_likelihood - search.base.log_likelihood), 0.0)
-    return float(log_likelihood - effects * EVIDENCE.unknown_size - 0.5 * spent * np.log1p(drop))
+def _discounted(search: Search, rss: float, spent: int, effects: int) -> float:
+    """Log-evidence of the base with `spent` further parameters that leave this sum of squares.
+
+    Where the scale of the noise is not known, few data that many parameters follow say little: the integral over it
+    (Liang et al. 2008, doi:10.1198/016214507000001337, equation 6) counts only what the parameters leave free.
+    """
+    base = search.base
+    g = _drop(search, rss, spent)
+    price = EVIDENCE.unknown_size * effects
+    if base.noise.dof == inf:
+        return base.log_likelihood + 0.5 * (g - spent * float(np.log1p(g))) - price
+    free = _freedom(search)
+    kept = max(free - spent, 0.0)
+    ratio = _ratio(search, rss)
+    return base.log_likelihood + 0.5 * float(kept * np.log1p(g) - free * np.log1p(g / ratio)) - price
+
+
+def _drop(search: Search, rss: float, spent: int) -> float:
+    """By how much further parameters lower chi-square, in units of the noise that they leave."""
+    if search.base.noise.dof == inf:
+        return max(search.base.fair_rss - rss, 0.0)
+    return max(_freedom(search) - spent, 0.0) * (_ratio(search, rss) - 1.0)
+
+
+def _ratio(search: Search, rss: float) -> float:
+    """Sum of squares of the base over that of a grown model, at least one; repeats count in both."""
+    known = _known(search)
+    return max((search.base.fair_rss + known) / max(rss + known, 1e-300), 1.0)
+
+
+def _freedom(search: Search) -> float:
+    """Numbers that tell of the noise's scale where the base is right."""
+    return _known(search) + 2 * len(search.base.fit.measurement) - len(search.base.own)
+
+
+def _known(search: Search) -> float:
+    """Degrees of freedom of the noise that do not come from the residual."""
+    noise = search.base.noise
+    return noise.dof if noise.source == "repeats" else 0.0

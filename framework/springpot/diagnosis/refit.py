@@ -73,7 +73,17 @@ class Refit:
         Each takes one from the expected chi-square, and how many there are is chance: without this two fits of a
         material could not be compared (Meyer and Woodroofe 2000, doi:10.1214/aos/1015956708).
         """
-        return self.noise.log_likelihood(self.rss, 2 * len(self.fit.measurement)) - 0.5 * self.lines
+        return self.noise.log_likelihood(self.fair_rss, 2 * len(self.fit.measurement))
+
+    @property
+    def fair_rss(self) -> float:
+        """What the residual sum of squares would be if the lines of a free spectrum followed no noise."""
+        if not self.lines:
+            return self.rss
+        if self.noise.source != "estimated":
+            return self.rss + self.lines
+        spare = 2 * len(self.fit.measurement) - len(self.own)
+        return self.rss * spare / max(spare - self.lines, 1)
 
     @property
     def log_evidence(self) -> float:

@@ -106,6 +106,7 @@ RULES = (
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
     Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
+    Rule("something without a name would help, or it is noise", lambda f: not f.alarm and f.unknown, "inconclusive"),
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
