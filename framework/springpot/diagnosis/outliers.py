@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -112,6 +113,32 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
     return np.zeros(0, dtype=np.int64)
+
+
+def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
+    """The one row (1,) that bends a fit most, where it carries most of what that fit leaves; else none.
+
+    At the end of a sweep a bad point has too few neighbours to stand out from them, and every model bows to it. What
+    is left without it follows from the fit itself (Cook and Weisberg, Residuals and Influence in Regression, 1982).
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        Fits of the same data: the user's model and those grown from it.
+    """
+    largest, row = OUTLIERS.carries, -1
+    for frame in frames:
+        n = len(frame.measurement)
+        basis = np.stack([frame.absorbed[:n], frame.absorbed[n:]], axis=1)
+        rest = np.stack([frame.rest[:n], frame.rest[n:]], axis=1)
+        free = np.eye(2) - basis @ basis.transpose(0, 2, 1)
+        seen = np.linalg.eigvalsh(free)[:, 0] > OUTLIERS.least_left
+        lost = np.zeros(n)
+        lost[seen] = np.sum(rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1)
+        share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
+        if n >= OUTLIERS.fewest_points and share > largest:
+            largest, row = share, int(np.argmax(lost))
+    return np.array([row], dtype=np.int64)[: int(row >= 0)]
 
 
 def may_be_effects(measurement: Measurement, rows: NDArray[np.int64]) -> bool:

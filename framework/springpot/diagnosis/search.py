@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import DataError, ModelError
 from springpot.identification import EDGE, Effort, is_material
@@ -17,8 +19,8 @@ from springpot.rheology import Effect, Layer, Model, Real
 from .battery import Battery, battery, repeats_structure
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
 from .frame import Frame
-from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, without
-from .policy import EVIDENCE, SEARCH
+from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
+from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
 from .scan import Scan, Score, best_pairs, influence, scan
 
@@ -341,15 +343,52 @@ def search_data(
         search = _search_in_noise(measurement, model, library, rng, [*seeds, start])
     if search.base.data.mean is not measurement:
         return search, []  # repeats tell by themselves which of them is off
+
+    def reduced_by(rows: NDArray[np.int64]) -> Search:
+        return _search_in_noise(without(measurement, rows), model, library, rng, seeds)
+
+    # A point that bends the curve can make its neighbour stand out: it is sought first.
+    for way in (_without_a_pulling_point, _without_outliers):
+        if (found := way(search, measurement, reduced_by)) is not None:
+            return found
+    return search, []
+
+
+Reduced: TypeAlias = Callable[[NDArray[np.int64]], Search]
+"""The search anew without some rows."""
+
+
+def _without_outliers(
+    search: Search, measurement: Measurement, reduced_by: Reduced
+) -> tuple[Search, list[Outlier]] | None:
+    """The search without points that stand out from their neighbours; None where none are or they may be physics."""
     rows = outlying(search.frame)
     if len(rows) == 0:
-        return search, []
-    reduced = _search_in_noise(without(measurement, rows), model, library, rng, seeds)
+        return None
+    reduced = reduced_by(rows)
     if reduced.alarm < SEARCH.suspicious and may_be_effects(measurement, rows):
-        return search, []
+        return None
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
-        return search, []
+        return None
     return reduced, described(reduced.base.frame_of(measurement), rows)
+
+
+def _without_a_pulling_point(
+    search: Search, measurement: Measurement, reduced_by: Reduced
+) -> tuple[Search, list[Outlier]] | None:
+    """The search without one point that bends all models, where some model then explains nearly all of the rest."""
+    if not search.grown or search.left.p_value >= VERDICT.structure_alarm:
+        return None
+    rows = pulling([search.frame, *(grown.refit.frame() for grown in search.grown)])
+    if len(rows) == 0:
+        return None
+    reduced = reduced_by(rows)
+    before, after = search.best.relative_rms, reduced.best.relative_rms
+    if after**2 > OUTLIERS.settles * before**2:
+        return None
+    if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
+        return None
+    return reduced, described(reduced.best.frame_of(measurement), rows)
 
 
 def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:

@@ -55,6 +55,8 @@ LAST = 3
 """Steps with all points: each squares the error that was left."""
 ITERATIONS = 40
 """Steps at most of a descent."""
+QUICK = 10
+"""Steps after which it is asked whether a descent is hopeless."""
 STILL = 1e-8
 """Relative drop of the objective below which a step changes nothing that is printed."""
 SHORTEST = 1e-7
@@ -154,6 +156,9 @@ class _Search:
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
         self.linear = _linear_in_material(model.network)
         self.evaluations = 0
+        self._with_lines: dict[bytes, Model] = {}
+        self._probe = _Probe([])
+        self._probed = replace(model, material=self._probe)
 
     def theta_of(self, u: Real) -> Real:
         """The effects' parameters (q,) within their bounds."""
@@ -165,14 +170,19 @@ class _Search:
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
 
     def with_lines(self, log_rates: Real) -> Model:
-        """The model with a spectrum of these lines."""
-        return replace(self.model, material=Continuum(tuple(np.exp(log_rates).tolist())))
+        """The model with a spectrum of these lines; neighbouring settings mostly have the same ones."""
+        key = log_rates.tobytes()
+        if key not in self._with_lines:
+            lines = Continuum(tuple(np.exp(log_rates).tolist()))
+            self._with_lines[key] = replace(self.model, material=lines)
+        return self._with_lines[key]
 
     def lattice(self, own: Real) -> Real:
         """Logarithms of the rates of the first lattice: those that the reduced frequencies can show."""
-        probe = _Probe([])
+        probe = self._probe
+        probe.seen.clear()
         with np.errstate(all="ignore"):
-            replace(self.model, material=probe).network.respond(own, self.points)
+            self._probed.network.respond(own, self.points)
         ends = list(chain.from_iterable(probe.seen))
         if not np.all(np.isfinite(ends)) or max(ends) - min(ends) > WIDEST:
             return np.zeros(0)  # a setting under which nothing can be measured: the solution says so
@@ -217,13 +227,17 @@ class _Search:
                 return replace(trial, cost=foretold)
         return best
 
-    def descend(self, trial: _Trial, iterations: int = ITERATIONS) -> tuple[_Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest."""
+    def descend(
+        self, trial: _Trial, iterations: int = ITERATIONS, still: float = STILL, hopeless: float = np.inf
+    ) -> tuple[_Trial, bool]:
+        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest; ended where it is hopeless."""
         if not len(trial.u) or not np.isfinite(trial.cost):
             return trial, True
         # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
         damping, slopes = 1e-3, self._slopes(trial)
-        for _ in range(iterations):
+        for step in range(iterations):
+            if step == QUICK and trial.cost > hopeless:
+                return trial, False
             moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
             if float(np.max(np.abs(moved - trial.u))) < SHORTEST:
                 return trial, True
@@ -234,7 +248,7 @@ class _Search:
                 damping *= 10.0
                 continue
             trial, damping = other, max(0.1 * damping, 1e-9)
-            if drop <= STILL * trial.cost:
+            if drop <= still * trial.cost:
                 return trial, True
             slopes = self._slopes(trial)
         return trial, False
@@ -334,7 +348,14 @@ def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, fl
 
 
 def fit_spectrum(
-    model: Model, measurement: Measurement, objective: Objective, seeds_theta: Sequence[Real] = (), starts: int = 8
+    model: Model,
+    measurement: Measurement,
+    objective: Objective,
+    seeds_theta: Sequence[Real] = (),
+    starts: int = 8,
+    *,
+    still: float = STILL,
+    hopeless: float = np.inf,
 ) -> Spectral:
     """Fit a material, and the effects around it, to a measurement.
 
@@ -350,6 +371,10 @@ def fit_spectrum(
         Starts, of which the last numbers are the effects' parameters.
     starts : int
         0 where the seeds are to be the only starts.
+    still : float
+        Relative drop of the objective below which a descent ends.
+    hopeless : float
+        Objective above which a descent ends after its first steps.
     """
     weights = objective.weights(measurement)
     if objective.logarithmic:
@@ -368,7 +393,9 @@ def fit_spectrum(
         seeds = list(_settings(search, measurement))
     # A setting costs one convex problem; descents are begun only from the best of them.
     trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
-    best, converged = min((coarse.descend(trial) for trial in trials[:KEPT]), key=lambda end: end[0].cost)
+    part = len(rows) / len(measurement)
+    ends = [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
+    best, converged = min(ends, key=lambda end: end[0].cost)
     if coarse is not search:
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)

@@ -16,7 +16,7 @@ from springpot.rheology import Complex, Model, Points, Real
 
 from .alignment import superposed
 from .leastsquares import FLAT, Rows, Solution
-from .material import fit_spectrum, is_material
+from .material import STILL, fit_spectrum, is_material
 from .objective import Objective
 from .problem import Problem
 from .space import require_conditions
@@ -225,7 +225,7 @@ def fit(
     if objective is None:
         objective = default_objective(measurement)
     if is_material(model):
-        return _fit_material(model, measurement, objective, starts, seeds_theta)
+        return _fit_material(model, measurement, objective, starts, seeds_theta, effort or Effort())
     task = _task(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
@@ -281,11 +281,17 @@ def _solved(
 
 
 def _fit_material(
-    model: Model, measurement: Measurement, objective: Objective, starts: int, seeds_theta: Sequence[Real]
+    model: Model,
+    measurement: Measurement,
+    objective: Objective,
+    starts: int,
+    seeds_theta: Sequence[Real],
+    effort: Effort,
 ) -> Fit:
     """Any linear passive material, with the lines of its spectrum that the data ask for."""
     began = perf_counter()
-    found = fit_spectrum(model, measurement, objective, seeds_theta, starts)
+    still, hopeless = max(STILL, effort.negligible), effort.hopeless
+    found = fit_spectrum(model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless)
     seconds = perf_counter() - began
     return Fit(
         found.model, measurement, objective, found.theta, found.cost, found.evaluations, found.converged, seconds

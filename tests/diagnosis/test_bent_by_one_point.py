@@ -1,0 +1,49 @@
+"""A bad point at the end of a sweep bends every model, and the physics of all others hides behind it."""
+
+import numpy as np
+import pytest
+from hidden_data import KELVIN, design, exact, measured
+
+import springpot
+from springpot.diagnosis.outliers import pulling
+from springpot.rheology import Model, parallel, spring
+
+AT = design(30, 0.05, 50.0)
+NOISE = 0.003
+
+
+def with_an_end_that_is_off(shift, seed=0):
+    """A phase error on all points, and at the highest frequency whatever `shift` adds beside it."""
+    k = exact(KELVIN, AT) * np.exp(0.04j)
+    k[-1] *= 1.0 + shift
+    return measured(AT, k, seed, NOISE, known=True)
+
+
+def test_a_bad_point_at_the_end_is_set_aside_and_the_effect_of_all_others_is_named():
+    diagnosis = springpot.diagnose(with_an_end_that_is_off(0.08 - 0.15j), "material")
+    assert any("50 Hz" in note and "outlier" in note for note in diagnosis.notes)
+    assert "phase-error" in diagnosis.classes[0]
+    assert diagnosis.error.relative_rms == pytest.approx(NOISE, rel=12.0)
+
+
+def test_a_mass_that_begins_at_the_end_is_no_outlier():
+    k = exact(KELVIN, AT)
+    heavy = 0.15 * np.abs(k[-1]) / AT.omega.max() ** 2
+    diagnosis = springpot.diagnose(measured(AT, k - heavy * AT.omega**2, level=NOISE), KELVIN.name)
+    assert diagnosis.verdict == "effect-missing"
+    assert "inertia" in diagnosis.classes[0]
+    assert not any("outlier" in note for note in diagnosis.notes)
+
+
+def frame_of(stiffness):
+    fit = springpot.diagnosis.floor.fitted_to_floor
+    data = springpot.Measurement(AT.omega, stiffness, sd=0.01 * np.abs(stiffness) * (1 + 1j))
+    return fit(Model("spring", parallel(spring())), data).frame()
+
+
+def test_the_row_that_carries_most_of_the_misfit_is_found():
+    rng = np.random.default_rng(2)
+    noise = 0.01 * (rng.normal(size=30) + 1j * rng.normal(size=30))
+    assert len(pulling([frame_of(100.0 * (1.0 + noise))])) == 0
+    noise[29] += 0.3
+    assert pulling([frame_of(100.0 * (1.0 + noise))]).tolist() == [29]
