@@ -9,6 +9,7 @@ from pathlib import Path
 from time import sleep
 
 import pytest
+from faulty_optimisers import MARK, left_behind
 
 from soaked import soaked
 
@@ -77,6 +78,22 @@ def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
     assert "Traceback" not in told
     # Before Python has set its handler the signal itself ends the process, without a word; a shell calls both 130.
     assert process.returncode == 130 or (process.returncode == -signal.SIGINT and not told)
+
+
+def test_ctrl_c_ends_an_optimiser_of_identify_too(tmp_path):
+    asked = ["identify", "artificial-fractional-maxwell", "--model", "fractional-maxwell", "--optimiser", "nlopt-esch"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "springpot", *asked, "--budget", "100000000"], text=True, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, start_new_session=True, env=os.environ | {MARK: str(tmp_path)},
+    )  # fmt: skip
+    # The command, and the process in which its optimiser runs.
+    while process.poll() is None and len(left_behind(str(tmp_path))) < 2:
+        sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    out, told = process.communicate(timeout=60)
+    assert (process.returncode, out) == (130, "")
+    assert "Traceback" not in told
+    assert left_behind(str(tmp_path)) == []
 
 
 @pytest.mark.parametrize("error", ["ImportError", "AttributeError", "SystemError"])

@@ -52,6 +52,7 @@ def test_beside_faulty_optimisers_innocent_ones_keep_their_bits(undisturbed, tmp
         assert found[f"faulty {deed}", 0][0] == "changed", deed
     assert found["faulty forge the trace", 0][0] == "changed"
     assert "evaluated past the recorder" in found["faulty evaluate unseen", 0][1]
+    assert "no result" in found["faulty answer with a program", 0][1]
     assert "left 1 process behind" in found["faulty leave an orphan", 0][1]
     assert left_behind(str(tmp_path)) == []
     assert "SIGSEGV" in found["faulty segfault", 0][1]

@@ -21,7 +21,7 @@ from .audit import Audit
 from .nursery import BORN, BROKEN, ENDED, READY, Nursery
 from .plan import Plan, Task
 from .trial import Status, TrialResult, failure
-from .worker import Parcel
+from .worker import Parcel, answer
 
 START = 120.0
 """Seconds that the server may take until it is ready; no trial's deadline runs before that."""
@@ -233,7 +233,7 @@ class LocalEngine:
         results: list[TrialResult] = []
         try:
             while worker.number in self._workers and worker.connection.poll():
-                results += self._take(worker, *worker.connection.recv())
+                results += self._take(worker, *answer(worker.connection.recv_bytes()))
         except (EOFError, OSError):
             # Its end, or that of its line only; either way the server ends it and tells how it ended.
             worker.deaf = True

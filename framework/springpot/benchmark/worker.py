@@ -7,6 +7,7 @@ import pickle
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
+from io import BytesIO
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -65,6 +66,31 @@ class Parcel:
     def open(self) -> Workshop:
         """The workshop in which the plan's trials run."""
         return Workshop(self.unpacked())
+
+
+class _Answer(pickle.Unpickler):
+    """What a worker may send: results of trials, and nothing that would be called where it is read.
+
+    An optimiser can change how results are written, and the coordinator must run no code of its.
+    """
+
+    def find_class(self, module: str, name: str) -> type:
+        for known in (TrialResult, Status):
+            if (known.__module__, known.__qualname__) == (module, name):
+                return known
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
+
+
+def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
+    """The results that a worker has sent, and whether it ends now.
+
+    Raises
+    ------
+    Exception
+        Of any kind, if they are none.
+    """
+    results, worn = _Answer(BytesIO(blob)).load()
+    return results, worn
 
 
 def serve(connection: Connection, shop: Workshop) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 import sys
 import threading
 from select import select
@@ -58,14 +59,21 @@ def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.ran
     answer, told = os.pipe()
     lifeline, alive = os.pipe()
     sys.stdout.flush()  # or both would write what waits there
-    pid = os.fork()
+    # Ctrl-C reaches both: until each has come to where it ends in order, it waits.
+    had = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        pid = os.fork()
+    except OSError:
+        signal.pthread_sigmask(signal.SIG_SETMASK, had)
+        raise
     if pid == 0:
         os.close(answer)
         os.close(alive)
         _work(optimiser, problem, budget, rng, told, lifeline)
-    os.close(told)
-    os.close(lifeline)
     try:
+        os.close(told)
+        os.close(lifeline)
+        signal.pthread_sigmask(signal.SIG_SETMASK, had)
         said = _read(answer, monotonic() + DEADLINE)
     finally:
         end_group(pid)
@@ -103,8 +111,10 @@ def _work(
 
     code = 1
     try:
-        # A group of its own, so that whatever the optimiser starts can be ended with it.
+        # A group of its own: whatever the optimiser starts can be ended with it, and Ctrl-C does not reach it.
         os.setsid()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         adopt_orphans()
         # What an optimiser prints is no part of the command's own output, and what is typed or piped is not for it.
         os.dup2(2, 1)

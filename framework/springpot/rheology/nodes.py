@@ -41,10 +41,12 @@ class Response(NamedTuple):
 
 def repeated(column: Complex, frequencies: tuple[int, ...]) -> Complex:
     """The same numbers (..., 1) at all frequencies (..., n); of many points it is a view, which takes no memory."""
-    # A single point is what most optimisers ask for: to write its few numbers is six times as quick as such a view.
-    if column.ndim == 1 and len(frequencies) == 1:
+    if len(frequencies) > 1:
+        return np.broadcast_to(column, np.broadcast_shapes(column.shape, frequencies))
+    # A single point is what most optimisers ask for: to write its few numbers is six times as quick as a view.
+    if column.ndim == 1:
         return column.repeat(frequencies[0])
-    return np.broadcast_to(column, np.broadcast_shapes(column.shape, frequencies))
+    return np.broadcast_to(column, (*column.shape[:-1], frequencies[0]))
 
 
 def _together(a: Complex, b: Complex) -> Complex:
