@@ -81,7 +81,8 @@ def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
 
 
 def test_ctrl_c_ends_an_optimiser_of_identify_too(tmp_path):
-    asked = ["identify", "artificial-fractional-maxwell", "--model", "fractional-maxwell", "--optimiser", "nlopt-esch"]
+    model = "fractional-maxwell"
+    asked = ["identify", f"artificial-{model}", "--model", model, "--optimiser", "nlopt-esch"]
     process = subprocess.Popen(
         [sys.executable, "-m", "springpot", *asked, "--budget", "100000000"], text=True, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, start_new_session=True, env=os.environ | {MARK: str(tmp_path)},

@@ -105,6 +105,24 @@ def test_a_database_of_another_program_is_refused_untouched(tmp_path, mode):
     assert list(path.parent.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("version", [0, 1, 3])
+def test_so_is_one_whose_tables_are_still_in_its_log(tmp_path, version):
+    """As of a program that has just begun, and runs meanwhile."""
+    path = tmp_path / "theirs.sqlite"
+    theirs = sqlite3.connect(path, isolation_level=None)
+    theirs.execute("PRAGMA journal_mode = wal")
+    theirs.execute(f"PRAGMA user_version = {version}")
+    theirs.execute("CREATE TABLE bookmark (address TEXT)")
+    theirs.execute("INSERT INTO bookmark VALUES ('https://example.org')")
+    before = path.read_bytes(), path.with_name("theirs.sqlite-wal").read_bytes()
+    for mend in (False, True):
+        with pytest.raises(StudyError, match="no study store: move it away"):
+            Store(path, write=True, mend=mend)
+    assert (path.read_bytes(), path.with_name("theirs.sqlite-wal").read_bytes()) == before
+    assert theirs.execute("SELECT * FROM bookmark").fetchall() == [("https://example.org",)]
+    theirs.close()
+
+
 def test_the_command_tells_of_damage_in_one_line(sound, tmp_path):
     path, _ = sound
     target = copy_of(path, tmp_path)

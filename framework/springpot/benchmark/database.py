@@ -61,11 +61,23 @@ def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
         return
     db = sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
     try:
+        require_tables(db, path, tables)
+    finally:
+        db.close()
+
+
+def require_tables(db: sqlite3.Connection, path: Path, tables: frozenset[str]) -> None:
+    """Refuse an open database of other tables.
+
+    Raises
+    ------
+    StudyError
+        If it has any, and not these.
+    """
+    try:
         found = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     except (sqlite3.OperationalError, UnicodeDecodeError):
         return  # another program is just writing it, or it is damaged: told by whoever reads on
-    finally:
-        db.close()
     # An empty database is a store of which nothing but the beginning has been written yet.
     if found and not tables <= found:
         raise StudyError(f"{path} is damaged or no study store: move it away and run again")

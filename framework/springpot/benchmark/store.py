@@ -12,7 +12,7 @@ from pathlib import Path
 
 from springpot.errors import StudyError
 
-from .database import connect, lenient, one_line, refuse_foreign, replace_store, transaction
+from .database import connect, lenient, one_line, refuse_foreign, replace_store, require_tables, transaction
 from .layout import (
     ALL_TRIALS,
     CELLS,
@@ -72,6 +72,8 @@ class Store:
             self._db = connect(path, write)
         try:
             with one_line(path):
+                # Once more: the file alone may be empty, and what another program wrote still be in its log.
+                require_tables(self._db, path, frozenset(KEYS))
                 self._require_version(write)
                 if not whole(self._db, expected()):
                     self._save(write, mend)
