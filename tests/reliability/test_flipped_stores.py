@@ -123,6 +123,37 @@ def test_so_is_one_whose_tables_are_still_in_its_log(tmp_path, version):
     theirs.close()
 
 
+def test_a_store_in_which_nothing_is_yet_is_one_line(tmp_path):
+    """As a run leaves it that is killed in its first moment."""
+    path = tmp_path / "flips" / "flips.sqlite"
+    Store(path, write=True).close()
+    with pytest.raises(StudyError, match=r"there are no results at .* yet: run the study first"):
+        look(path)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_flipped_bit_in_the_log_of_a_killed_run_costs_trials_and_never_changes_one(tmp_path, sound, seed):
+    target = tmp_path / "flips" / "flips.sqlite"
+    # Whoever has it open keeps the log from being folded into the file, as does who kills the run.
+    with Store(target, write=True):
+        run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False)
+        parts = {name: target.with_name(name).read_bytes() for name in ("flips.sqlite", "flips.sqlite-wal")}
+    assert len(parts["flips.sqlite-wal"]) > 10 * len(parts["flips.sqlite"])
+    for name, content in parts.items():
+        target.with_name(name).write_bytes(content)
+    log = target.with_name("flips.sqlite-wal")
+    flip(parts[log.name], log, np.random.default_rng(seed))
+    found, told = {}, ""
+    try:
+        found = look(target).trials
+    except StudyError as error:
+        told = str(error)
+    assert "\n" not in told
+    assert found.items() <= sound[1].trials.items()
+    run_study(study(), engine="serial", out=tmp_path, quiet=True, tables=False)
+    assert look(target).trials == sound[1].trials
+
+
 def test_the_command_tells_of_damage_in_one_line(sound, tmp_path):
     path, _ = sound
     target = copy_of(path, tmp_path)

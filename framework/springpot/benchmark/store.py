@@ -234,11 +234,20 @@ class Store:
         return len(lost)
 
     def facts(self) -> dict[str, str]:
-        """What is known of the study and of its last run."""
+        """What is known of the study and of its last run.
+
+        Raises
+        ------
+        StudyError
+            If no study was entered yet, or what is said of it is damaged.
+        """
         with one_line(self.path):
             rows = list(self._rows(FACTS))
             empty = not (rows or self._saved) and self._db.execute("SELECT 1 FROM cell").fetchone() is None
-            described = empty or {row["name"] for row in rows} >= _TOLD
+        if empty:
+            # A run that was ended in its first moment leaves the tables and nothing in them.
+            raise StudyError(f"there are no results at {self.path} yet: run the study first")
+        described = {row["name"] for row in rows} >= _TOLD
         if not (described and all(sound(row) for row in rows)):
             raise StudyError(
                 f"{self.path}: the description of the study is damaged: run the study again, its trials are kept"
