@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_value
+from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
 from springpot.diagnosis import Comparison, Diagnosis, Ladder, Progress, any_material, rank
 from springpot.diagnosis import compare as compare_objects
 from springpot.diagnosis import diagnose as diagnose_objects
@@ -124,7 +124,7 @@ def identify(
         seed=seed,
         intervals=intervals,
         simpler=[_model(part) for part in simpler],
-        start={name: own_value(judged, data.units, name, value) for name, value in (start or {}).items()},
+        start=own_values(judged, data.units, start, "start"),
     )
     return replace(fit, judge=standing_of)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, TypeVar
 
 from springpot.errors import ModelError, OptionError
 from springpot.identification import Optimiser
@@ -16,6 +16,7 @@ from springpot.registry import plugins
 from springpot.rheology import Model
 
 Bounds = tuple[float, float]
+V = TypeVar("V")
 
 
 def constrained(
@@ -41,13 +42,46 @@ def constrained(
     ------
     ModelError
         If a name is unknown or a value cannot be.
+    OptionError
+        If these are no mappings, or what they hold are no numbers.
     """
-    held = {name: own_value(model, units, name, value) for name, value in (fix or {}).items()}
-    room = {
-        name: (own_value(model, units, name, low), own_value(model, units, name, high))
-        for name, (low, high) in (bounds or {}).items()
-    }
+    held = own_values(model, units, fix, "fix")
+    room: dict[str, Bounds] = {}
+    for name, ends in by_name(bounds, "bounds", '{"k": (0, 200)}').items():
+        if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
+            raise OptionError(f"bounds of {name} are a lower and an upper end, such as (0, 200), not {ends!r:.40}")
+        low, high = ends
+        room[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
     return model.holding(held, room)
+
+
+def own_values(model: Model, units: Units, given: Mapping[str, float] | None, option: str) -> dict[str, float]:
+    """Printed values by name, such as start values, in the units of theta.
+
+    Raises
+    ------
+    ModelError
+        If the model has no such parameter.
+    OptionError
+        If these are no values by name.
+    """
+    values = by_name(given, option, '{"k": 100.0}')
+    return {name: own_value(model, units, name, value) for name, value in values.items()}
+
+
+def by_name(given: Mapping[str, V] | None, option: str, example: str) -> Mapping[str, V]:
+    """What a user gives by name of parameter; nothing where it is left out.
+
+    Raises
+    ------
+    OptionError
+        If it is no mapping, as where somebody writes the words of the command line.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise OptionError(f"{option} is a dictionary by parameter, such as {example}, not {given!r:.40}")
+    return given
 
 
 def own_value(model: Model, units: Units, name: str, value: float) -> float:
@@ -57,10 +91,16 @@ def own_value(model: Model, units: Units, name: str, value: float) -> float:
     ------
     ModelError
         If the model has no such parameter.
+    OptionError
+        If the value is no number.
     """
     for parameter in model.parameters:
-        if parameter.name == name:
+        if parameter.name != name:
+            continue
+        try:
             return float(value) / units.of(parameter.unit)[0]
+        except (TypeError, ValueError):
+            raise OptionError(f"{name} is a number in {units.of(parameter.unit)[1]}, not {value!r:.40}") from None
     raise ModelError(f"{model.name} has no free parameter '{name}': it has {', '.join(model.names)}")
 
 

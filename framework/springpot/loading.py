@@ -199,7 +199,7 @@ def _read(path: Path) -> Any:
     except OSError as error:
         raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
     except (ValueError, RecursionError):
-        raise DataError(f"{path} is no JSON: {AGAIN}") from None
+        raise DataError(f"{path} is no JSON: {AGAIN}; data are opened by springpot.read") from None
 
 
 def _fit(answer: dict[str, Any]) -> Identification:

@@ -6,10 +6,15 @@ import numpy as np
 
 from springpot.diagnosis import compare
 from springpot.errors import DataError
-from springpot.identification import Identification, Standing
+from springpot.identification import Identification, Standing, default_objective
 
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
+
+
+SHORT = 1.5
+"""Times the error that the native solver reaches with the same model, from which a search did not come to its end:
+where both ended at the best, they agree to several digits."""
 
 
 def standing_of(found: Identification) -> Standing | None:
@@ -18,7 +23,7 @@ def standing_of(found: Identification) -> Standing | None:
     Parameters
     ----------
     found : Identification
-        The fit. Only its model and data count: the floors are those of `compare`.
+        The fit. The floors are those of `compare`, which fits the same model to the same data.
     """
     if found.fit.dof < FEWEST_SPARE:
         return None
@@ -27,5 +32,14 @@ def standing_of(found: Identification) -> Standing | None:
     except DataError:
         # Rows that repeat a point are one point to a comparison: where too few are left, it refuses what was fitted.
         return None
-    error, good = judged.error, not (judged.fails or judged.unclear)
-    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, judged.says)
+    error, good, says = judged.error, not (judged.fails or judged.unclear), judged.says
+    # Another objective weighs the points otherwise: its error may be larger though its search ended at its best.
+    alike = found.fit.objective.name == default_objective(found.measurement).name
+    best = max(error.relative_rms, error.noise_floor)
+    if good and alike and found.relative_rms > SHORT * best:
+        good = False
+        says = (
+            f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on these data: "
+            "give it a larger budget, or leave the optimiser out"
+        )
+    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)

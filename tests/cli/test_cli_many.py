@@ -82,8 +82,18 @@ def test_joint_files_keep_their_names_units_and_conditions():
     assert in_newton.stiffness.tolist() == [1.0 + 1j, 1000.0 + 1000.0j]
     with pytest.raises(library.errors.DataError, match="no joint test"):
         joined([one, library.Measurement([1.0], [1.0 + 1j])])
-    with pytest.raises(library.errors.DataError, match="one lacks temperature"):
-        joined([one, library.Measurement([1.0], [1.0 + 1j], conditions={"temperature": [20.0]}, units=one.units)])
+    hot = library.Measurement([1.0], [1.0 + 1j], conditions={"temperature": [20.0]}, units=one.units)
+    with pytest.raises(library.errors.DataError, match=r"one lacks temperature.*'FILE\?temperature=20\[degC\]'"):
+        joined([one, hot])
+
+
+def test_joint_files_need_not_share_what_no_effect_knows():
+    counted = {"point": [1.0, 2.0], "temperature": [20.0, 20.0]}
+    one = library.Measurement([1.0, 2.0], [1.0 + 1j, 2.0 + 1j], conditions=counted, name="one")
+    two = library.Measurement([3.0], [1.0 + 1j], conditions={"temperature": [20.0]}, name="two")
+    both = joined([one, two])
+    assert set(both.conditions) == {"temperature"}
+    assert both.provenance["note columns"] == "point: known of some of the files only, and left out"
 
 
 def test_what_is_known_beforehand_is_an_option(springpot, dampers):

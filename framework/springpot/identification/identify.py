@@ -98,19 +98,16 @@ def identify(
     if len(measurement) < 2:
         raise DataError(f"{measurement.name}: one point identifies no model; measure at two frequencies or more")
     require_enough(model, measurement)
-    if objective is None:
-        objective = default_objective(measurement)
+    objective = objective or default_objective(measurement)
     if optimiser is None or optimiser.name == NATIVE:
-        name = NATIVE
+        name, status = NATIVE, "not converged"
         best, notes = _by_native(model, measurement, objective, restarts or 1, seed, simpler, start or {})
-        status = "not converged"
         if best.converged:
             status = "converged"
     else:
-        name = optimiser.name
         # Before the problem is made: what cannot be searched is told at once.
         _refuse_search(model, optimiser, start)
-        problem = Problem.of(model, measurement, objective)
+        name, problem = optimiser.name, Problem.of(model, measurement, objective)
         best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
     known = Uncertainty.of(best)
     low, high = _interval(known, intervals, seed or 0)

@@ -73,6 +73,9 @@ ROUNDING = 1e-12
 """Objective that is no more than rounding."""
 CLOSER = 0.25
 """Each refined lattice has lines this much closer than the one before."""
+SPARE = 3
+"""Measured numbers that a spectrum leaves over at least, so that its residual tells something of the scatter. Most
+data with noise make it use far fewer lines; few or exact ones would be followed by a line for every number."""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
 
@@ -282,8 +285,28 @@ class _Search:
             trial = finer
         return trial
 
+    def affordable(self, trial: _Trial) -> _Trial:
+        """The same with fewer lines, where those that carry weight are more than the data can bear."""
+        most = max(1, 2 * len(self.data) - SPARE - 2 - len(self.own))
+        if np.sum(trial.weights[2:] > 0.0) <= most:
+            return trial
+        # Of a refined lattice the strongest lines are often neighbours: those of the first lattice may do better.
+        coarse = self._strongest(self.solve(trial.u), most)
+        return min(self._strongest(trial, most), coarse, key=lambda each: each.cost)
+
+    def _strongest(self, trial: _Trial, most: int) -> _Trial:
+        """The same with the strongest lines alone, so many at most."""
+        while (count := int(np.sum(trial.weights[2:] > 0.0))) > most:
+            columns = weighted(self.respond(trial).by_theta[2 : len(trial.weights)], self.weights)
+            strength = trial.weights[2:] * np.linalg.norm(columns, axis=-1)
+            # A few at a time: those that stay take over what the others carried.
+            strongest = np.argsort(strength)[-max(most, int(0.75 * count)) :]
+            trial = self.solve(trial.u, np.sort(trial.log_rates[strongest]))
+        return trial
+
     def result(self, trial: _Trial, converged: bool) -> Spectral:
         """The fitted model with the lines that carry weight."""
+        trial = self.affordable(trial)
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])

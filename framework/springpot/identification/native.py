@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.rheology import Complex, Model, Points, Real
+from springpot.rheology import Complex, Continuum, Model, Points, Real
 
 from .alignment import superposed
 from .leastsquares import FLAT, Rows, Solution
-from .material import STILL, fit_spectrum, is_material
+from .material import STILL, fit_spectrum, is_material, own_parameters
 from .objective import Objective
 from .problem import Problem
 from .space import require_conditions
@@ -377,6 +377,9 @@ def require_enough(model: Model, measurement: Measurement) -> None:
         If there are.
     """
     unknowns, data = len(model.parameters), 2 * len(measurement)
+    if is_material(model):
+        # The lines of a spectrum are chosen anew for each data, no more than these can bear.
+        unknowns = len(Continuum().parameters) + len(own_parameters(model))
     if unknowns > data:
         raise DataError(
             f"{measurement.name}: {model.name} has {unknowns} parameters but the {len(measurement)} measured points "

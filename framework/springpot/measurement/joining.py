@@ -9,10 +9,13 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology import Real
 
-from .measurement import Measurement
+from .measurement import CONDITIONS, Measurement
 from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS
 
 FILE = "file"
+
+_EXAMPLES = {"temperature": "temperature=20[degC]", "amplitude": "amplitude=0.5[mm]"}
+"""How a condition of all rows of a file is said behind its name."""
 
 
 def joined(measurements: Sequence[Measurement]) -> Measurement:
@@ -27,23 +30,30 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     Returns
     -------
     Measurement
-        With standard deviations if all have them, and with the conditions, which all must have.
+        With standard deviations if all have them, with temperature and amplitude, of which all must have the same,
+        and with the further columns that all have.
 
     Raises
     ------
     DataError
-        If a stiffness is to join a modulus, or a condition is known of some only.
+        If a stiffness is to join a modulus, or temperature or amplitude is known of some only.
     """
     first = measurements[0]
     for other in measurements[1:]:
         if other.units.is_modulus != first.units.is_modulus:
             kinds = f"{first.units.stiffness} and {other.units.stiffness}"
             raise DataError(f"{first.name} and {other.name}: a stiffness and a modulus ({kinds}) are no joint test")
-        if lacking := sorted(set(first.conditions) ^ set(other.conditions)):
+        # What no effect knows of, such as a counter of points, may be missing from a file.
+        if lacking := sorted(set(CONDITIONS) & (set(first.conditions) ^ set(other.conditions))):
             which = other
             if lacking[0] in other.conditions:
                 which = first
-            raise DataError(f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column")
+            # A test at one temperature or amplitude needs no column of it: a constant behind its name is as good.
+            example = ",".join(_EXAMPLES[name] for name in lacking)
+            raise DataError(
+                f"{which.name} lacks {', '.join(lacking)}, which the others have: add the column, or say it of all "
+                f"rows as in 'FILE?{example}'"
+            )
     scale = [_factor(each, first) for each in measurements]
     sd = None
     # Deviations of some rows alone would be weights on no common scale.
@@ -51,16 +61,27 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
         sd = np.concatenate(
             [by * each.sd for by, each in zip(scale, measurements, strict=True) if each.sd is not None]
         )
+    some = _known_of_some(measurements)
+    notes: dict[str, str] = {}
+    if some:
+        notes["note columns"] = f"{', '.join(sorted(some))}: known of some of the files only, and left out"
     return Measurement(
         np.concatenate([each.omega for each in measurements]),
         np.concatenate([by * each.stiffness for by, each in zip(scale, measurements, strict=True)]),
         sd=sd,
-        conditions={name: _column(name, measurements) for name in first.conditions},
+        conditions={name: _column(name, measurements) for name in first.conditions if name not in some},
         repeat=_repeats(measurements),
         units=first.units,
+        provenance=notes,
         name=" + ".join(each.name for each in measurements),
         labels={FILE: np.concatenate([np.full(len(each), each.name) for each in measurements])},
     )
+
+
+def _known_of_some(measurements: Sequence[Measurement]) -> set[str]:
+    """Further columns that not all of them have."""
+    every = set.intersection(*(set(each.conditions) for each in measurements))
+    return set.union(*(set(each.conditions) for each in measurements)) - every
 
 
 def _factor(other: Measurement, first: Measurement) -> float:

@@ -134,7 +134,8 @@ def normal_unit(text: str) -> str:
     >>> normal_unit("°C"), normal_unit("N.m"), normal_unit("rad·s-1"), normal_unit("[mPa.s]"), normal_unit("10³ Pa")
     ('degC', 'N m', 'rad/s', 'mPa s', 'kPa')
     """
-    unit = text.strip().strip("[]").strip()[:_LONGEST]
+    # An abbreviation may end in a dot, as people write "deg." and "sec.".
+    unit = text.strip().strip("[]").strip()[:_LONGEST].removesuffix(".")
     if _CYRILLIC.search(unit):
         unit = _CYRILLIC.sub(lambda word: _RUSSIAN.get(word[0], word[0]), unit)
     # Dots and hyphens between letters stand for a product: N.m, Pa-s.

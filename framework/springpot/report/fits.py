@@ -209,7 +209,9 @@ def _lines(found: Identification, verbose: bool) -> list[str]:
     size = found.measurement.units.magnitude
     lines = [f"error       {percent(found.relative_rms)} of {size} (relative rms){beside_floors(found)}"]
     if found.standing is not None:
-        verdict = "good enough" if found.standing.good_enough else "not good enough"
+        verdict = "not good enough"
+        if found.standing.good_enough:
+            verdict = "good enough"
         lines.append(f"verdict     {verdict}: {_reason(found)}")
     spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
     # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.

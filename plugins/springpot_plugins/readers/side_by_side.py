@@ -76,8 +76,8 @@ def _segments(block: Block) -> list[Block]:
         rows, lines = block.rows[start:stop], block.lines[start:stop]
         made.append(replace(block, name=f"{block.name} segment {number}".strip(), rows=rows, lines=lines))
         start = stop
-    if len(made) < 2:
-        return [block]
+    if len(made) == 1:
+        made = [block]
     # The numbers of segment and point have served their purpose, and are no condition.
     return [replace(each, headings=each.headings[1:], rows=[row[1:] for row in each.rows]) for each in made]
 
