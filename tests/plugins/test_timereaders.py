@@ -171,3 +171,16 @@ def test_sweeps_of_real_instruments_stay_sweeps():
         path = shared(*parts)
         assert open_in_time(path) == ()
         assert len(open_measurement(path)) > 10
+
+
+def test_a_channel_that_counts_the_other_way_is_turned_by_its_unit(tmp_path):
+    path = put(tmp_path, f"time [s],displacement [mm],force [kN]\n{ROWS}")
+    [straight], [turned] = open_in_time(path), open_in_time(f"{path}?force=-kN")
+    assert turned.response.tolist() == (-straight.response).tolist()
+    assert turned.units.stiffness == "kN/mm"
+
+
+def test_sizes_that_nobody_measures_are_one_line(tmp_path):
+    rows = "".join(f"{t}e300,{3 - t}\n" for t in (1.0, 1.5, 2.0))
+    with pytest.raises(DataError, match="no measured one: correct its unit"):
+        open_in_time(put(tmp_path, f"time [s],relaxation [kPa]\n{rows}"))

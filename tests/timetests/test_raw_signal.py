@@ -7,7 +7,7 @@ import pytest
 
 from springpot.measurement import Timed, TimeTest, noise_of
 from springpot.registry import parse_model, parse_timed, plugins
-from springpot.timetests import compare, diagnose, discover, recorded
+from springpot.timetests import compare, diagnose, discover, identify, recorded
 from springpot.timetests.scatter import scatter_of
 from springpot.timetests.where import places
 
@@ -142,3 +142,15 @@ def test_a_channel_at_its_limit_carries_no_noise_and_is_named():
     assert answer.verdict == "effect-missing"
     assert answer.missing == ("force-clipping",)
     assert answer.best.over_floor == pytest.approx(1.0, abs=0.2)
+
+
+def test_opposite_signs_are_told_and_a_mass_that_pushes_back_is_none():
+    test = record()
+    turned = TimeTest.of_history(T, X, -test.response, "mm", "N", control="displacement")
+    assert any("have opposite signs" in note for note in identify(turned, MODEL).notes)
+    assert not any("signs" in note for note in identify(test, MODEL).notes)
+    heavy = parse_model("fractional-zener + inertia")
+    force = heavy.respond(heavy.vector({**dict(zip(MODEL.names, THETA, strict=True)), "inertia.m": 1000.0}), T, X)
+    pushes = TimeTest.of_history(T, X, force, "mm", "N", control="displacement")
+    assert np.sum(X * pushes.response) < 0.0
+    assert not any("signs" in note for note in identify(pushes, MODEL).notes)

@@ -31,6 +31,8 @@ from .units import (
 CONTROLS = ("displacement", "force")
 STRAIGHT = 0.02
 """Share of its end by which a ramp may leave the straight line."""
+IMMENSE = 1e60
+"""No number of a test is larger, nor the inverse of one, in whatever unit: its square must still be a number."""
 PLANNED_IN = (
     (LENGTH_UNITS, "m", FORCE_UNITS, "N"),
     ({"-": 1.0}, "-", PRESSURE_UNITS, "Pa"),
@@ -116,6 +118,9 @@ class TimeTest:
             bad = np.flatnonzero(~np.isfinite(values))
             if len(bad):
                 raise DataError(f"{self.name}: the {what} of sample {bad[0] + 1} is no number: leave that sample out")
+            largest = float(np.abs(values).max())
+            if largest and not 1.0 / IMMENSE < largest < IMMENSE:
+                raise DataError(f"{self.name}: a {what} of {largest:g} is no measured one: correct its unit")
         # Of two answers at one time neither is the one: what is imposed may jump, the response may not.
         back = np.flatnonzero(np.diff(self.time) <= 0.0)
         if len(back):

@@ -22,7 +22,7 @@ from springpot.measurement import Measurement, Timed, TimeTest, Units, material_
 from springpot.rheology import Model, Real
 
 from .material import spectral
-from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests
+from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests, runs_against
 from .quick import QuickPart, UnfollowedError
 from .result import PartResult, TimeIdentification, sampled_scatter
 from .searched import InTimeProblem
@@ -49,6 +49,8 @@ DOUBTFUL = 1.5
 """Error over the noise from which other starts are tried too."""
 TRIED = 6
 """Places in the parameters of effects of time tests from which a search begins."""
+WRONG = 0.5
+"""Relative error from which the signs of a test are doubted: below, the model follows it, whatever they are."""
 FLAT = 1e-10
 """A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
 ROUGHLY = 1e-5
@@ -147,7 +149,7 @@ def identify(
     u = search.coordinates.u(best.theta.copy(), search.size)
     other = search.result(u, parts, alone, best.evaluations, best.status != "budget", perf_counter() - began)
     # The theta that was found, not one that went to search coordinates and back.
-    return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=tuple(notes))
+    return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=(*other.said, *notes))
 
 
 def _weighed(
@@ -386,6 +388,12 @@ class Search:
             PartResult.of(part, self.model, theta, self.reference, ratio)
             for part, ratio in zip(parts, alone, strict=True)
         ]
+        said = [
+            f"{row.name}: force and displacement have opposite signs: if one of them counts the other way, say so "
+            f"behind the file, such as '?force=-{part.test.force_unit}'"
+            for part, row in zip(parts, rows, strict=True)
+            if row.error > WRONG and isinstance(part, InTimePart) and runs_against(part.test)
+        ]
         return TimeIdentification(
             self.model,
             theta,
@@ -397,6 +405,7 @@ class Search:
             converged,
             seconds,
             _units(parts),
+            said=tuple(said),
         )
 
     def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:

@@ -30,6 +30,7 @@ from springpot.rheology import Real
 
 from .languages import CHANNELS
 from .names import fold
+from .titles import apart_from_sign
 
 NAMES: dict[str, tuple[str, ...]] = {
     "time": (
@@ -257,7 +258,7 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
         notes += _sensors_left(layout, titles, below)
     columns, units, signs = [], [], []
     for channel in UNITS:
-        sign, unit = _apart_from_sign(str(layout[channel].unit).strip())
+        sign, unit = apart_from_sign(str(layout[channel].unit).strip())
         columns.append(layout[channel].column)
         units.append(known_unit(normal_unit(unit), UNITS[channel], channel))
         signs.append(sign)
@@ -267,14 +268,6 @@ def places_of(titles: Sequence[str], below: Sequence[str], choice: Choice) -> Pl
         (signs[0], signs[1], signs[2]),
         tuple(notes),
     )
-
-
-def _apart_from_sign(unit: str) -> tuple[float, str]:
-    """Sign and unit of ``-kN``."""
-    # A sign alone is the unit of a strain.
-    if unit.startswith("-") and len(unit) > 1:
-        return -1.0, unit[1:]
-    return 1.0, unit
 
 
 def _unit_below(below: Sequence[str], i: int) -> str:

@@ -308,3 +308,11 @@ def plainly(named: Heading) -> Heading:
         if role in UNITS and role not in ("time", "temperature", "amplitude"):
             return replace(named, role=role, name=name, curve=curve)
     return named
+
+
+def apart_from_sign(unit: str) -> tuple[float, str]:
+    """Sign and unit of ``-kN``."""
+    # A sign alone is the unit of a strain.
+    if unit.startswith("-") and len(unit) > 1:
+        return -1.0, unit[1:]
+    return 1.0, unit

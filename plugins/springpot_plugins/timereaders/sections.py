@@ -57,11 +57,14 @@ class Title:
         ``time``, ``displacement``, ``force``, ``relaxation``, ``compliance``, ``temperature``, ``dynamic`` or empty.
     unit : str
         In the usual spelling; empty where none is written.
+    sign : float
+        Minus one for a channel that counts the other way.
     """
 
     text: str
     role: str
     unit: str
+    sign: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +119,7 @@ class Section:
             except ValueError:
                 where = f"line {self.numbers[i]}, column '{self.titles[place].text}'"
                 raise DataError(f"{where}: '{cell:.30}' is no number") from None
-        return values
+        return self.titles[place].sign * values
 
 
 def _cell(line: str, separator: str, place: int) -> str:

@@ -3,7 +3,8 @@
 What was tested is read off the columns: ``time [s]`` with ``relaxation [kPa]``, ``compliance [1/kPa]``, or
 displacement and force (strain and stress, angle and torque), of which the record is then taken as it is, its real
 ramp included. What a file leaves open is said behind it:
-``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``.
+``FILE?time=s,relaxation=Pa,temperature=160[degC],ramp=0.05[s],control=force``, and of a channel that
+counts the other way ``FILE?force=-N``.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from springpot.rheology import Real
 from ..readers.blocks import blocks_of
 from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.text import head_text, text_of
-from ..readers.titles import is_unit
+from ..readers.titles import apart_from_sign, is_unit
 from .sections import Section, Title, sections_of, title_of
 
 EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
@@ -176,8 +177,9 @@ def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
             shown = ", ".join(title.text for title in titles[:12])
             raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
         match = _MEANING.match(meaning)
-        if match is None and is_unit(meaning):
-            titles[place] = replace(titles[place], unit=normal_unit(meaning))
+        sign, unit = apart_from_sign(meaning)
+        if match is None and is_unit(unit):
+            titles[place] = replace(titles[place], unit=normal_unit(unit), sign=sign)
             continue
         made = title_of(meaning)
         if not made.role:
