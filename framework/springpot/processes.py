@@ -27,8 +27,12 @@ def limit_memory(mebibytes: int) -> None:
     except OSError:
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    # On top of what is mapped now: libraries take three times as many addresses as memory, and no trial asked for them.
     wanted = pages * resource.getpagesize() + mebibytes * 2**20
-    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+    # A negative one says that there is no limit yet.
+    if hard >= 0:
+        wanted = min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted, hard))
 
 
 def adopt_orphans() -> None:
@@ -100,6 +104,7 @@ def settings() -> tuple[object, ...]:
 def _folder() -> str:
     try:
         return os.getcwd()
+    # It may have been removed.
     except OSError:
         return ""
 

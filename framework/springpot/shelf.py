@@ -110,6 +110,7 @@ class Shelf(Generic[T]):
 
     def _twice(self, name: str, owner: Owner) -> str:
         first, what = self._from[name], f"{self.kind.word} '{name}'"
+        # Within one plugin it is a slip of its author, and no doubt for a user.
         if first == owner:
             return f"{what} is offered twice; the first is used"
         self.clashes[name] = f"{what} is offered by two plugins, {first} and {owner}: uninstall one or rename it"
@@ -141,6 +142,7 @@ class Shelf(Generic[T]):
             if alias == name:
                 other = "its own name"
             return f"{what} is {other}; the alias is not used"
+        # An alias is no more than a second name: where two things claim it, the name of each still serves.
         first = self._by_alias.setdefault(alias, name)
         if first == name:
             return ""

@@ -1,10 +1,12 @@
-"""What the promises of a study cost: the optimiser comparison with and without them, side by side.
+"""What each promise of a study costs, in the time of the optimiser comparison.
 
-    python tests/benchmarks/comparison_cost.py [TURNS] [REPEATS] [PROMISE ...]
+    python tests/benchmarks/comparison_cost.py [TURNS] [PROMISE ...]
 
-The promises are those of docs/reliability.md that a study pays for; all of them are left out unless some are named.
-With and without take turns. Times are processor times of all processes that a run has started, those that outlive
-their parent too; Linux only.
+The promises are those of docs/reliability.md that a study pays for: for each trial, for each process, or once. So what
+one costs is the difference that it makes to the same study with a budget of a few evaluations, where nothing else
+takes long; runs with and without it take turns. The share is that of the whole comparison with one repetition, the
+case in which a process does the fewest trials. Times are processor times of all processes that a run has started,
+those that outlive their parent too; Linux only.
 """
 
 from __future__ import annotations
@@ -43,7 +45,11 @@ from optimiser_comparison import study
 """
 
 
-def seconds(promises: list[str], repeats: int) -> float:
+FEW = 20
+"""Evaluations of each trial where only what surrounds it is to be timed."""
+
+
+def seconds(promises: list[str], *options: str) -> float:
     """Processor seconds of the study without some promises."""
     paths = os.pathsep.join(str(ROOT / folder) for folder in ("framework", "plugins", "studies"))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -51,9 +57,9 @@ def seconds(promises: list[str], repeats: int) -> float:
         script = Path(folder, "comparison.py")
         lines = "\n".join(PROMISES[name] for name in promises)
         script.write_text(SCRIPT.format(studies=str(ROOT / "studies"), lines=lines))
-        command = ["-m", "springpot", "run", str(script), "--repeats", str(repeats), "--workers", "2"]
+        command = ["-m", "springpot", "run", str(script), "--repeats", "1", "--workers", "2"]
         subprocess.run(
-            [sys.executable, *command, "--quiet", "--out", folder],
+            [sys.executable, *command, "--quiet", "--out", folder, *options],
             env=os.environ | {"PYTHONPATH": paths},
             check=True,
             stdout=subprocess.DEVNULL,
@@ -67,25 +73,27 @@ def seconds(promises: list[str], repeats: int) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def main(turns: int, repeats: int, promises: list[str]) -> None:
-    """Print the times of both and their ratio."""
+def main(turns: int, names: list[str]) -> None:
+    """Print what each promise costs, and all of them together."""
     ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0)
-    times = []
-    for turn in range(turns):
-        pair = {}
-        # Whoever comes first finds the machine as the last one left it: they change places.
-        for without in [promises, []] if turn % 2 else [[], promises]:
-            pair[bool(without)] = seconds(without, repeats)
-        times.append((pair[True], pair[False]))
-        print(_line(*times[-1]), flush=True)
-    print(f"least of {turns}: {_line(*np.min(times, axis=0))}")
-
-
-def _line(without: float, full: float) -> str:
-    return f"without {without:.1f} s, with {full:.1f} s, ratio {full / without:.3f}"
+    seconds([], "--budget", str(FEW))  # the first run reads everything from the disk
+    whole = seconds([])
+    print(f"the whole comparison: {whole:.1f} s", flush=True)
+    left_out = {name: [name] for name in names} | {"all of these": names}
+    for name, promises in left_out.items():
+        costs = []
+        for turn in range(turns):
+            pair = {}
+            # Whoever comes first finds the machine as the last one left it: they change places.
+            for without in [promises, []] if turn % 2 else [[], promises]:
+                pair[bool(without)] = seconds(without, "--budget", str(FEW))
+            costs.append(pair[False] - pair[True])
+        low, middle, high = np.quantile(costs, [0.25, 0.5, 0.75])
+        says = f"{middle:.2f} s [{low:.2f}, {high:.2f}], {100 * middle / whole:.1f} %"
+        print(f"{name}: {says}", flush=True)
 
 
 if __name__ == "__main__":
     numbers = [int(text) for text in sys.argv[1:] if text.isdigit()]
     named = [text for text in sys.argv[1:] if not text.isdigit()]
-    main(*(numbers + [3, 2][len(numbers) :]), named or list(PROMISES))
+    main(numbers[0] if numbers else 7, named or list(PROMISES))

@@ -39,6 +39,7 @@ class Audit:
     def _checked(self, result: TrialResult) -> TrialResult:
         if result.status.failed:
             return result
+        # What comes from a process that ran an optimiser may be of any kind: no error of it may end the study.
         try:
             complaint = self._complaint(result)
         except Exception as error:
@@ -48,6 +49,7 @@ class Audit:
         return failure(Task(result.cell, (result.repetition,)), Status.CHANGED, complaint, result.seconds)[0]
 
     def _complaint(self, result: TrialResult) -> str:
+        # The cheap ones first; the last evaluates the objective.
         numbers, values = unpack(result.trace)
         return (
             miscounted(result.evaluations, result.gradients, result.batched, self._plan.budget)

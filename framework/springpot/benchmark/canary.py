@@ -39,6 +39,7 @@ class Canary(Optimiser):
 
 def outcome(problem: Problem) -> str:
     """What the canary finds, to the last bit."""
+    # With a diary: an array that was changed shows in the points that are seen even where the best stays.
     done = run(Canary(), problem, BUDGET, np.random.default_rng(7), diary=True)
     seen = sha256(repr((done.status, done.evaluations, done.gradients, done.batched, done.trace)).encode())
     for array in (done.best_x, done.theta, done.point, *(page for page, _ in done.diary or ())):
@@ -49,6 +50,7 @@ def outcome(problem: Problem) -> str:
 def digest_of_objective(problem: Problem) -> str:
     """SHA-256 of the data, the weights, the box, and the objective at three points of it."""
     low, high = problem.lower, problem.upper
+    # Three places: what was changed may have no part in the value at one of them.
     x: Real = low + np.array([[0.2], [0.5], [0.8]]) * (high - low)
     with np.errstate(all="ignore"):
         value = problem.evaluate(x)

@@ -78,7 +78,10 @@ def frame(
     module = required(library, f"results as a {library} frame")
     with Store(store_path(study, out)) as store:
         columns = TABLES[what](store)
-    return module.DataFrame(columns) if library == "pandas" else module.DataFrame(columns, infer_schema_length=None)
+    if library == "polars":
+        # It reads the kind of a column off its first rows, which may all be empty.
+        return module.DataFrame(columns, infer_schema_length=None)
+    return module.DataFrame(columns)
 
 
 def required(name: str, purpose: str) -> Any:
@@ -101,6 +104,7 @@ def _trials(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
 
 
 def _filled(names: tuple[str, ...], rows: Iterator[tuple[Any, ...]]) -> Columns:
+    # Column by column from the start: a table of rows would be in memory twice.
     columns: Columns = {name: [] for name in names}
     fill = [column.append for column in columns.values()]
     for row in rows:
@@ -129,6 +133,7 @@ def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
     if not len(best[0]):
         return
     told, seen = row.recommendations(), row.oracle_trace()
+    # Improvements alone would do, but whoever draws a mean of several trials needs them at common evaluations.
     grid = np.union1d(geometric_grid(row.evaluations), best[0])
     grid = grid[grid >= best[0][0]]
     columns: list[list[Any]] = []

@@ -35,7 +35,8 @@ from .statistics import (
 )
 
 LEVEL = 0.05
-"""Adjusted p-values up to this tell two optimisers apart."""
+"""Adjusted p-values up to this tell two optimisers apart: the level at which comparisons of optimisers are usually
+published (Derrac and others 2011, doi:10.1016/j.swevo.2011.02.002)."""
 
 OVER_ALL = "all problems"
 
@@ -96,7 +97,9 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     from scipy.stats import rankdata
 
     budget, reached = scale.marks[mark], quality(race, mark, scale.target)
+    # By ranks, not means: a single failed trial has an infinite excess, which would decide alone.
     ranks = rankdata(reached, axis=None).reshape(reached.shape).mean(axis=1)
+    # As if the race had ended at this budget: what was reached later did not happen yet.
     hits = np.where(race.hits <= budget, race.hits, np.inf)
     times = np.array(
         [expected_running_time(*pair) for pair in zip(hits, np.minimum(race.spent, budget), strict=True)]
@@ -104,6 +107,7 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
     p = dict(zip(others, mann_whitney_holm(reached[best], reached[others]), strict=True))
+    # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the better rank.
     alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
     worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
     first, labels = alike[0], race.labels
@@ -116,6 +120,10 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     next_name = advantage = None
     if worse:
         next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
+    trials = hits.shape[1]
+    # The smallest p that Mann and Whitney's test can give, of all trials of one below all of the other, times the
+    # number of comparisons (Holm): if even that is too large, more trials are needed and not a better optimiser.
+    least = 2.0 / comb(2 * trials, trials) * max(len(others), 1)
     return Choice(
         race,
         budget,
@@ -126,7 +134,7 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
         tuple(labels[i] for i in alike[1:]),
         next_name,
         advantage,
-        2.0 / comb(2 * hits.shape[1], hits.shape[1]) * max(len(others), 1) <= LEVEL,
+        least <= LEVEL,
     )
 
 
@@ -214,6 +222,8 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
     pairs = len(labels) * (len(labels) - 1) // 2
+    # Problems are what a ranking should speak of beyond this study; where they are too few for the test to tell any
+    # pair apart, it can only speak of these, by their repetitions.
     if can_tell(len(races), pairs):
         unit = "problems"
         blocks = judged = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
@@ -227,6 +237,7 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
     # Friedman's test takes three or more.
     if len(labels) > 2 and len(blocks) > 1:
         statistic, p_all = friedman(blocks)
+    # A stream of its own for each ranking: the same table, whatever else is computed before it.
     rng = np.random.default_rng(stream_of(0, "ranking", scope, scale.marks[mark]))
     return Ranking(
         scope,

@@ -23,9 +23,10 @@ from .trial import Status, TrialResult, Workshop, failure
 from .worker import Parcel
 
 ANSWER = 10.0
-"""Seconds in which a scheduler must answer."""
+"""Seconds in which a scheduler must answer: a third of the time that dask itself would wait, in silence."""
 LOOK = 1.0
-"""Seconds after which an executor is looked after where nothing has come."""
+"""Seconds after which an executor is looked after where nothing has come: soon enough for one who waits, and nothing
+beside the trials."""
 
 
 class Engine(Protocol):
@@ -54,7 +55,9 @@ class SerialEngine:
         """Results in the order of the tasks."""
         for task in tasks:
             with ExitStack() as stack:
-                aside = stack.enter_context(open(os.devnull, "w")) if self._quiet else sys.stderr
+                aside = sys.stderr
+                if self._quiet:
+                    aside = stack.enter_context(open(os.devnull, "w"))
                 stack.enter_context(redirect_stdout(aside))
                 stack.enter_context(redirect_stderr(aside))
                 self._shop.warm_up(task)
@@ -194,6 +197,7 @@ def make_engine(
     if isinstance(engine, str):
         # What runs on a cluster's worker is the cluster's own program.
         return _dask(engine.removeprefix("dask:"), Parcel.of(plan, script, quiet, own_program=False))
+    # Twice as many batches as workers: the next is there when a worker has done the last.
     return ExecutorEngine(engine, Parcel.of(plan, script, quiet), 2 * width)
 
 

@@ -44,8 +44,11 @@ def export(study: Study | str | Path, kind: str, folder: Path | None = None, out
     if kind not in WRITERS:
         raise StudyError(f"unknown export format '{kind}': use {', '.join(WRITERS)}")
     path = store_path(study, out)
+    if folder is None:
+        folder = path.parent / kind
+    # Opened first: a study that has no results leaves no empty folder behind.
     with Store(path) as store:
-        return WRITERS[kind](store, created(path.parent / kind if folder is None else folder))
+        return WRITERS[kind](store, created(folder))
 
 
 def write_csv(store: Store, folder: Path) -> Export:
@@ -57,6 +60,7 @@ def write_csv(store: Store, folder: Path) -> Export:
 def _csv(columns: Columns) -> str:
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
+    # A spreadsheet would take a name that begins with = for a formula.
     writer.writerow(map(guarded, columns))
     writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
     return stream.getvalue()
@@ -73,6 +77,7 @@ def write_parquet(store: Store, folder: Path) -> Export:
     arrow, parquet = (required(name, "export to parquet") for name in ("pyarrow", "pyarrow.parquet"))
     files = []
     for name, read in TABLES.items():
+        # A file that is passed on alone still says what it was made with.
         table = arrow.table(read(store)).replace_schema_metadata(store.facts())
         files.append(write_with(folder / f"{name}.parquet", partial(parquet.write_table, table)))
     return _whole(store, folder, files, "open with pandas, polars, DuckDB or anything that reads Parquet")
@@ -82,6 +87,7 @@ def _whole(store: Store, folder: Path, files: list[Path], hint: str) -> Export:
     return Export(folder, tuple(files), sum(len(rows) for _, rows in store.trials()), 0, hint)
 
 
+# These two are imported only when they are asked for: every run of a study would pay for them.
 def _ioh(store: Store, folder: Path) -> Export:
     from .export_ioh import write_ioh
 

@@ -44,7 +44,10 @@ def _oracles(block: Block) -> bool:
 
 
 def _lines(block: Block) -> Iterator[str]:
-    extra = ("recommended", "oracle") if _oracles(block) else ()
+    # All trials of a file have the same columns, or none of these.
+    extra: tuple[str, ...] = ()
+    if _oracles(block):
+        extra = ("recommended", "oracle")
     head = " ".join(("evaluations", "raw_y", *extra)) + "\n"
     for row in block.trials:
         yield head
@@ -52,9 +55,10 @@ def _lines(block: Block) -> Iterator[str]:
         # Readers split runs where the evaluation is 1, and take the last one for the length of the run.
         grid = np.union1d(evaluations, [1, row.evaluations])
         columns = [at(evaluations, values, grid)]
-        for trace in (row.recommendations(), row.oracle_trace()) if extra else ():
-            assert trace is not None
-            columns.append(at(*trace, grid))
+        if extra:
+            for trace in (row.recommendations(), row.oracle_trace()):
+                assert trace is not None
+                columns.append(at(*trace, grid))
         for number, point in zip(grid.tolist(), np.column_stack(columns).tolist(), strict=True):
             yield " ".join([str(number), *map(_number, point)]) + "\n"
 

@@ -86,10 +86,12 @@ def created(folder: Path) -> Path:
 def blocks(store: Store) -> Iterator[Block]:
     """Every cell of a study that has a trial with a value, one at a time."""
     cells = {cell.id: cell for cell in store.cells()}
+    # From 1 on in the order of the study, as other tools number functions; the store's own numbers have gaps.
     numbers = {number: i for i, number in enumerate(dict.fromkeys(c.problem.id for c in cells.values()), 1)}
     folders = _folders([cell.label for cell in cells.values()])
     bests = store.bests()
     for number, rows in store.trials():
+        # What failed has no value, for which these formats have no word: it is counted by `left_out`.
         sound = tuple(row for row in rows if row.trace)
         if number in cells and sound:
             cell, dimension = cells[number], len(sound[0].theta)
@@ -118,6 +120,7 @@ def _folders(labels: list[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     taken: set[str] = set()
     for label in dict.fromkeys(labels):
+        # Labels that differ in a sign only may become the same name.
         name, n = slug(label), 1
         while name.lower() in taken:
             n += 1

@@ -57,6 +57,7 @@ class Findings:
         facts, scale = store.facts(), Scale.of(store)
         summaries: dict[int, CellSummary] = {}
         scores: dict[int, CellScores] = {}
+        # One cell at a time: a study of a million trials does not fit into memory.
         for cell, trials, best in judged(store):
             if scored:
                 scores[cell.id] = score_cell(cell, trials, best, scale)

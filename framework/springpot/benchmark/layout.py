@@ -70,6 +70,7 @@ def expected() -> dict[str, list[str]]:
 @cache
 def _names(table: str) -> list[str]:
     """Columns of a table that hold what is kept, in the order in which they are sealed."""
+    # Read off the layout, so that a column added there needs no second place here.
     return [name for name in expected()[table] if name != "seal"]
 
 
@@ -94,6 +95,7 @@ FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
 def problem_columns(case: Case) -> dict[str, object]:
     """A problem under the names of the columns."""
     source = case.source
+    # What tables say of a problem is kept, not its data: these may be large, and their digest tells them apart.
     return {
         "digest": case.digest,
         "dataset": source.name,
@@ -133,6 +135,7 @@ def trial_columns(result: TrialResult, cell: int) -> dict[str, object]:
 
 def trace_columns(result: TrialResult) -> dict[str, bytes | None]:
     """Its trace, likewise."""
+    # A trial without a trace has no row for one: a join gives nothing for each of these, and that is what is sealed.
     if not result.trace:
         return dict.fromkeys(_TRACE)
     return {name: getattr(result, own) for name, own in _TRACE.items()}
@@ -143,7 +146,9 @@ def trial_of(row: sqlite3.Row) -> TrialRow:
     kept = {name: row[name] for name in _names("trial")}
     kept |= {own: row[name] for name, own in _TRACE.items()}
     kept |= {"status": Status(row["status"]), "trace": row["points"] or b""}
-    kept["theta"] = json.loads(row["theta"]) if row["theta"] else {}
+    kept["theta"] = {}
+    if row["theta"]:
+        kept["theta"] = json.loads(row["theta"])
     return TrialRow(**kept)
 
 

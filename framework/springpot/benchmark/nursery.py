@@ -26,11 +26,15 @@ from .trial import Workshop
 from .worker import Parcel, serve
 
 READY, BROKEN, BORN, ENDED = "ready", "broken", "born", "ended"
+"""What a nursery tells its coordinator."""
 FORK, KILL = "fork", "kill"
+"""What it is told."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""One thread of a matrix library in each process: there are as many processes as processors already."""
 PATIENCE = 5.0
 """Seconds in which it ends after it was told to, before it is killed."""
 INSIDE = "SPRINGPOT_NURSERY"
+"""Environment variable by which a script that is loaded again in a nursery is kept from starting the study anew."""
 
 
 class Nursery:
@@ -61,6 +65,7 @@ class Nursery:
                 env=os.environ | dict.fromkeys(THREADS, "1") | {INSIDE: "1"},
                 start_new_session=True,
             )
+        # Two ways over one socket: messages, and the ends of pipes, which no message can hold.
         self._socket = ours
         self.channel = Connection(os.dup(ours.fileno()))
         self.ready = False
@@ -93,6 +98,7 @@ class Nursery:
         """End it and all that it has forked."""
         self.channel.close()
         self._socket.close()
+        # One that still imports does not listen yet; it has forked nothing.
         if not self.ready:
             self._process.kill()
         try:
@@ -154,6 +160,7 @@ class _Family:
     def __init__(self, line: socket.socket, channel: Connection, shop: Workshop) -> None:
         self._line, self._channel, self._shop = line, channel, shop
         self._children: dict[int, int] = {}
+        # A signal may come at any line: it only rings, and the children are looked after where nothing is half done.
         self._bell, self._ring = os.pipe()
         os.set_blocking(self._ring, False)
         os.set_blocking(self._bell, False)

@@ -37,6 +37,7 @@ def for_paper(
         heading, equals, value = (part.strip() for part in choice.partition("="))
         if not (heading and equals and value):
             raise StudyError(f"'{choice}': choose rows as HEADING=VALUE, such as optimiser=cma-es")
+        # Several values of one heading are alternatives, several headings are all required.
         wanted.setdefault(_place(table, heading), set()).add(value)
     kept = [row for row in table.rows if all(text(row[i]) in values for i, values in wanted.items())]
     if rows and not kept:
@@ -65,6 +66,7 @@ def _place(table: Table, heading: str) -> int:
 
 
 def _rounded(entry: Entry, digits: int | None) -> Entry:
+    # Whole numbers are counts, of which no digit is doubtful.
     if digits is None or entry is None or isinstance(entry, str | int):
         return entry
     if isinstance(entry, Interval):

@@ -193,6 +193,7 @@ class Plan:
         finished : callable
             Repetitions of a cell that are done.
         """
+        # Sorting keeps the order among equals: the problems of each optimiser come as the study names them.
         for cell in sorted(self.cells, key=lambda cell: cell.entrant):
             done = finished(cell)
             optimiser = self.entrants[cell.entrant].optimiser
@@ -211,6 +212,7 @@ class Plan:
 
 def stream_of(seed: int, *names: object) -> np.random.SeedSequence:
     """A random stream derived from names, never from order, worker or clock."""
+    # 128 bits, which is all that a SeedSequence holds of its entropy.
     return np.random.SeedSequence(int(digest_of("stream", SCHEME, seed, *names)[:32], 16))
 
 
@@ -231,6 +233,7 @@ def options_of(optimiser: Optimiser) -> dict[str, Any]:
     StudyError
         If one of them is no plain value: it could not be told from another.
     """
+    # An optimiser without options need not be one.
     if not is_dataclass(optimiser):
         return {}
     return {f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}") for f in fields(optimiser)}

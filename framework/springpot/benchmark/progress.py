@@ -53,6 +53,7 @@ class Lines:
     def update(self, done: int, failed: int) -> None:
         """Print if it is time to."""
         self._state = (done, failed)
+        # Both: a quick study would fill a log with lines, and a slow one with the same line.
         step = self._told is None or (done - self._told[0]) * 10 >= self._total
         if self._told is None or (step and monotonic() - self._last >= 10.0):
             self._print()

@@ -26,12 +26,14 @@ class _Keeper:
         """The results of tasks."""
         with self._lock:
             self._rest.cancel()
+            # The next tasks are nearly always of the same study.
             if self._engine is None or parcel != self._parcel:
                 self._end()
                 self._parcel, self._engine = parcel, LocalEngine(parcel.unpacked(), parcel, 1)
             try:
                 return [result for results in self._engine.work(tasks) for result in results]
             except BaseException:
+                # Half-done work would be mistaken for that of the next tasks.
                 self._end()
                 raise
             finally:
@@ -51,7 +53,7 @@ class _Keeper:
 
 
 class _Here(threading.local):
-    """What belongs to this thread."""
+    """What belongs to this thread: a worker of a cluster may run tasks in several at once."""
 
     def __init__(self) -> None:
         self.keeper = _Keeper()

@@ -12,6 +12,7 @@ SIZE = 8
 
 def seal(values: Sequence[Any]) -> bytes:
     """Checksum of a row's values: texts, numbers, bytes or None, of which each has one way to be written."""
+    # The representation of a float has all its digits, and tells 1 from 1.0 and both from "1".
     return blake2b(repr(tuple(values)).encode("utf-8", "surrogatepass"), digest_size=SIZE).digest()
 
 

@@ -65,6 +65,7 @@ def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accura
     sound = [trial for trial in trials if not trial.status.failed]
     spent = np.array([trial.evaluations for trial in trials], dtype=float)
     problem = cell.problem
+    # From names, so that a cell's interval is the same whatever other cells there are.
     rng = np.random.default_rng(
         stream_of(0, "bootstrap", problem.dataset, problem.model, problem.objective, cell.label)
     )

@@ -24,11 +24,13 @@ from .trial import Status, TrialResult, failure
 from .worker import Parcel, answer
 
 START = 120.0
-"""Seconds that the server may take until it is ready; no trial's deadline runs before that."""
+"""Seconds that the server may take until it is ready; no trial's deadline runs before that. It takes about one: a
+hundred times as much is left for a cold disk and a busy machine."""
 AHEAD = 0.02
-"""Seconds of work that wait in a worker's pipe, so that it never waits for the coordinator."""
+"""Seconds of work that wait in a worker's pipe, so that it never waits for the coordinator, who needs milliseconds to
+keep a batch of results."""
 DEEPEST = 32
-"""Most tasks that wait there."""
+"""Most tasks that wait there: what a worker that dies gives back is done again by another."""
 ORPHANED = 3
 """Times that the server may end during a trial that runs alone before that is blamed, and between trials before the
 study gives up. Once proves nothing: the trial before may have ended the server, and its result have come first."""
@@ -244,6 +246,7 @@ class LocalEngine:
         return results
 
     def _take(self, worker: Worker, claimed: list[TrialResult], worn: bool) -> list[TrialResult]:
+        # Judged while the task still counts as under way: what is no result at all makes it fail.
         results = self._audit(worker.tasks[0], claimed)
         worker.tasks.popleft()
         self._orphaned[None] = 0
@@ -298,7 +301,9 @@ class LocalEngine:
         if not nursery.ready:
             raise StudyError(f"study {self._plan.name}: workers die at the start ({cause})")
         running = [worker for worker in self._workers.values() if worker.tasks]
-        alone = running[0].tasks[0] if len(running) == 1 else None
+        alone: Task | None = None
+        if len(running) == 1:
+            alone = running[0].tasks[0]
         # With several under way nobody knows whose trial ended the server: they are tried one at a time first.
         self._orphaned[alone] += len(running) < 2
         if self._orphaned[None] >= ORPHANED:

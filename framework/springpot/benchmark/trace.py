@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
+# The order of bytes is part of the format: a store may be read on another machine.
 _STEP = np.dtype("<u4")
 _VALUE = np.dtype("<f8")
 
@@ -22,6 +23,7 @@ def pack(trace: Sequence[tuple[int, float]]) -> bytes:
     """Bytes of a trace of (evaluation, objective) pairs with rising evaluations."""
     if not trace:
         return b""
+    # Steps and values apart: small numbers among themselves compress well, and values hardly.
     evaluations, values = zip(*trace, strict=True)
     steps = np.diff(np.array(evaluations, dtype=np.int64), prepend=0).astype(_STEP)
     return zlib.compress(steps.tobytes() + np.array(values, dtype=_VALUE).tobytes(), 6)
@@ -57,6 +59,7 @@ def improvements(values: Real) -> list[tuple[int, float]]:
 def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
     """Evaluation numbers (m,) from 1 to `last` in equal ratios, both ends included."""
     steps = np.arange(int(per_decade * np.log10(max(last, 1))) + 1)
+    # A power that rounding has left just below a whole number is that number.
     found = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
     return np.unique(np.append(found[found <= last], last))
 

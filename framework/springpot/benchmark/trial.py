@@ -125,10 +125,12 @@ class Workshop:
             return failure(task, Status.ERROR, f"{type(bench).__name__}: {bench}")
         try:
             results = self._race(task, cell, bench)
+        # Not within its run only: to keep what it did may be what takes the memory.
         except MemoryError:
             return failure(task, Status.MEMORY, f"needs more than {self.plan.memory} MiB")
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
+        # What the trial itself reports of a fault says more than that the process was changed by it.
         complaint = bench.witness.complaint(bench.problem)
         if complaint and not all(result.status.failed for result in results):
             return failure(task, Status.CHANGED, complaint)
@@ -136,6 +138,7 @@ class Workshop:
 
     def _race(self, task: Task, cell: Cell, bench: Bench) -> list[TrialResult]:
         entrant = self.plan.entrants[cell.entrant]
+        # A generator for each repetition: a trial is the same alone, in a batch, and on another worker.
         rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
         target = self.plan.stop_value(self.plan.cases[cell.case])
         runs = run_batch(entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy)
@@ -147,6 +150,7 @@ class Workshop:
         optimiser, bench = self.plan.entrants[cell.entrant].optimiser, self._benches[cell.case]
         if type(optimiser) in self._warm or isinstance(bench, Exception):
             return
+        # Before it is tried: one that fails here would be tried again before each of its trials.
         self._warm.add(type(optimiser))
         try:
             run(optimiser, bench.problem, 1, np.random.default_rng(0))
@@ -234,6 +238,7 @@ class Bench:
             "evaluations": done.evaluations, "gradients": done.gradients, "batched": done.batched,
             "seconds": done.seconds,
         }  # fmt: skip
+        # A value found before the fault is not kept: what comes of a trial that breaks off would depend on luck.
         if status.failed:
             return TrialResult(cell, repetition, status, reason, **common)  # type: ignore[arg-type]
         judged = self.judged(done.point)
@@ -261,6 +266,7 @@ class Bench:
         if done.diary is None:
             return b"", b""
         points, factors = all_points(done.diary, self.problem.dimension)
+        # All at once at the end, so that the optimiser's own time is not that of judging it.
         values = self.clean.evaluate(points) * factors
         values[np.isnan(values)] = np.inf
         rows = np.array([evaluation for evaluation, _ in done.trace], dtype=np.int64) - 1
@@ -282,6 +288,7 @@ def noise_free(source: Source) -> Measurement | None:
 
 
 def _status(done: Run) -> tuple[Status, str]:
+    # The error's own name is in the reason of a failed run, and the limit of memory raises one of these.
     name, _, reason = done.status.partition(": ")
     if reason.startswith("MemoryError"):
         return Status.MEMORY, reason

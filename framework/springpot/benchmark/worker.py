@@ -50,11 +50,16 @@ class Parcel:
             If something in it is defined where no worker can import it.
         """
         try:
-            return cls(os.path.realpath(script) if script else "", pickle.dumps(plan), quiet, own_program)
+            packed = pickle.dumps(plan)
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             raise StudyError(
                 f"study {plan.name} cannot be sent to workers, define its parts in a file: {error}"
             ) from None
+        path = ""
+        if script is not None:
+            # In full: a worker may be in another folder.
+            path = os.path.realpath(script)
+        return cls(path, packed, quiet, own_program)
 
     def unpacked(self) -> Plan:
         """The plan, with the script loaded that defines parts of it."""
@@ -103,6 +108,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
     shop : Workshop
         Where trials run.
     """
+    # Now, and not in the server: each worker may grow by so much beyond what it was born with.
     limit_memory(shop.plan.memory)
     while True:
         try:
@@ -111,6 +117,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
             return
         for task in tasks:
             results, worn = _result(shop, task)
+            # An optimiser may have closed or replaced them; what it printed is not worth a trial.
             with suppress(OSError, ValueError, AttributeError):
                 sys.stdout.flush()
                 sys.stderr.flush()
@@ -123,12 +130,17 @@ def _result(shop: Workshop, task: Task) -> tuple[list[TrialResult], bool]:
     """The results of a task, and whether the process is no longer what it was and must not be used again."""
     try:
         shop.warm_up(task)
+        # After the first use, which may well start a thread that a library keeps for all that follow.
         before = settings()
         results = shop.run(task)
         worn = settings() != before
     except BaseException as error:
         # Nothing interrupts a worker from outside: whatever this is, the optimiser raised it.
         return failure(task, Status.ERROR, f"{type(error).__name__}: {error}"), True
-    if left := end_children():
-        results = failure(task, Status.ERROR, f"left {left} process{'es' if left > 1 else ''} behind")
+    left = end_children()
+    if left:
+        noun = "process"
+        if left > 1:
+            noun = "processes"
+        results = failure(task, Status.ERROR, f"left {left} {noun} behind")
     return results, worn or any(r.status in (Status.MEMORY, Status.CHANGED) for r in results)
