@@ -27,7 +27,7 @@ def limit_memory(mebibytes: int) -> None:
     except OSError:
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    # On top of what is mapped now: libraries take three times as many addresses as memory, and no trial asked for them.
+    # On top of what is mapped now: libraries take three times as many addresses as memory, before any trial.
     wanted = pages * resource.getpagesize() + mebibytes * 2**20
     # A negative one says that there is no limit yet.
     if hard >= 0:

@@ -2,11 +2,11 @@
 
     python tests/benchmarks/comparison_cost.py [TURNS] [PROMISE ...]
 
-The promises are those of docs/reliability.md that a study pays for: for each trial, for each process, or once. So what
+The promises are those of docs/reliability.md that a study pays for: for each trial, for each process, or once. What
 one costs is the difference that it makes to the same study with a budget of a few evaluations, where nothing else
-takes long; runs with and without it take turns. The share is that of the whole comparison with one repetition, the
-case in which a process does the fewest trials. Times are processor times of all processes that a run has started,
-those that outlive their parent too; Linux only.
+takes long; runs with and without it take turns. The share is that of the whole comparison with one repetition, in
+which a process does the fewest trials. Times are processor times of all processes that a run has started, those that
+outlive their parent too; Linux only.
 """
 
 from __future__ import annotations
