@@ -95,7 +95,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     if "fit" in entry:
         known = fitted(path.parent / str(entry["fit"]))
     else:
-        values = {str(name): float(value) for name, value in dict(entry.get("parameters", {})).items()}
+        values = _flat(dict(entry.get("parameters", {})))
         known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
     without = entry.get("without", [])
     if isinstance(without, str):
@@ -129,6 +129,17 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         AMPLITUDE_UNITS[known.units.amplitude],
         cosine,
     )
+
+
+def _flat(parameters: Mapping[str, Any]) -> dict[str, float]:
+    """Parameters by name; TOML reads ``inertia.m = 0.6`` without quotes as a table of its own."""
+    values = {}
+    for name, value in parameters.items():
+        if isinstance(value, dict):
+            values |= {f"{name}.{own}": float(each) for own, each in value.items()}
+        else:
+            values[name] = float(value)
+    return values
 
 
 def read_record(spec: str, rng: np.random.Generator) -> Record:

@@ -78,6 +78,16 @@ def test_friction_in_a_damper_is_followed(springpot, write):
     springpot("simulate", path, "--frequency", "1").is_one_line("'friction' has no steady state")
 
 
+def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
+    stated = SLIDING.replace('"friction.F"', "friction.F") % 2e4
+    record, path = write(RECORD, "record.csv"), write(FRAME.replace('fit = "fit.json"', stated), "stated.toml")
+    quoted = write(FRAME.replace('fit = "fit.json"', SLIDING % 2e4), "quoted.toml")
+    told = springpot("simulate", path, "--record", record)
+    assert told.code == 0, told.err
+    assert "band" not in told.out
+    assert told.out == springpot("simulate", quoted, "--record", record).out
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [

@@ -148,7 +148,11 @@ def _show(found: Simulation, figure: Path | None) -> None:
         [str(i), number(1e3 * row["drift"]), f"[{number(1e3 * row['low'])}, {number(1e3 * row['high'])}]"]
         for i, row in enumerate(result["storeys"], 1)
     ]
-    Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"})).show()
+    drifts = Table(("storey", "drift [mm]", "95 % band"), rows, frozenset({"drift [mm]"}))
+    # Parameters that were stated have no uncertainty: a band of no width would claim that they are known.
+    if not result["draws"]:
+        drifts = drifts.lacking("95 % band")
+    drifts.show()
     print()
     modes = [
         [str(i), number(mode["frequency"]), f"{100 * mode['damping']:.3g} %"]
