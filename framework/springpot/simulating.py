@@ -133,7 +133,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
 
 def _flat(parameters: Mapping[str, Any]) -> dict[str, float]:
     """Parameters by name; TOML reads ``inertia.m = 0.6`` without quotes as a table of its own."""
-    values = {}
+    values: dict[str, float] = {}
     for name, value in parameters.items():
         if isinstance(value, dict):
             values |= {f"{name}.{own}": float(each) for own, each in value.items()}

@@ -18,8 +18,9 @@ from springpot.registry import library_in_time, parse_timed
 from springpot.rheology import Model, Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
-from .identify import Search, identify
+from .identify import identify
 from .judging import ALIKE, HINT, PLAINLY, Left, delta_bic, independent
+from .native import Search
 from .parts import InTimePart, Part, SweepPart, Test, parts_of_specimen
 from .quick import QuickPart, UnfollowedError
 from .result import TimeIdentification

@@ -8,53 +8,21 @@ from time import perf_counter
 
 import numpy as np
 
-from springpot.errors import ModelError, SpringpotError
-from springpot.identification import (
-    Optimiser,
-    Solution,
-    best_run,
-    is_material,
-    levenberg_marquardt,
-)
+from springpot.errors import ModelError
+from springpot.identification import Optimiser, best_run, is_material
 from springpot.identification.coordinates import Coordinates
-from springpot.identification.leastsquares import Rows
-from springpot.measurement import Measurement, Timed, TimeTest, Units, material_of
+from springpot.measurement import Measurement, Timed, TimeTest, material_of
 from springpot.rheology import Model, Real
 
 from .material import spectral
-from .parts import InTimePart, Part, Test, parts_of_specimen, reference_of, require_tests, runs_against
-from .quick import QuickPart, UnfollowedError
-from .result import PartResult, TimeIdentification, sampled_scatter
+from .native import Found, Search
+from .parts import Part, Test, parts_of_specimen, reference_of, require_tests
+from .result import TimeIdentification
 from .searched import InTimeProblem
-from .start import start_of
-from .tries import Scales, test_with, tries_of
 
 NATIVE = "native"
 BUDGET = 2000
 """Evaluations of an optimiser: each takes some milliseconds, so that this is a matter of ten seconds."""
-QUICK = 20
-"""Steps with some of the samples."""
-AT_LEISURE = 60
-"""Steps of the best start where each costs next to nothing."""
-LAST = 30
-"""Steps with all of them."""
-LEAST_INFORMATION = 1e-12
-"""Of a coordinate: its standard deviation would be a million natural sizes."""
-ORDERS = (0.3, 0.5, 0.8)
-FAR = 5.0
-"""Logarithm by which a start may differ from a natural size: beyond a factor of 150 it leaves no trace to follow."""
-EDGE = 0.05
-"""Share of its range by which a parameter with two ends begins away from them."""
-DOUBTFUL = 1.5
-"""Error over the noise from which other starts are tried too."""
-TRIED = 6
-"""Places in the parameters of effects of time tests from which a search begins."""
-WRONG = 0.5
-"""Relative error from which the signs of a test are doubted: below, the model follows it, whatever they are."""
-FLAT = 1e-10
-"""A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
-ROUGHLY = 1e-5
-"""The same of the first part of a search, which the last part goes on from."""
 
 
 def identify(
@@ -124,32 +92,55 @@ def identify(
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
+    # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(material_of(model)):
-        return _of_material(model, parts, reference, began)
+        search, found = _of_material(model, parts, reference)
+        return search.result(found, perf_counter() - began)
     # Without a seed there is no other place to begin at.
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
-    starts = search.starts()
+    found = _native(search, near)
+    if optimiser is None or optimiser.name == NATIVE:
+        return search.result(found, perf_counter() - began)
+    return _by_optimiser(search, found, optimiser, (budget or BUDGET, restarts, seed), began)
+
+
+def _native(search: Search, near: bool) -> Found:
+    """All tests together; where there are several, each weighs as it is missed alone."""
+    parts, starts = search.parts, search.starts()
     if near:
         u, evaluations, converged = search.ended(parts, starts[0], 0)
     else:
         u, evaluations, converged = search.solved(parts, starts)
-    alone = [search.ratio(part, u) for part in parts]
+    together = [search.ratio(part, u) for part in parts]
     # A test by itself outvotes no other.
-    if len(parts) > 1:
-        parts, alone, spent = _weighed(parts, alone, lambda part: (search, *search.solved([part], [u])[:2]))
-        u, more, converged = search.solved(parts, [u])
-        evaluations += spent + more
-    native = search.result(u, parts, alone, evaluations, converged, perf_counter() - began)
-    if optimiser is None or optimiser.name == NATIVE:
-        return native
+    if len(parts) == 1:
+        return Found(u, parts, together, evaluations, converged)
+    parts, alone, spent = _weighed(parts, together, lambda part: (search, *search.solved([part], [u])[:2]))
+    u, more, converged = search.solved(parts, [u])
+    return Found(u, parts, alone, evaluations + spent + more, converged)
+
+
+def _by_optimiser(
+    search: Search,
+    native: Found,
+    optimiser: Optimiser,
+    effort: tuple[int, int | None, int | None],
+    began: float,
+) -> TimeIdentification:
+    """The minimum that another optimiser finds; `effort` is its budget, its restarts and its seed."""
+    model, parts = search.model, native.parts
     if isinstance(model, Timed):
         raise ModelError(f"{model.name}: effects of a test are fitted by the native solver; leave the optimiser out")
-    problem = InTimeProblem(model, parts, reference, *search.sizes)
-    best, notes = best_run(problem, optimiser, budget or BUDGET, restarts, seed)
+    # Weighed as in the native search, so that both look for the same minimum.
+    problem = InTimeProblem(model, parts, search.reference, *search.sizes)
+    best, notes = best_run(problem, optimiser, *effort)
     u = search.coordinates.u(best.theta.copy(), search.size)
-    other = search.result(u, parts, alone, best.evaluations, best.status != "budget", perf_counter() - began)
+    found = replace(native, u=u, evaluations=best.evaluations, converged=best.status != "budget")
+    result = search.result(found, perf_counter() - began)
     # The theta that was found, not one that went to search coordinates and back.
-    return replace(other, theta=best.theta, optimiser=optimiser.name, status=best.status, said=(*other.said, *notes))
+    return replace(
+        result, theta=best.theta, optimiser=optimiser.name, status=best.status, said=(*result.said, *notes)
+    )
 
 
 def _weighed(
@@ -169,7 +160,7 @@ def _weighed(
     return weighed, alone, evaluations
 
 
-def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, began: float) -> TimeIdentification:
+def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float) -> tuple[Search, Found]:
     """Any linear passive material, whose spectrum the tests choose."""
     typical = Search(model, parts, reference)
     around = len(material_of(model).material.parameters)
@@ -191,264 +182,4 @@ def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float, 
         parts, alone, spent = _weighed(parts, alone, lambda part: fitted([part]))
         search, u, more = fitted(parts)
         evaluations += spent + more
-    return search.result(u, parts, alone, evaluations, True, perf_counter() - began)
-
-
-class Search:
-    """A model and the tests of a specimen, in the coordinates of the native solver.
-
-    Parameters
-    ----------
-    model : Model or Timed
-        What is fitted.
-    parts : sequence of Part
-        To what.
-    reference : float
-        Temperature in kelvin at which shifts are one.
-    seeds : sequence of ndarray, shape (p,)
-        Further starts.
-    thorough : bool
-        Whether starts other than the seeds are tried.
-    """
-
-    def __init__(
-        self,
-        model: Model | Timed,
-        parts: Sequence[Part],
-        reference: float,
-        seeds: Sequence[Real] = (),
-        thorough: bool = True,
-    ) -> None:
-        self.thorough = thorough
-        self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
-        self._followed = False
-        middle = float(np.mean([part.log_omega for part in parts]))
-        size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
-        amplitude = max(_reach(part) for part in parts)
-        self.sizes, self.middle = (size, amplitude), middle
-        self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
-        self.size = self.coordinates.size[0]
-
-    def starts(self) -> list[Real]:
-        """Search points (p,) to begin at."""
-        if not self.thorough:
-            return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
-        in_time = [part for part in self.parts if isinstance(part, InTimePart)]
-        sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
-        material = material_of(self.model)
-        begin = list(self.seeds)
-        for of_material in start_of(material, [part.apparent for part in in_time], sweeps):
-            begin += self._with_effects(of_material, in_time)
-        starts = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in begin]
-        return [self.inside(u) for u in starts] or self.natural()
-
-    def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
-        """Starts with parameters of the material, and those of each effect of the tests where it does most good."""
-        if not isinstance(self.model, Timed):
-            return [material]
-        theta = [np.asarray(material, dtype=float)]
-        scales = Scales.of(self.parts)
-        for effect in self.model.time_effects:
-            mine = test_with(effect, [part.test for part in in_time])
-            places = [np.array(place) for place in tries_of(effect, mine, scales)]
-            theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
-            theta = sorted(theta, key=lambda each: self._misfit(each))
-        return theta[:TRIED]
-
-    def _misfit(self, theta: Real) -> float:
-        """Sum of squares at a start that may lack the parameters of the last effects."""
-        if len(theta) < len(self.model.parameters):
-            return 0.0
-        return float(np.sum(self._guarded(self.parts, self.coordinates.u(theta, self.size), True)[0] ** 2))
-
-    def natural(self) -> list[Real]:
-        """Starts at the natural sizes, for each of a few orders."""
-        return [self.inside(np.where(self.coordinates.log, 0.0, order)) for order in ORDERS]
-
-    def inside(self, u: Real) -> Real:
-        """A start away from the ends, where nothing would tell the way back."""
-        low, high = (bound[0] for bound in self.coordinates.bounds())
-        ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
-        width = np.where(np.isfinite(high - low), high - low, 0.0)
-        linear = ~self.coordinates.log & (width > 0.0)
-        return np.where(linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary)
-
-    def centred(self, u: Real) -> Real:
-        """A start whose parameters that went astray begin anew at their natural size."""
-        return self.inside(np.where(self.coordinates.log & (np.abs(u) > FAR), 0.0, u))
-
-    def theta(self, u: Real) -> Real:
-        """Parameters (p,) at u (p,), within their bounds."""
-        theta = self.coordinates.theta(u, self.size)
-        lower = np.array([p.lower for p in self.model.parameters])
-        upper = np.array([p.upper for p in self.model.parameters])
-        return np.clip(theta, lower, upper)
-
-    def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
-        """Residuals (m,) of all parts and their derivative (p, m) by u."""
-        theta = self.theta(u)
-        residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
-        by_theta = np.concatenate([each.by_theta for each in residuals]).T.copy()
-        value = np.concatenate([each.value for each in residuals])
-        return value, self.coordinates.carry(by_theta, theta, self.size)
-
-    def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
-        """The best search point (p,), evaluations spent, and whether the search came to rest."""
-        return self.ended(parts, *self.near(parts, starts))
-
-    def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
-        """The same from a point near the best one, where `spent` evaluations have led."""
-        last = self._descend(parts, near[None], False, LAST, 1e-6)
-        return last.u[0], spent + last.evaluations, bool(last.converged[0])
-
-    def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
-        """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
-        quick = [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]
-        try:
-            further: list[Real] = []
-            # With these a start costs next to nothing.
-            if self.thorough:
-                further = self.natural()
-            u, spent, rests = self._near(quick, [*starts, *further])
-            if rests:
-                return u, spent
-            last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
-            return last.u[0], spent + last.evaluations
-        except UnfollowedError:
-            if quick == list(parts):
-                raise
-            return self._near(parts, starts)[:2]
-
-    def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
-        quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
-        best = int(np.argmin(quick.cost))
-        found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
-        count = sum(part.count(coarse=True) for part in parts)
-        if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
-            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
-            best = int(np.argmin(more.cost))
-            found, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
-        return found, spent, rests
-
-    def _descend(
-        self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
-    ) -> Solution:
-        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
-            pairs = [self._guarded(parts, one, coarse) for one in u]
-            return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
-
-        low, high = self.coordinates.bounds()
-        shape = starts.shape
-        return levenberg_marquardt(
-            evaluate,
-            starts,
-            np.broadcast_to(low, shape),
-            np.broadcast_to(high, shape),
-            iterations=iterations,
-            damping=damping,
-            flat=ROUGHLY if coarse else FLAT,
-        )
-
-    def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
-        """The residual, endless where the model cannot be followed at these parameters, as it could at others."""
-        try:
-            with np.errstate(all="ignore"):
-                value, slopes = self.residual(parts, u, coarse)
-        except SpringpotError:
-            if not self._followed:
-                raise
-            count = sum(part.count(coarse) for part in parts)
-            return np.full(count, np.inf), np.zeros((len(u), count))
-        self._followed = True
-        return value, np.nan_to_num(slopes)
-
-    def ratio(self, part: Part, u: Real) -> float:
-        """Root mean square of a part's residuals over its noise."""
-        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
-        return float(np.sqrt(np.mean(value**2)))
-
-    def scale(self, part: Part, u: Real) -> float:
-        """By how much the misfit of a part exceeds its noise, samples that repeat one another counted once."""
-        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
-        return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
-
-    def result(
-        self,
-        u: Real,
-        parts: Sequence[Part],
-        alone: Sequence[float],
-        evaluations: int,
-        converged: bool,
-        seconds: float,
-    ) -> TimeIdentification:
-        """The answer at u."""
-        theta = self.theta(u)
-        covariance = self._covariance(u, parts)
-        rows = [
-            PartResult.of(part, self.model, theta, self.reference, ratio)
-            for part, ratio in zip(parts, alone, strict=True)
-        ]
-        said = [
-            f"{row.name}: force and displacement have opposite signs: if one of them counts the other way, say so "
-            f"behind the file, such as '?force=-{part.test.force_unit}'"
-            for part, row in zip(parts, rows, strict=True)
-            if row.error > WRONG and isinstance(part, InTimePart) and runs_against(part.test)
-        ]
-        return TimeIdentification(
-            self.model,
-            theta,
-            covariance,
-            self.coordinates,
-            tuple(rows),
-            self.reference,
-            evaluations,
-            converged,
-            seconds,
-            _units(parts),
-            said=tuple(said),
-        )
-
-    def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
-        """Of the search coordinates (p, p): each part weighs as its misfit and the likeness of neighbours allow."""
-        information = np.zeros((len(u), len(u)))
-        for part in parts:
-            value, slopes = self.residual([part], u)
-            scatter = 1.0
-            # With no more numbers than parameters nothing is left over that could show a scatter.
-            if len(value) > len(u):
-                scatter = max(1.0, sampled_scatter(value, part))
-            information += slopes @ slopes.T / scatter
-        # A direction that no test sees is left with next to no information, and so with endless variance.
-        scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
-        scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
-        covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
-        return covariance
-
-
-def _units(parts: Sequence[Part]) -> Units:
-    return parts[0].test.units
-
-
-def _typical(part: Part) -> float:
-    """Typical size of K."""
-    if isinstance(part, InTimePart):
-        test = part.test
-        imposed, answered = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
-        if test.control == "displacement":
-            return max(float(answered / imposed), 1e-300)
-        return max(float(imposed / max(answered, 1e-300)), 1e-300)
-    return float(np.exp(np.mean(np.log(part.test.magnitude))))
-
-
-def _reach(part: Part) -> float:
-    """Largest displacement."""
-    if isinstance(part, InTimePart):
-        test = part.test
-        moved = test.response
-        if test.control == "displacement":
-            moved = test.loading.value
-        return max(float(np.abs(moved).max()), 1e-300)
-    column = part.test.conditions.get("amplitude")
-    if column is None:
-        return 1e-300
-    return max(float(column.max()), 1e-300)
+    return search, Found(u, parts, alone, evaluations, True)

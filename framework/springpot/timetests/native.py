@@ -1,0 +1,328 @@
+"""The native search for the parameters of a model of tests in time: where it begins, and how it goes down."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.errors import SpringpotError
+from springpot.identification import Solution, levenberg_marquardt
+from springpot.identification.coordinates import Coordinates
+from springpot.identification.leastsquares import Rows
+from springpot.measurement import Timed, Units, material_of
+from springpot.rheology import Model, Real
+
+from .parts import InTimePart, Part, runs_against
+from .quick import QuickPart, UnfollowedError
+from .result import PartResult, TimeIdentification, sampled_scatter
+from .start import start_of
+from .tries import Scales, test_with, tries_of
+
+QUICK = 20
+"""Steps with some of the samples."""
+AT_LEISURE = 60
+"""Steps of the best start where each costs next to nothing."""
+LAST = 30
+"""Steps with all of them."""
+LEAST_INFORMATION = 1e-12
+"""Of a coordinate: its standard deviation would be a million natural sizes."""
+ORDERS = (0.3, 0.5, 0.8)
+"""Of springpots, to begin at: real ones lie between, and from each of these the search reaches the next."""
+FAR = 5.0
+"""Logarithm by which a start may differ from a natural size: beyond a factor of 150 it leaves no trace to follow."""
+EDGE = 0.05
+"""Share of its range by which a parameter with two ends begins away from them."""
+DOUBTFUL = 1.5
+"""Error over the noise from which other starts are tried too."""
+TRIED = 6
+"""Places in the parameters of effects of time tests from which a search begins."""
+WRONG = 0.5
+"""Relative error from which the signs of a test are doubted: below, the model follows it, whatever they are."""
+FLAT = 1e-10
+"""A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
+ROUGHLY = 1e-5
+"""The same of the first part of a search, which the last part goes on from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Where a search ended.
+
+    Attributes
+    ----------
+    u : ndarray, shape (p,)
+        The best search point.
+    parts : sequence of Part
+        The tests, as they weighed in the end.
+    alone : sequence of float
+        Error of each over its noise, with parameters of its own.
+    evaluations : int
+        Of the model, with derivatives.
+    converged : bool
+        Whether the search came to rest.
+    """
+
+    u: Real
+    parts: Sequence[Part]
+    alone: Sequence[float]
+    evaluations: int
+    converged: bool
+
+
+class Search:
+    """A model and the tests of a specimen, in the coordinates of the native solver.
+
+    Parameters
+    ----------
+    model : Model or Timed
+        What is fitted.
+    parts : sequence of Part
+        To what.
+    reference : float
+        Temperature in kelvin at which shifts are one.
+    seeds : sequence of ndarray, shape (p,)
+        Further starts.
+    thorough : bool
+        Whether starts other than the seeds are tried.
+    """
+
+    def __init__(
+        self,
+        model: Model | Timed,
+        parts: Sequence[Part],
+        reference: float,
+        seeds: Sequence[Real] = (),
+        thorough: bool = True,
+    ) -> None:
+        self.thorough = thorough
+        self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
+        self._followed = False
+        middle = float(np.mean([part.log_omega for part in parts]))
+        size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
+        amplitude = max(_reach(part) for part in parts)
+        self.sizes, self.middle = (size, amplitude), middle
+        self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
+        self.size = self.coordinates.size[0]
+
+    def starts(self) -> list[Real]:
+        """Search points (p,) to begin at."""
+        if not self.thorough:
+            return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
+        in_time = [part for part in self.parts if isinstance(part, InTimePart)]
+        sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
+        material = material_of(self.model)
+        begin = list(self.seeds)
+        for of_material in start_of(material, [part.apparent for part in in_time], sweeps):
+            begin += self._with_effects(of_material, in_time)
+        starts = [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in begin]
+        return [self.inside(u) for u in starts] or self.natural()
+
+    def _with_effects(self, material: Real, in_time: Sequence[InTimePart]) -> list[Real]:
+        """Starts with parameters of the material, and those of each effect of the tests where it does most good."""
+        if not isinstance(self.model, Timed):
+            return [material]
+        theta = [np.asarray(material, dtype=float)]
+        scales = Scales.of(self.parts)
+        for effect in self.model.time_effects:
+            mine = test_with(effect, [part.test for part in in_time])
+            places = [np.array(place) for place in tries_of(effect, mine, scales)]
+            theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
+            theta = sorted(theta, key=lambda each: self._misfit(each))
+        return theta[:TRIED]
+
+    def _misfit(self, theta: Real) -> float:
+        """Sum of squares at a start that may lack the parameters of the last effects."""
+        if len(theta) < len(self.model.parameters):
+            return 0.0
+        return float(np.sum(self._guarded(self.parts, self.coordinates.u(theta, self.size), True)[0] ** 2))
+
+    def natural(self) -> list[Real]:
+        """Starts at the natural sizes, for each of a few orders."""
+        return [self.inside(np.where(self.coordinates.log, 0.0, order)) for order in ORDERS]
+
+    def inside(self, u: Real) -> Real:
+        """A start away from the ends, where nothing would tell the way back."""
+        low, high = (bound[0] for bound in self.coordinates.bounds())
+        ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
+        width = np.where(np.isfinite(high - low), high - low, 0.0)
+        linear = ~self.coordinates.log & (width > 0.0)
+        return np.where(linear, np.clip(ordinary, low + EDGE * width, high - EDGE * width), ordinary)
+
+    def centred(self, u: Real) -> Real:
+        """A start whose parameters that went astray begin anew at their natural size."""
+        return self.inside(np.where(self.coordinates.log & (np.abs(u) > FAR), 0.0, u))
+
+    def theta(self, u: Real) -> Real:
+        """Parameters (p,) at u (p,), within their bounds."""
+        theta = self.coordinates.theta(u, self.size)
+        lower = np.array([p.lower for p in self.model.parameters])
+        upper = np.array([p.upper for p in self.model.parameters])
+        return np.clip(theta, lower, upper)
+
+    def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
+        """Residuals (m,) of all parts and their derivative (p, m) by u."""
+        theta = self.theta(u)
+        residuals = [part.residual(self.model, theta, self.reference, coarse) for part in parts]
+        by_theta = np.concatenate([each.by_theta for each in residuals]).T.copy()
+        value = np.concatenate([each.value for each in residuals])
+        return value, self.coordinates.carry(by_theta, theta, self.size)
+
+    def solved(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+        """The best search point (p,), evaluations spent, and whether the search came to rest."""
+        return self.ended(parts, *self.near(parts, starts))
+
+    def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
+        """The same from a point near the best one, where `spent` evaluations have led."""
+        last = self._descend(parts, near[None], False, LAST, 1e-6)
+        return last.u[0], spent + last.evaluations, bool(last.converged[0])
+
+    def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
+        """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
+        quick = [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]
+        try:
+            further: list[Real] = []
+            # With these a start costs next to nothing.
+            if self.thorough:
+                further = self.natural()
+            u, spent, rests = self._near(quick, [*starts, *further])
+            if rests:
+                return u, spent
+            last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
+            return last.u[0], spent + last.evaluations
+        except UnfollowedError:
+            if quick == list(parts):
+                raise
+            return self._near(parts, starts)[:2]
+
+    def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+        quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
+        best = int(np.argmin(quick.cost))
+        found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
+        count = sum(part.count(coarse=True) for part in parts)
+        if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
+            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
+            best = int(np.argmin(more.cost))
+            found, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
+        return found, spent, rests
+
+    def _descend(
+        self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
+    ) -> Solution:
+        def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
+            pairs = [self._guarded(parts, one, coarse) for one in u]
+            return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+
+        low, high = self.coordinates.bounds()
+        shape = starts.shape
+        return levenberg_marquardt(
+            evaluate,
+            starts,
+            np.broadcast_to(low, shape),
+            np.broadcast_to(high, shape),
+            iterations=iterations,
+            damping=damping,
+            flat=ROUGHLY if coarse else FLAT,
+        )
+
+    def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
+        """The residual, endless where the model cannot be followed at these parameters, as it could at others."""
+        try:
+            with np.errstate(all="ignore"):
+                value, slopes = self.residual(parts, u, coarse)
+        except SpringpotError:
+            if not self._followed:
+                raise
+            count = sum(part.count(coarse) for part in parts)
+            return np.full(count, np.inf), np.zeros((len(u), count))
+        self._followed = True
+        return value, np.nan_to_num(slopes)
+
+    def ratio(self, part: Part, u: Real) -> float:
+        """Root mean square of a part's residuals over its noise."""
+        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        return float(np.sqrt(np.mean(value**2)))
+
+    def scale(self, part: Part, u: Real) -> float:
+        """By how much the misfit of a part exceeds its noise, samples that repeat one another counted once."""
+        value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
+        return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
+
+    def result(self, found: Found, seconds: float) -> TimeIdentification:
+        """The answer where a search ended."""
+        theta = self.theta(found.u)
+        rows = [
+            PartResult.of(part, self.model, theta, self.reference, ratio)
+            for part, ratio in zip(found.parts, found.alone, strict=True)
+        ]
+        return TimeIdentification(
+            self.model,
+            theta,
+            self._covariance(found.u, found.parts),
+            self.coordinates,
+            tuple(rows),
+            self.reference,
+            found.evaluations,
+            found.converged,
+            seconds,
+            _units(found.parts),
+            said=_doubts(found.parts, rows),
+        )
+
+    def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
+        """Of the search coordinates (p, p): each part weighs as its misfit and the likeness of neighbours allow."""
+        information = np.zeros((len(u), len(u)))
+        for part in parts:
+            value, slopes = self.residual([part], u)
+            scatter = 1.0
+            # With no more numbers than parameters nothing is left over that could show a scatter.
+            if len(value) > len(u):
+                scatter = max(1.0, sampled_scatter(value, part))
+            information += slopes @ slopes.T / scatter
+        # A direction that no test sees is left with next to no information, and so with endless variance.
+        scale = np.sqrt(np.maximum(np.diag(information), LEAST_INFORMATION))
+        scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
+        covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
+        return covariance
+
+
+def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...]:
+    """Tests whose columns seem to count in opposite directions."""
+    doubts = []
+    for part, row in zip(parts, rows, strict=True):
+        if row.error > WRONG and isinstance(part, InTimePart) and runs_against(part.test):
+            doubts.append(
+                f"{row.name}: force and displacement have opposite signs: if one of them counts the other way, "
+                f"say so behind the file, such as '?force=-{part.test.force_unit}'"
+            )
+    return tuple(doubts)
+
+
+def _units(parts: Sequence[Part]) -> Units:
+    return parts[0].test.units
+
+
+def _typical(part: Part) -> float:
+    """Typical size of K."""
+    if isinstance(part, InTimePart):
+        test = part.test
+        imposed, answered = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
+        if test.control == "displacement":
+            return max(float(answered / imposed), 1e-300)
+        return max(float(imposed / max(answered, 1e-300)), 1e-300)
+    return float(np.exp(np.mean(np.log(part.test.magnitude))))
+
+
+def _reach(part: Part) -> float:
+    """Largest displacement."""
+    if isinstance(part, InTimePart):
+        test = part.test
+        moved = test.response
+        if test.control == "displacement":
+            moved = test.loading.value
+        return max(float(np.abs(moved).max()), 1e-300)
+    column = part.test.conditions.get("amplitude")
+    if column is None:
+        return 1e-300
+    return max(float(column.max()), 1e-300)
