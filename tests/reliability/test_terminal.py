@@ -1,19 +1,22 @@
 """What strangers write never commands the terminal: not by file names, JSON, manifests, labels or errors."""
 
+import io
 import json
 import os
 import re
 import subprocess
 import sys
+from time import sleep
 
 import numpy as np
 import pytest
 
+from springpot.cli import waiting
 from springpot.cli.faults import exit_code
 from springpot.cli.group import run
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.plain import PlainStream, below, plain, plain_json
+from springpot.plain import PlainStream, below, plain, plain_json, plain_streams
 from springpot.report.jsontext import to_json
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31m\u202eevil\x7f"
@@ -139,6 +142,29 @@ def test_the_stream_is_still_a_stream(tmp_path):
         assert below(wrapped) is stream
         assert below(stream) is stream
     assert (tmp_path / "out").read_text() == "a\\x1b[1mb c\n\\x9bd\n"
+
+
+class Terminal(io.StringIO):
+    """Where people wait."""
+
+    def isatty(self):
+        return True
+
+
+def test_progress_is_written_over_itself_and_still_plain(monkeypatch):
+    """The return to the beginning of the line is ours; what stands in it may be a stranger's."""
+    monkeypatch.setattr(waiting, "PATIENCE", 0.01)
+    shown = Terminal()
+    monkeypatch.setattr(sys, "stderr", shown)
+    with plain_streams(), waiting.Waiting() as told:
+        told.told(f"fitting {EVIL}")
+        while "fitting" not in shown.getvalue():
+            sleep(0.01)
+    first, *lines = shown.getvalue().split("\r")
+    assert first == ""
+    assert not any(COMMANDS.search(line) for line in lines)
+    assert "\\r" not in shown.getvalue()
+    assert lines[-2:] == [" " * waiting.WIDTH, ""]
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")

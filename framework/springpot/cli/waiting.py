@@ -7,6 +7,8 @@ from threading import Event, Lock, Thread
 from time import monotonic
 from types import TracebackType
 
+from springpot.plain import below, plain
+
 PATIENCE = 1.0
 """Seconds that nobody asks about."""
 WIDTH = 100
@@ -31,7 +33,7 @@ class Waiting:
         self._over.set()
         with self._lock:
             if self._begun and sys.stderr.isatty():
-                print(f"\r{' ' * WIDTH}\r", end="", file=sys.stderr, flush=True)
+                print(f"\r{' ' * WIDTH}\r", end="", file=below(sys.stderr), flush=True)
             self._begun, self._stage = False, ""
         self._thread.join()  # where it still ran, an optimiser would not be protected in a process of its own
 
@@ -54,8 +56,9 @@ class Waiting:
 
     def _show(self) -> None:
         if sys.stderr.isatty():
-            line = f"{self._stage}, {monotonic() - self._began:.0f} s"
-            print(f"\r{line:{WIDTH}.{WIDTH}}", end="", file=sys.stderr, flush=True)
+            line = plain(f"{self._stage}, {monotonic() - self._began:.0f} s")
+            # Only this return is for the terminal; names in the stage come from strangers.
+            print(f"\r{line:{WIDTH}.{WIDTH}}", end="", file=below(sys.stderr), flush=True)
             return
         kind = self._stage.split()[0]  # one line for all the models that are fitted, not one for each
         if kind != self._kind:

@@ -54,6 +54,7 @@ class Ledger:
 
     def __post_init__(self) -> None:
         self._lowest, self._highest = self.problem.space.lowest, self.problem.space.highest
+        # Looked up once: it is called at every evaluation of most optimisers.
         self._evaluate = self.problem.evaluate
         # Falls to the evaluations made when the target is met, so that one comparison guards the hot path.
         self._limit = self.budget
@@ -79,6 +80,7 @@ class Ledger:
             raise BudgetSpent
         point = np.minimum(np.maximum(x, self._lowest), self._highest)
         value = float(self._evaluate(point))
+        # After it: an evaluation that fails is none, and its optimiser is told of the fault.
         self.evaluations += 1
         if self.diary is not None:
             self.diary.append((point, None))
@@ -262,6 +264,7 @@ def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], fac
 
 def _trace(ledgers: Sequence[Ledger], values: Real, bests: Real, rows: list[int]) -> None:
     """Append to the traces of some ledgers what improves on their best among new values (rows, m)."""
+    # What was best before each new value, the values of this call that come before it included.
     before = np.empty_like(values)
     before[:, 0] = bests
     np.minimum.accumulate(values[:, :-1], axis=1, out=before[:, 1:])

@@ -29,6 +29,7 @@ def mistraced(numbers: ArrayLike, values: ArrayLike, evaluations: int, best: flo
     rising = at[0] >= 1 and at[-1] <= evaluations and np.all(np.diff(at) > 0)
     if not (rising and np.all(np.diff(found) < 0)):
         return "its trace contradicts its count of evaluations"
+    # Not but for rounding: both are one number that was written down twice.
     if found[-1] != best:
         return "its best value is not the last of its trace"
     return ""
@@ -38,6 +39,7 @@ def same(claimed: float | None, found: float, size: float) -> bool:
     """Whether two sums of squares agree but for rounding, `size` being that of the data."""
     if claimed is None:
         return False
+    # By their roots, the sizes of residuals: squares near zero would agree by no share of themselves.
     one, other, own = np.sqrt(claimed), np.sqrt(found), float(np.nan_to_num(np.sqrt(size), posinf=0.0))
     return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
 

@@ -243,6 +243,7 @@ class RecorderGroup:
         """The same without a stacked call."""
         if all(recorder.left <= 0 for recorder in self._recorders):
             raise BudgetSpent
+        # A run that has ended stays at infinity: the others of its group go on.
         values = np.full(x.shape[:2], inf)
         for i, recorder in enumerate(self._recorders):
             if recorder.left > 0:

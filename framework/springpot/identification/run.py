@@ -129,6 +129,7 @@ def run_batch(
     group, before = RecorderGroup.of(ledgers), problem.tally.points
     seconds, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
     fault = fault or _past(ledgers, problem.tally.points - before)
+    # Side by side nobody knows whose second it was.
     share = seconds / len(ledgers)
     return [_outcome(optimiser.name, ledger, share, fault) for ledger in ledgers]
 
@@ -198,6 +199,7 @@ def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | N
 def _status(ledger: Ledger, fault: BaseException | None) -> str:
     # A library may wrap the end of the budget in an exception of its own: only the recorder knows.
     if fault is not None and (ledger.left > 0 or isinstance(fault, Unrecorded)):
+        # The first line names it; what follows is often a printed array.
         lines = f"{type(fault).__name__}: {fault}".splitlines()
         return f"failed: {lines[0][:200]}"
     if not ledger.best_x.size:

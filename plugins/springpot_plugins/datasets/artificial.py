@@ -12,7 +12,7 @@ from springpot.measurement import DataSet, Measurement, Units, with_noise
 from ..models.paper import MODELS
 
 SEED = 2017
-"""Seed of the registered noisy sets; `artificial` draws others."""
+"""Seed of the registered noisy sets; `artificial` draws others. Any number would do: results name these sets."""
 FREQUENCIES = np.arange(0.5, 14.0, 1.0)
 """0.5 to 13.5 Hz in steps of 1 Hz."""
 SCALE = 1000.0
@@ -69,14 +69,19 @@ def artificial(
 def _suffix(level: float, symmetric: bool) -> str:
     if not level:
         return ""
-    kind = "symmetric" if symmetric else "noise"
+    # The noise that the paper prints is what its name says without a word; the other kind says so.
+    kind = "noise"
+    if symmetric:
+        kind = "symmetric"
     return f"-{kind}{100 * level:g}"
 
 
 def _dataset(model: str, level: float, symmetric: bool) -> DataSet:
     noise = "without noise"
     if level:
-        kind = "both signs" if symmetric else "one-sided as printed"
+        kind = "one-sided as printed"
+        if symmetric:
+            kind = "both signs"
         noise = f"with {100 * level:g} % noise of eq. (53), {kind}, seed {SEED}"
     return DataSet(
         f"artificial-{model}{_suffix(level, symmetric)}",

@@ -16,8 +16,8 @@ DOI = "10.6028/NIST.SP.260-147"
 
 
 def _load() -> Measurement:
-    file = f"{NAME}.csv"
-    text = files(__package__).joinpath(file).read_text(encoding="utf-8")
+    # By the package, which may be installed as a zip file.
+    text = files(__package__).joinpath(f"{NAME}.csv").read_text(encoding="utf-8")
     return replace(parse(text, NAME), name=NAME)
 
 
@@ -33,14 +33,7 @@ def datasets() -> list[DataSet]:
             doi=DOI,
             origin="doi.org/10.6028/NIST.SP.260-147",
             test="small-strain oscillatory shear of a certified reference fluid, 16 frequencies at each temperature",
-            columns=(
-                "omega [rad/s]",
-                "storage [Pa]",
-                "loss [Pa]",
-                "storage_sd [Pa]",
-                "loss_sd [Pa]",
-                "temperature [degC]",
-            ),
+            columns=(*_COLUMNS, "temperature [degC]"),
             fit="WLF: ln a = -C1 (T - T_R) / (C2 + T - T_R), C1 = 6.64, C2 = 299.4 K, T_R = 25 degC; vertical shift",
             aliases=("nist-srm2491-pdms",),
             size=96,

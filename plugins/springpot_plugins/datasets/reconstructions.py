@@ -66,7 +66,9 @@ def _computed(name: str, model: str, truth: dict[str, float], hertz: Real, unit:
         stiffness = known.stiffness(known.vector(truth), omega)
     origin = {"source": f"reconstruction from {source}, not measured", "model": model, "grid": "chosen by us"}
     # A stiffness moves by a length, a modulus by a strain.
-    moved = "mm" if "m" in unit else "-"
+    moved = "-"
+    if "m" in unit:
+        moved = "mm"
     return Measurement(omega, stiffness, units=Units(unit, moved), name=name, provenance=origin)
 
 

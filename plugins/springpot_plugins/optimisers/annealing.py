@@ -56,6 +56,7 @@ class DualAnnealing(Optimiser):
             lambda: dual_annealing(
                 cube,
                 [(0.0, 1.0)] * cube.dimension,
+                # The budget is the recorder's to watch: the library counts other calls than it does.
                 maxiter=UNENDING,
                 maxfun=UNENDING,
                 initial_temp=self.temperature,

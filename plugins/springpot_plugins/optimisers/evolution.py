@@ -51,6 +51,7 @@ class CmaEs(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Restart until the recorder ends it."""
+        # As a float, so that a growth of less than a point a restart adds up.
         size = float(self.population or 4 + int(3 * np.log(problem.dimension)))
 
         def attempt() -> None:

@@ -36,5 +36,6 @@ class Native(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Descend from the best starts of one scan after another."""
+        # Every descent of it keeps to the box, unlike those of a fit: a race is run by all in the same box.
         descent = BoundedDescent(problem)
         keep_on(problem, lambda: descent.from_scan(rng, self.starts))

@@ -87,6 +87,7 @@ class _Global(Optimiser):
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Search until the recorder ends it."""
         cube = Cube(problem)
+        # Seeded once: attempt after attempt goes on in one stream, and none repeats another.
         _seed(rng)
         solver = Solver(self.algorithm, cube, getattr(self, "population", 0))
         keep_on(problem, lambda: solver.search(rng.random(cube.dimension)))
@@ -188,6 +189,7 @@ class Mlsl(Optimiser):
             whole, descent = "GD_MLSL", "LD_LBFGS"
         if self.low_discrepancy:
             whole += "_LDS"
+        # For MLSL the population is the number of points sampled in a round.
         solver = Solver(whole, cube, self.sample)
         local = Solver(descent, cube, tolerance=self.tolerance)
         solver.native.set_local_optimizer(local.native)
