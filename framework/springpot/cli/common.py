@@ -161,7 +161,10 @@ def own_stdout(quiet: bool = False) -> Iterator[None]:
     sys.stdout.flush()
     # Compiled code writes to the file descriptor, past `sys.stdout`.
     kept = os.dup(1)
-    other = os.open(os.devnull, os.O_WRONLY) if quiet else os.dup(2)
+    if quiet:
+        other = os.open(os.devnull, os.O_WRONLY)
+    else:
+        other = os.dup(2)
     os.dup2(other, 1)
     try:
         with ExitStack() as stack:

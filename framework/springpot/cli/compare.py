@@ -70,7 +70,9 @@ def _show(found: Comparison, data: str, figure: Path | None) -> None:
         print(comparison_text(found, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
-    command = "diagnose" if best.fails or best.unclear else "identify"
+    command = "identify"
+    if best.fails or best.unclear:
+        command = "diagnose"
     print(f"\nnext: springpot {command} {quoted(data)} --model {quoted(best.model.name)}")
 
 

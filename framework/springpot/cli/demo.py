@@ -39,7 +39,9 @@ def command(out: Path, as_json: bool) -> int:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = "it is a file, name a folder" if out.is_file() else error.strerror
+        reason = error.strerror
+        if out.is_file():
+            reason = "it is a file, name a folder"
         raise OutputError(f"cannot write into {out}: {reason}") from error
     story, worst = [], 0
     for i, chapter in enumerate(chapters, 1):

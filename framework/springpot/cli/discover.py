@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from springpot.diagnosis import Ladder
     from springpot.measurement import Measurement
     from springpot.rheology import Model
+
+E = TypeVar("E")
 
 ACCEPT = "Accept this effect; may be given several times."
 
@@ -84,19 +87,22 @@ def command(
         check_report_path(report)
     if figure is not None:
         check_figure_path(figure)
-    expression = None if model is None else parse_timed(model)
-    effects = [effect_in_time(name) for name in accept]
+    expression = judged = None
+    if model is not None:
+        expression = parse_timed(model)
+    effects = _accepted(accept, auto, effect_in_time)
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
-        given = _for_sweeps_only(options, report)
-        timetests.discover(tests, expression, None if auto else effects, figure, as_json, given)
+        timetests.discover(tests, expression, effects, figure, as_json, _for_sweeps_only(options, report))
         return 0
     measurement = opened(data, geometry)
-    # None leaves the choice to the evidence.
-    wanted = None if auto else [plugins().effect(name) for name in accept]
-    judged = None if expression is None else for_sweeps(expression)
+    if expression is not None:
+        # Only now: effects of time alone are refused for a sweep.
+        judged = for_sweeps(expression)
     again = again_with(data, model, accept, auto, seed, geometry, options)
-    ladder, code = _climbed(measurement, judged, accept=wanted, seed=seed or 0, **known_from(options))
+    ladder, code = _climbed(
+        measurement, judged, accept=_accepted(accept, auto, plugins().effect), seed=seed or 0, **known_from(options)
+    )
     if figure is not None:
         figure_ladder(ladder, figure)
     if report is not None:
@@ -121,6 +127,13 @@ def _tell_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"\nwritten: {path}")
+
+
+def _accepted(names: Sequence[str], auto: bool, find: Callable[[str], E]) -> list[E] | None:
+    """The effects of these names; None leaves the choice to the evidence."""
+    if auto:
+        return None
+    return [find(name) for name in names]
 
 
 def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:

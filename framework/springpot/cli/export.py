@@ -33,6 +33,8 @@ def command(study: str, kind: str, folder: Path | None, out: Path, as_json: bool
 
 
 def _show(result: dict[str, Any]) -> None:
-    lost = f"; {result['left_out']} that came to nothing are left out" if result["left_out"] else ""
+    lost = ""
+    if result["left_out"]:
+        lost = f"; {result['left_out']} that came to nothing are left out"
     print(f"{result['trials']} trials in {len(result['files'])} files in {result['folder']}{lost}")
     print(f"to open: {result['hint']}")

@@ -63,7 +63,9 @@ def _say(text: str, code: int) -> int:
 
 def _usage(error: click.UsageError) -> str:
     """Click's message as one line, with the command whose help says more."""
-    command = error.ctx.command_path if error.ctx else "springpot"
+    command = "springpot"
+    if error.ctx:
+        command = error.ctx.command_path
     if isinstance(error, click.exceptions.NoArgsIsHelpError) and isinstance(error.ctx.command, click.Group):
         return f"'{command}' needs one of {', '.join(error.ctx.command.commands)} (see '{command} --help')"
     text = error.format_message().rstrip(".")

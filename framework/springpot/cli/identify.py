@@ -107,7 +107,9 @@ def command(
             raise click.UsageError(advice, click.get_current_context())
         return _each(data, judged, geometry, arguments, as_csv, as_json)
     measured = [opened(name, geometry) for name in data]
-    together = joined(measured) if len(measured) > 1 else measured[0]
+    together = measured[0]
+    if len(measured) > 1:
+        together = joined(measured)
     fit = _fitted(together, judged, arguments)
     if figure is not None:
         fit.plot(figure)

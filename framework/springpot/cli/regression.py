@@ -85,5 +85,7 @@ def _show(gates: list[Gate]) -> None:
             print(f"worse: {line}")
         for note in gate.notes:
             print(f"note: {note}")
-        outcome = "nothing got worse" if gate.passed else f"{len(gate.regressions)} got worse"
+        outcome = "nothing got worse"
+        if not gate.passed:
+            outcome = f"{len(gate.regressions)} got worse"
         print(f"{gate.baseline}: {gate.cells} comparisons, {outcome}")

@@ -49,7 +49,9 @@ def command(
 
 
 def _show(result: dict[str, Any]) -> None:
-    failed = f", {result['failed']} of them failed" if result["failed"] else ""
+    failed = ""
+    if result["failed"]:
+        failed = f", {result['failed']} of them failed"
     print(f"{result['trials']} trials, {result['ran']} run now{failed}; kept in {result['store']}")
     files = [Path(path) for path in result["tables"]]
     tables = dict.fromkeys(path.stem for path in files)

@@ -243,7 +243,9 @@ def _asked(spec: str, temperature: float | None) -> Test:
     from springpot.errors import DataError
     from springpot.registry import open_in_time
 
-    mark = "," if "?" in spec else "?"
+    mark = "?"
+    if mark in spec:
+        mark = ","
     in_time = open_in_time(f"{spec}{mark}answer=none")
     if not in_time:
         return opened(spec)
@@ -256,7 +258,9 @@ def _asked(spec: str, temperature: float | None) -> Test:
 
 def _table_text(predicted: TestPrediction) -> str:
     """A CSV table with units in its header."""
-    clock = "frequency [Hz]" if predicted.kind == "sweep" else "time [s]"
+    clock = "time [s]"
+    if predicted.kind == "sweep":
+        clock = "frequency [Hz]"
     unit = predicted.unit
     names = [clock, f"value [{unit}]", f"low [{unit}]", f"high [{unit}]"]
     columns = [predicted.at, predicted.value, predicted.low, predicted.high]

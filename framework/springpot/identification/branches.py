@@ -45,7 +45,10 @@ class Branches:
         node = network
         while isinstance(node, Renamed | Chain | Shift):
             # Chains and shifts act on the whole: the sum of branches stands inside them, as the first child.
-            node = node.node if isinstance(node, Renamed) else node.children[0]
+            if isinstance(node, Renamed):
+                node = node.node
+            else:
+                node = node.children[0]
         if isinstance(node, Parallel | Series):
             sizes = [len(child.parameters) for child in node.children]
             owner = np.full(len(powers), -1)

@@ -81,7 +81,9 @@ def _at_ends(found: Estimate, q: int) -> list[Real]:
     at_bound = found.uncertainty.at_bound[:q]
     for i in np.flatnonzero(at_bound).tolist():
         # An upper end is often infinite, where the form has limits that its formulas do not reach.
-        places = (found.low[i], found.high[i]) if at_bound[i] < 0 else (found.low[i],)
+        places = [found.low[i]]
+        if at_bound[i] < 0:
+            places.append(found.high[i])
         for place in places:
             theta = found.theta[:q].copy()
             theta[i] = place

@@ -359,7 +359,9 @@ class _Path:
         # Doubled from half a deviation on: an interval may be far longer than the Jacobian says.
         inner, steps = 0.0, sd * 2.0 ** np.arange(-1.0, 12.0)
         if np.isfinite(room):
-            steps = np.geomspace(min(0.5 * sd, room), room, 16) if room > 0.0 else np.zeros(1)
+            steps = np.zeros(1)
+            if room > 0.0:
+                steps = np.geomspace(min(0.5 * sd, room), room, 16)
         for _ in range(4):
             over = np.flatnonzero(self.costs(start + sign * steps) > allowed)
             if not len(over):

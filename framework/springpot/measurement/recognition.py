@@ -76,6 +76,8 @@ def _about(path: Path, message: str) -> str:
     for own in (path.name, path.stem):
         # Signals and measurements name themselves; once is enough.
         message = message.removeprefix(f"{own}: ")
-    sign = ", " if message.startswith(("line ", "column ")) else ": "
+    sign = ": "
+    if message.startswith(("line ", "column ")):
+        sign = ", "
     hinted = message.replace("'FILE", f"'{path}")
     return f"{path}{sign}{hinted}"

@@ -66,7 +66,9 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
         return part
     # Of the tests that stood together fewer may be left, or one.
     known = {key: value for key, value in part.provenance.items() if key != NOTE}
-    told = frozenset({"step"} if "note parts" in known else ())
+    told = frozenset[str]()
+    if "note parts" in known:
+        told = frozenset({"step"})
     return replace(part, provenance={**known, **runs_together(part.conditions, part.labels, told)})
 
 

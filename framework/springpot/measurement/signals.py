@@ -153,8 +153,13 @@ def harmonics_of(
         raise DataError(f"{name}: the frequency must be positive, got omega = {omega} rad/s")
     if n_harmonics < 1:
         raise DataError(f"{name}: at least one harmonic is needed, got {n_harmonics}")
-    first = coarse_frequency(record) if omega is None else omega
-    part = steady_part(record, first) if window is None else _given_part(record, window)
+    first = omega
+    if first is None:
+        first = coarse_frequency(record)
+    if window is None:
+        part = steady_part(record, first)
+    else:
+        part = _given_part(record, window)
     basis, sd = _basis(record, part, first, omega is None, n_harmonics, trim=window is None)
     notes = (*record.notes, *part.notes)
     if basis.harmonics < n_harmonics:
@@ -265,7 +270,9 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
         extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
     # Of computed signals nothing is left over: rounding is the least that any stiffness errs by.
     floor = 4 * np.finfo(float).eps * abs(stiffness)
-    inflation = np.sqrt(fit.noise[0]) / fit.residual[0] if fit.residual[0] > 0 else 1.0
+    inflation = 1.0
+    if fit.residual[0] > 0:
+        inflation = np.sqrt(fit.noise[0]) / fit.residual[0]
     return Harmonics(
         basis.omega,
         float(omega_sd * inflation),
@@ -426,7 +433,9 @@ def _measurement(
     relative = np.full((len(rows), width), complex(np.nan, np.nan))
     for i, row in enumerate(rows):
         relative[i, : len(row.force) - 1] = row.relative
-    harmonics = relative if width else None  # with the first alone there are no higher ones
+    harmonics = None
+    if width:  # with the first alone there are no higher ones
+        harmonics = relative
     return Measurement(
         omega=np.array([row.omega for row in rows]),
         stiffness=factor * np.array([row.stiffness for row in rows], dtype=np.complex128),

@@ -181,7 +181,9 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
         q, u = (both - origin).T
         terms = (None, c, s, c, c * c, c * s, s, c * s, s * s, q, q * c, q * s, u, u * c, u * s, q * q)
         # A block holds few of the quarters of a long record.
-        low, high = (int(which[0]), int(which[-1]) + 1) if len(which) else (0, 0)
+        low = high = 0
+        if len(which):
+            low, high = int(which[0]), int(which[-1]) + 1
         for column, term in enumerate(terms):
             sums[low:high, column] += np.bincount(which - low, term, high - low)
     rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
@@ -222,5 +224,7 @@ def _transient(stiffness: Complex) -> int:
     limit = max(0.05 * abs(centre), 6 * float(np.median(away[len(away) // 2 :])))
     outside = np.flatnonzero(away[: len(away) // 2] > limit)
     # Only an unbroken beginning is a transient; what comes later is scatter.
-    leading = int(np.argmin(np.append(away[: len(away) // 2] > limit, False))) if len(outside) else 0
+    leading = 0
+    if len(outside):
+        leading = int(np.argmin(np.append(away[: len(away) // 2] > limit, False)))
     return min(leading, max(0, len(stiffness) - QUARTERS - 1))

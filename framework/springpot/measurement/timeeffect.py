@@ -59,7 +59,9 @@ class Record:
     @classmethod
     def of(cls, test: TimeTest, at: Real | None = None) -> Record:
         """That of a test, at its own samples or at the times `at` (n,)."""
-        t = test.time if at is None else at
+        t = test.time
+        if at is not None:
+            t = at
         imposed, rate = followed(test.loading, t)
         largest = float(np.abs(test.loading.value).max())
         # By the knots of the loading, so that it does not matter how many samples are looked at.

@@ -38,6 +38,10 @@ def runs_together(
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
         if key not in known and 1 < len(values) <= max(2, _MOST_RUNS * len(column)):
-            first = values[0] if key in words else f"{values[0]:g}"
+            first = str(values[0])
+            if key not in words:
+                first = f"{values[0]:g}"
             found.append(f"{len(values)} values of {key}, choose one by '@{key}={first}'")
-    return {NOTE: f"rows of several tests are together: {'; '.join(found)}"} if found else {}
+    if not found:
+        return {}
+    return {NOTE: f"rows of several tests are together: {'; '.join(found)}"}

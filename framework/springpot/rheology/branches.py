@@ -102,7 +102,10 @@ class Branch:
 
 def _innermost(node: Node) -> Node:
     while isinstance(node, Renamed | Scaled | Shift | Chain):
-        node = node.children[0] if isinstance(node, Composition) else node.node
+        if isinstance(node, Composition):
+            node = node.children[0]
+        else:
+            node = node.node
     return node
 
 

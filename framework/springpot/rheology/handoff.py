@@ -58,7 +58,9 @@ class Handoff:
         low, high = (omega / (2.0 * np.pi) for omega in prony.band)
         unit = self.unit or "unit of the parameters"
         values = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
-        dashpot = f", beside a dashpot of {prony.viscosity:.9g} [{unit} s]" if prony.viscosity else ""
+        dashpot = ""
+        if prony.viscosity:
+            dashpot = f", beside a dashpot of {prony.viscosity:.9g} [{unit} s]"
         return [
             f"springpot: {self.model}: {values}",
             f"Prony series of {len(prony.times)} terms for {low:.6g} to {high:.6g} Hz, "

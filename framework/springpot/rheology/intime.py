@@ -276,19 +276,24 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
             -(steep_by_theta[0] / steep[0] ** 2).real,
         )
     sides = np.sign(w)
-    left = np.append(1.0 if solid else -1.0, sides)
+    # What a solid and a fluid have apart: where the search begins, how many zeros there are, and what stays over.
+    ahead, others, start = -1.0, len(r) - 1, float(steep[0])
+    if solid:
+        ahead, others, start = 1.0, len(r), modes.equilibrium
+    left = np.append(ahead, sides)
     right = np.append(-sides, 1.0)
     edges = np.concatenate([[-np.inf], np.log(r), [np.inf]])
     turned = left != right
     turned[0] &= solid
     low, high = edges[:-1][turned], edges[1:][turned]
     zeros = _zeros_between(modes, low, high, left[turned])
-    if len(zeros) != (len(r) if solid else len(r) - 1):
+    if len(zeros) != others:
         raise ModelError("the mass and the material balance so nearly that their motion cannot be told")
     # K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
     b = modes.viscosity / m + float(np.sum(r) - np.sum(zeros))
-    start = modes.equilibrium if solid else float(steep[0])
-    paired = np.sort(zeros) if solid else np.append(np.sort(zeros), 1.0)
+    paired = np.sort(zeros)
+    if not solid:
+        paired = np.append(paired, 1.0)
     d = start / m * float(np.exp(np.sum(np.log(np.sort(r)) - np.log(paired))))
     pair = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.

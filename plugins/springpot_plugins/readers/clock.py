@@ -67,8 +67,10 @@ def sample_rate(choice: Choice, head: str, titles: Sequence[str]) -> tuple[float
 
 
 def _hertz(number: str, unit: str) -> float:
-    thousands = 1000.0 if unit.casefold().startswith("k") else 1.0
-    return thousands * float(number.replace(",", "."))
+    rate = float(number.replace(",", "."))
+    if unit.casefold().startswith("k"):
+        return 1000.0 * rate
+    return rate
 
 
 def seconds_of(cell: str) -> float | None:

@@ -147,7 +147,9 @@ _LETTER = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za
 def _letter(roles: Mapping[str, Column], unit: str) -> str:
     """The letter that the titles write for a modulus (G, E) or a stiffness (K); nothing where they write words."""
     # In Pa a K is no stiffness, and in N/mm a G is no modulus.
-    allowed = "GE" if unit in PRESSURE_UNITS else "K"
+    allowed = "K"
+    if unit in PRESSURE_UNITS:
+        allowed = "GE"
     titles = [roles[role].title for role in ("storage", "magnitude") if role in roles]
     for match in map(_LETTER.search, titles):
         if match and match[1] in allowed:

@@ -349,7 +349,9 @@ def _roles(columns: Sequence[Column]) -> dict[str, Column]:
             roles[column.name] = column
     if "omega" in roles and "frequency" in roles:
         # They say the same; an omega in another unit than rad/s is the doubtful one.
-        spare = "frequency" if roles["omega"].unit == "rad/s" else "omega"
+        spare = "omega"
+        if roles["omega"].unit == "rad/s":
+            spare = "frequency"
         del roles[spare]
     pair = next((pair for pair in _PAIRS if roles.keys() >= set(pair)), ())
     if pair:

@@ -107,7 +107,9 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
     for row, number in zip(rows, lines, strict=True):
         if len(row) != width:
             raise DataError(f"line {number}: {len(row)} cells where the first row has {width}")
-    names = kept[start - 1][0] if start else []
+    names: list[str] = []
+    if start:
+        names = kept[start - 1][0]
     is_named = len(names) == width
     if not choice.columns and is_named:
         raise _ask_which(names)

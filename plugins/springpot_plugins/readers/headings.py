@@ -63,10 +63,9 @@ def with_deviations(headings: Iterable[Heading]) -> tuple[Heading, ...]:
     """The headings, where one that says no more than "±" or "SD" is the deviation of the column before it."""
     made: list[Heading] = []
     for each in headings:
-        before = made[-1] if made else None
-        if before and before.role in _WITH_DEVIATION and each.role is None and _says_deviation(each):
-            role = f"{before.role}_sd"
-            each = replace(each, name=role, role=role, unit=each.unit or before.unit)
+        if made and made[-1].role in _WITH_DEVIATION and each.role is None and _says_deviation(each):
+            role = f"{made[-1].role}_sd"
+            each = replace(each, name=role, role=role, unit=each.unit or made[-1].unit)
         made.append(each)
     return tuple(made)
 

@@ -50,7 +50,9 @@ def arrays_in(content: bytes, most: int) -> dict[str, NDArray[np.float64]]:
         If the file is broken or unpacks to more.
     """
     # The last two bytes of the header are "MI" as the writing machine stores the number of these letters.
-    order = ">" if content[126:128] == b"MI" else "<"
+    order = "<"
+    if content[126:128] == b"MI":
+        order = ">"
     arrays: dict[str, NDArray[np.float64]] = {}
     for element in _elements(memoryview(content)[_HEADER:], order, padded=False):
         if element.kind == _COMPRESSED:

@@ -196,7 +196,9 @@ def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
         ]
     for key, values in measurement.conditions.items():
         own_unit = units.get(key, measurement.provenance.get(f"{_UNIT}{key}", ""))
-        title = f"{key} [{own_unit}]" if own_unit else key
+        title = key
+        if own_unit:
+            title = f"{key} [{own_unit}]"
         columns.append((title, _cells(values)))
     if measurement.repeat is not None:
         columns.append(("repeat", [str(value) for value in measurement.repeat.tolist()]))

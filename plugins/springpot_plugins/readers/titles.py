@@ -212,7 +212,9 @@ def _plain(title: str) -> Heading:
         return Heading(title, match[1], _stem_role(match[1]), match[2].strip())
     if (role := role_of(title)) is not None:
         # "% strain"
-        unit = "%" if title.startswith("%") else None
+        unit = None
+        if title.startswith("%"):
+            unit = "%"
         return Heading(title, title, role, unit)
     return (
         _in_parentheses(title)

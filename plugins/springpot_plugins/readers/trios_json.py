@@ -121,7 +121,9 @@ def _by_step(headings: Sequence[Heading], rows: list[list[str]]) -> dict[str, li
     named = [titles.index(name) for name in _STEPS if name in titles]
     runs: dict[str, list[list[str]]] = {}
     for row in rows:
-        step = row[named[0]] if named else ""
+        step = ""
+        if named:
+            step = row[named[0]]
         runs.setdefault(step, []).append(row)
     return runs
 
