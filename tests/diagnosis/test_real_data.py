@@ -91,7 +91,7 @@ def test_a_banded_friction_damper_rubs(shared, model):
     assert diagnosis.best.effect in RUBBING
 
 
-@pytest.mark.xfail(strict=False, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it")
+@pytest.mark.xfail(strict=True, reason="2.6 tonnes of moving mass, or none at all, are called missing beside it")
 @pytest.mark.parametrize("model", ["kelvin", soaked("fractional-kelvin")])
 def test_a_banded_friction_damper_has_nothing_else_that_ten_points_prove(shared, model):
     assert missing(rubbing(shared, model).steps[0].case.diagnosis) <= RUBBING | {"backlash", "payne"}
