@@ -45,6 +45,20 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(figure.Figure, "savefig", stand_in)
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """For tests of what is written: figures are drawn up and kept in this list, and no file of theirs is painted."""
+    figure = pytest.importorskip("matplotlib.figure")
+    kept: list[Any] = []
+
+    def stand_in(self: Any, file: Any, **given: Any) -> None:
+        kept.append(self)
+        file.write(b"<svg></svg>")
+
+    monkeypatch.setattr(figure.Figure, "savefig", stand_in)
+    return kept
+
+
 @pytest.fixture(autouse=True, scope="session")
 def hears_ctrl_c() -> Iterator[None]:
     """A shell that runs the tests in its background lets them ignore Ctrl-C, and their children after them."""

@@ -67,7 +67,7 @@ def test_results_show_themselves_in_one_line_and_as_a_table():
 
 @pytest.mark.usefixtures("asked_once")
 def test_no_model_need_be_named():
-    diagnosis = springpot.diagnose(DATA)
-    assert diagnosis.model.name == "material"
-    assert diagnosis.best.effect == "inertia"
-    assert springpot.discover(DATA, accept="inertia").model.name == "material + inertia"
+    assert springpot.diagnose("nist-srm2491@temperature=20").model.name == "material"
+    ladder = springpot.discover(DATA, accept="inertia")
+    assert ladder.steps[0].case.diagnosis.best.effect == "inertia"
+    assert ladder.model.name == "material + inertia"

@@ -79,7 +79,7 @@ def test_a_fault_becomes_a_status_and_the_study_goes_on(faulty, mood):
 
 
 def test_a_hang_ends_at_its_deadline(tmp_path):
-    outcome = run_study(moody_study("hang", deadline=1.0), workers=2, out=tmp_path, quiet=True)
+    outcome = run_study(moody_study("hang", deadline=0.4), workers=2, out=tmp_path, quiet=True)
     rows = trials(outcome.store)
     assert [row.status for row in rows["moody(mood=hang)"]] == [Status.TIMEOUT] * 3
     assert [row.status for row in rows["walk"]] == [Status.BUDGET] * 3

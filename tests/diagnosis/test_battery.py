@@ -44,7 +44,7 @@ def judged(data):
 
 
 @pytest.mark.parametrize("kind", ["normal", "long tails", "one noisy sweep", soaked("gain only")])
-@pytest.mark.parametrize(("draws", "few", "rare"), [(24, 5, 2), pytest.param(60, 9, 4, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(("draws", "few", "rare"), [(12, 4, 2), soaked(24, 5, 2), soaked(60, 9, 4)])
 def test_chances_on_noise_alone_are_chances(kind, draws, few, rare):
     """So many may be below 0.05, and so many below 0.01, but for one run in 1,000, and one in 500."""
     chances = np.array([judged(sweeps(kind, seed)).p_value for seed in range(draws)])

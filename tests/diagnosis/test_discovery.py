@@ -57,7 +57,9 @@ HARD = {
         reason="a filter mismatch takes the place of the mass beside the delay",
     )
 }
-RARE = [("friction", "inertia"), ("inertia", "time-delay"), ("parallel-spring", "inertia")]
+RARE = [
+    ("friction", "inertia"), ("inertia", "series-spring"), ("inertia", "time-delay"), ("parallel-spring", "inertia")
+]  # fmt: skip
 """For the soak: each kind of effect is among the others, over frequency, amplitude and temperature."""
 
 

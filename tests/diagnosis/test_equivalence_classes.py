@@ -55,6 +55,8 @@ def test_friction_at_one_amplitude_is_a_hysteretic_loss(effect):
     assert 4.0 * force / (np.pi * 0.5) == pytest.approx(loss, rel=1e-2)
 
 
+# Its short form is in test_exact_twins.py.
+@pytest.mark.soak
 def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
     stiffness = exact(KELVIN, ONE_AMPLITUDE) + 12.0j
     diagnosis = springpot.diagnose(measured(ONE_AMPLITUDE, stiffness), KELVIN.name)
@@ -63,7 +65,7 @@ def test_crosstalk_in_quadrature_at_one_amplitude_is_friction():
 
 
 @pytest.mark.parametrize("base", [CLASSICAL_KELVIN, soaked(CLASSICAL_MAXWELL)], ids=lambda b: b.name)
-@pytest.mark.parametrize("effect", ["relaxation-mode", "retardation-mode"])
+@pytest.mark.parametrize("effect", ["relaxation-mode", soaked("retardation-mode")])
 def test_relaxation_and_retardation_modes_are_one(base, effect):
     """A mode beside and a mode in series are the same rational function of s."""
     stiffness = exact(base, SWEEP, effect, {"relaxation-mode": 150.0, "retardation-mode": 4e-3}[effect])
@@ -118,7 +120,7 @@ def test_a_solvent_beside_and_a_dashpot_in_series_are_one_fluid():
     )
 
 
-@pytest.mark.parametrize("name", ["fractional-maxwell", "maxwell"])
+@pytest.mark.parametrize("name", [soaked("fractional-maxwell"), "maxwell"])
 def test_mounting_compliance_is_absorbed_by_a_model_with_a_spring_in_series(name):
     law = {"fractional-maxwell": MAXWELL, "maxwell": CLASSICAL_MAXWELL}[name]
     data = measured(SWEEP, exact(law, SWEEP, "series-spring", 2e-3))
@@ -168,6 +170,8 @@ def test_two_temperatures_cannot_tell_arrhenius_from_wlf(effect, chi2, seed):
     assert max(each.probability for each in diagnosis.candidates) < 0.9
 
 
+# On a spring alone it is in test_exact_twins.py.
+@pytest.mark.soak
 def test_two_amplitudes_cannot_tell_a_cubic_spring_from_a_gap():
     diagnosis = springpot.diagnose(hidden(KELVIN, TWO_AMPLITUDES, "cubic-stiffness", 400.0), KELVIN.name)
     one_class(diagnosis, "cubic-stiffness", "dead-zone")

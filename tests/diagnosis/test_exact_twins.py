@@ -118,7 +118,7 @@ def test_a_spring_in_series_is_a_filter(base, level, seed):
             0.02,
             3,
         ),
-        ("dashpot", 0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0), "kelvin", "maxwell", 0.002, 1),
+        soaked("dashpot", 0.3 * SWEEP_S + in_series(30.0 * SWEEP_S, 150.0), "kelvin", "maxwell", 0.002, 1),
     ],
     ids=["zener alpha=0.43", "zener alpha=1", "jeffreys alpha=0.4", "jeffreys spring"],
 )
@@ -258,7 +258,7 @@ def test_a_clock_wrong_at_one_of_two_temperatures_is_a_shift(level, seed):
 # E8: a constant loss at one amplitude
 
 
-@crossed("base", [KELVIN, SOFT_KELVIN, SPRING], rare=[SOFT_KELVIN])
+@crossed("base", [KELVIN, SOFT_KELVIN, SPRING], rare=[KELVIN, SOFT_KELVIN])
 def test_a_constant_loss_at_one_amplitude_has_three_names(base, level, seed):
     """Friction, a hysteretic loss, and crosstalk whose part in phase the spring takes."""
     data = measured(ONE_AMPLITUDE, exact(base, ONE_AMPLITUDE) + 12.0j, seed, level)

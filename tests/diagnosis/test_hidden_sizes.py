@@ -36,6 +36,8 @@ def diagnosed(effect, chi2, seed=5):
 
 PLAIN = ("inertia", "series-spring", "time-delay", "friction", "arrhenius-shift", "parallel-dashpot")
 """One of each composition; at the smaller sizes the others are in the soak."""
+BARELY = ("inertia", "series-spring", "friction")
+"""Asked at the smallest size by another test too."""
 FEW_POINTS = ("self-heating", "rig-drag")
 """Seen in sweeps of six points only, where structure looks most like scatter; in the soak also these."""
 MORE_OF_FEW_POINTS = ("cubic-damping", "entropic-spring", "arrhenius-dashpot")
@@ -50,14 +52,14 @@ def some(*effects):
     return [name if name in effects else soaked(name) for name in WHERE]
 
 
-@pytest.mark.parametrize("effect", some(*PLAIN, *FEW_POINTS))
+@pytest.mark.parametrize("effect", some(*BARELY, *FEW_POINTS))
 def test_a_barely_visible_effect_is_noticed_and_not_ruled_out(effect):
     diagnosis = diagnosed(effect, 30.0)
     assert diagnosis.verdict in ("effect-missing", "unexplained")
     assert effect not in [c.effect for c in diagnosis.candidates if c.verdict == "absent"]
 
 
-@pytest.mark.parametrize("effect", some(*PLAIN))
+@pytest.mark.parametrize("effect", some("series-spring", "friction", "arrhenius-shift"))
 def test_a_plain_effect_is_in_the_first_class(effect):
     diagnosis = diagnosed(effect, 120.0)
     assert diagnosis.verdict == "effect-missing"

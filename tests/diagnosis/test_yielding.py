@@ -60,7 +60,7 @@ def damper(*theta):
 SHARP, DAHL = (100.0, 200.0, 2.0, 0.5), (100.0, 50.0, 1.0, 0.9)
 
 
-@pytest.mark.parametrize("theta", [(100.0, 100.0, 1.0, 0.5), SHARP, soaked((100.0, 300.0, 1.0, 0.7))])
+@pytest.mark.parametrize("theta", [(100.0, 100.0, 1.0, 0.5), soaked(SHARP), soaked((100.0, 300.0, 1.0, 0.7))])
 def test_a_damper_that_yields_gradually_is_no_filled_rubber(theta):
     found = springpot.diagnose(measured(damper(*theta)[0]), "fractional-kelvin")
     assert found.verdict == "effect-missing"

@@ -88,7 +88,7 @@ def test_costs_are_those_of_the_trials(baseline, tmp_path):
     [
         ("pso-paper", {"inertia_first": 1.0, "inertia_last": 1.0}),
         soaked("pso-paper", {"inertia_last": 0.9}),
-        ("cma-es", {"population": 40}),
+        soaked("cma-es", {"population": 40}),
     ],
 )
 def test_a_worse_constant_fails_with_the_right_name(name, worse, tmp_path):
