@@ -76,17 +76,12 @@ def command(
     """
     from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
     from springpot.report.answers import ladder_text
-    from springpot.report.canvas import check_figure_path
-    from springpot.report.html import check_report_path, write_report
+    from springpot.report.html import write_report
     from springpot.report.ladder import figure_ladder
 
     accept = (*accept, *more)  # as in: --accept inertia time-delay
     _require_one_choice(auto, accept)
-    # A path that cannot be written is told before minutes are spent on what should be written there.
-    if report is not None:
-        check_report_path(report)
-    if figure is not None:
-        check_figure_path(figure)
+    _check_paths(report, figure)
     expression = judged = None
     if model is not None:
         expression = parse_timed(model)
@@ -127,6 +122,17 @@ def _tell_written(*paths: Path | None) -> None:
     for path in paths:
         if path is not None:
             print(f"\nwritten: {path}")
+
+
+def _check_paths(report: Path | None, figure: Path | None) -> None:
+    """Tell of a path that cannot be written before minutes are spent on what should be written there."""
+    from springpot.report.canvas import check_figure_path
+    from springpot.report.html import check_report_path
+
+    if report is not None:
+        check_report_path(report)
+    if figure is not None:
+        check_figure_path(figure)
 
 
 def _accepted(names: Sequence[str], auto: bool, find: Callable[[str], E]) -> list[E] | None:
