@@ -31,6 +31,7 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     from springpot.errors import OptionError
     from springpot.registry import open_in_time
 
+    # All are opened before anything is decided: one test in time makes the sweeps beside it part of a joint fit.
     of_each = [open_in_time(spec) for spec in data]
     if not any(of_each):
         return None
@@ -75,6 +76,7 @@ def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], e
     print(fitted_in_time_text(found, window()))
     if figure is not None:
         print(f"figure      {figure}")
+    # The worst of the tests decides: a long record must not hide a short one that the model misses.
     judged = max(test.ratio for test in found.tests)
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))

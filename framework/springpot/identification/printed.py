@@ -28,6 +28,7 @@ def printed(parameters: Sequence[Parameter], values: Real, low: Real, high: Real
     """
     rows = {}
     for i, parameter in enumerate(parameters):
+        # Lines of a spectrum are told as a whole elsewhere: a list of fifty weights tells nobody anything.
         if parameter.detail:
             continue
         factor, label = units.of(parameter.unit)
@@ -62,6 +63,7 @@ def search_parameters(found: Estimate) -> dict[str, Value]:
         return {}
     q = len(form.parameters)
     with np.errstate(all="ignore"):
+        # The elements come first in theta; what follows are effects, which the published form does not know.
         x = form.from_elements(found.theta[:q])
         reach = _reach(found, form, x)
         log = np.array([p.scale == "log" for p in form.parameters])
@@ -104,6 +106,7 @@ def _reach(found: Estimate, form: SearchForm, x: Real) -> Real:
     q = len(form.parameters)
     turn = coordinates.slopes(found.theta, coordinates.size[0])[:q]
     by_theta = form.jacobian(x)
+    # Where several values of the form give the same elements, the data say nothing of its parameters.
     if not np.all(np.isfinite(by_theta)) or np.linalg.matrix_rank(by_theta) < q:
         return np.full(q, np.inf)
     by_u: Real = np.asarray(np.linalg.solve(by_theta, turn), dtype=float)

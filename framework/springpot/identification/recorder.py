@@ -125,6 +125,7 @@ class Recorder:
     @property
     def trace(self) -> list[tuple[int, float]]:
         """Evaluation number and objective at every improvement, a copy."""
+        # A list of its own: what an optimiser does with it must not change the record.
         return list(self._told("trace"))
 
     @property
@@ -220,6 +221,7 @@ class RecorderGroup:
     @property
     def problem(self) -> Searched:
         """What all of them minimise."""
+        # By construction all runs of a group have one problem.
         return self._recorders[0].problem
 
     def batch(self, x: Real, factor: Real | None = None) -> Real:

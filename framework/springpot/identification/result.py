@@ -119,6 +119,7 @@ class Identification(Estimate):
         ModelError
             If there is none of that name, with those that there are.
         """
+        # A name that both forms have is the element's own, which was fitted.
         for known in (self.parameters, self.search_parameters):
             if name in known:
                 return known[name]
@@ -150,12 +151,14 @@ class Identification(Estimate):
     def relative_rms(self) -> float:
         """Root mean square of |K - K_m| / |K_m|."""
         data = self.measurement
+        # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
         share = np.abs(self.residuals) / np.maximum(data.magnitude, 1e-9 * data.magnitude.max())
         return float(np.sqrt(np.mean(share**2)))
 
     @cached_property
     def standing(self) -> Standing | None:
         """How the error stands against noise and any material; None where the data are too few to tell."""
+        # Rooms below the diagnosis fit as well, and know no floors to judge by.
         if self.judge is None:
             return None
         return self.judge(self)

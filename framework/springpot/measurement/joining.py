@@ -109,6 +109,7 @@ def _repeats(measurements: Sequence[Measurement]) -> np.ndarray[tuple[int], np.d
     """Numbers of repeats that no two files share."""
     numbers, last = [], 0
     for each in measurements:
+        # A file without repeats is one of them.
         own = np.zeros(len(each), dtype=np.int64)
         # Each file may begin to count where it likes.
         if each.repeat is not None:

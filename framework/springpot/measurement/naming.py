@@ -55,6 +55,7 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     """
     if is_file(text):
         return text, Choice()
+    # From the right: a folder may have a question mark in its name, what is said of columns has none.
     name, mark, answers = text.rpartition("?")
     columns: dict[str, str] = {}
     if mark:

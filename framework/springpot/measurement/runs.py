@@ -80,6 +80,7 @@ def runs_of(data: Rows) -> Iterator[Run]:
     data : Measurement
         The data.
     """
+    # Names first, since they were given; levels of conditions are only read off the numbers.
     parts = [np.arange(len(data.omega))]
     for column in _named(data):
         parts = _split(parts, partial(_by_value, column))

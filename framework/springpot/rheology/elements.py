@@ -38,6 +38,7 @@ def table_of(column: Real, row: T) -> T:
 
 def _phase(exponent: float) -> complex:
     """i^exponent, exact for whole exponents so that a mass has no loss and a dashpot no storage."""
+    # exp(i pi) is -1 but for its last digit, which would give a mass a loss of 1e-16 of its force.
     if exponent == int(exponent):
         return complex(1j ** int(exponent))
     return complex(np.exp(HALF_PI * exponent))
@@ -96,6 +97,7 @@ class FixedPower(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = c s^exponent, real for springs and masses."""
+        # A spring is the same at all frequencies: no table of powers is made of ones.
         if self.exponent == 0 and depth == VALUE:
             return Response(repeated(theta.astype(complex), at.log_omega.shape))
         if self.exponent == 0:
@@ -105,6 +107,7 @@ class FixedPower(Node):
         if depth == VALUE:
             return Response(table_of(theta, power))
         value = theta * power
+        # The derivative by a factor is the same for all thetas: a view, not a copy for each.
         by_theta = np.broadcast_to(power, value.shape)[..., None, :]
         return Response(value, by_theta, self.exponent * value if depth == FULL else value)
 
@@ -140,6 +143,7 @@ class Springpot(Node):
         value = theta[..., :1] * power
         by_theta = np.empty((*value.shape[:-1], 2, value.shape[-1]), dtype=complex)
         by_theta[..., 0, :] = power
+        # ln s = ln omega + i pi / 2.
         by_theta[..., 1, :] = value * (at.log_omega + HALF_PI)
         return Response(value, by_theta, alpha * value if depth == FULL else value)
 

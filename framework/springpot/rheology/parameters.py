@@ -120,6 +120,7 @@ class HasParameters(ABC):
         ModelError
             If a name is unknown or missing.
         """
+        # A name too many is told before one that lacks: it is mostly the misspelt form of that one.
         unknown = [name for name in values if name not in self.names]
         if unknown:
             raise ModelError(f"{self.name} has no parameter '{unknown[0]}': it has {', '.join(self.names)}")

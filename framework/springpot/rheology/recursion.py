@@ -51,9 +51,12 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     out = np.zeros((n, mix.shape[1]), dtype=kind)
     if not len(rates):
         return out
+    # Only modes whose rate is asked for need the second, costlier recursion of the slopes.
     moving = np.flatnonzero(np.any(rate_mix != 0.0, axis=1))
     last, last_slope = np.zeros(len(rates), dtype=kind), np.zeros(len(moving), dtype=kind)
     inner = steps[1:]
+    # With even steps each mode is a filter of one constant, which compiled code runs through; a short history
+    # would not repay the call for each mode.
     even = n > BLOCK and bool(np.ptp(inner.real) <= EVEN * np.max(inner.real)) and not np.iscomplexobj(inner)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
@@ -80,6 +83,7 @@ def mean_of_exponential(first: Modes, last: Modes) -> Modes:
 
 def _step(rates: Modes, step: Modes) -> tuple[Modes, Modes]:
     z = rates * step
+    # 1 - exp(-z) as it stands would lose all digits of a slow mode in a short step.
     lost = -np.expm1(-z)
     gain = np.where(np.abs(z) < 1e-12, 1.0, lost / np.where(z == 0.0, 1.0, z))
     return 1.0 - lost, gain

@@ -26,6 +26,7 @@ def activation_energy(name: str = "Ea", typical: float = 50.0) -> Parameter:
 
 
 def _bounded(value: Any, slopes: tuple[Any, ...]) -> Any:
+    # Beyond the bound the slopes are zero too: a solver must not be drawn further where nothing changes.
     inside = np.abs(np.real(value)) < LARGEST_SHIFT
     kept = np.where(inside, value, np.clip(np.real(value), -LARGEST_SHIFT, LARGEST_SHIFT))
     return kept, tuple(np.where(inside, slope, 0.0) for slope in slopes), 0.0
@@ -68,6 +69,7 @@ def wlf(c1: str = "C1", c2: str = "C2") -> Formula:
 
 def _vogel(at: Points, b: Any, pole: Any) -> Any:
     warm, reference = at.need("temperature") - pole, at.reference_temperature - pole
+    # At and below the pole T0 nothing flows any more: as in WLF the shift stays at its bound.
     frozen = np.real(np.minimum(np.real(warm), np.real(reference))) <= 1e-6
     warm, reference = (np.where(frozen, 1.0, part) for part in (warm, reference))
     unit = 1.0 / warm - 1.0 / reference
@@ -109,6 +111,7 @@ def entropic_spring(k: str = "k") -> Formula:
 
 def _thermal_dashpot(at: Points, c: Any, energy: Any) -> Any:
     unit = _inverse_temperature(at)
+    # The size alone is bounded; the imaginary part carries a derivative by complex step and must pass unchanged.
     power = 1j * at.omega * np.exp(np.clip(np.real(energy * unit), -LARGEST_SHIFT, LARGEST_SHIFT))
     power = power * np.exp(1j * np.imag(energy * unit))
     return c * power, (power, c * power * unit), c * power
@@ -120,6 +123,7 @@ def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
 
 
 def _steady_dashpot(at: Points, c: Any) -> Any:
+    # Asked for and not used: without temperatures it could not be told from a dashpot of the material.
     at.need("temperature")
     s = 1j * at.omega
     return c * s, (s,), c * s
@@ -163,8 +167,10 @@ class Heated(Composition):
         base_theta, heat_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         level = VALUE if depth == VALUE else FULL
         cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
+        # Power and shift are real: only the loss heats, and a real temperature moves the frequency.
         factor = heat.value.real
         shift = factor * cold.value.imag
+        # Where the shift rests on its bound it does not follow the parameters.
         free = (np.abs(shift) < LARGEST_SHIFT).astype(float)
         warm = body.respond(base_theta, at.shifted(-np.clip(shift, -LARGEST_SHIFT, LARGEST_SHIFT)), level)
         if depth == VALUE:

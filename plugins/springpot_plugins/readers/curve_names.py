@@ -86,6 +86,7 @@ def _without_closing(inner: str, opened: str) -> str:
 
 def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
     """The condition of a number with a unit."""
+    # Keyboards have three signs that look like a degree.
     plain = unit.replace("º", "°").replace("℃", "°C").replace("°", "").replace("deg", "").strip()
     known = _UNITS.get(plain, plain)
     name = "frequency"
@@ -101,6 +102,7 @@ def curve_of_number(text: str, unit: str, whole: str = "") -> CurveName:
 def curve_in_title(title: str) -> tuple[str, CurveName] | None:
     """A title without its temperature or frequency, and these; None for other titles."""
     match = _QUANTITY.search(title)
+    # A number at the very beginning is no remark on a name, but a value or a name of its own.
     if match is None or match.start() == 0:
         return None
     # A bracket that holds more than the number stays with the title.

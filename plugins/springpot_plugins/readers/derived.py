@@ -32,6 +32,7 @@ def with_moduli(roles: Mapping[str, Column]) -> dict[str, Column]:
         If a damping coefficient or the work of a cycle alone gives more than the whole stiffness.
     """
     columns = dict(roles)
+    # First, since it gives a loss factor, from which all that follows goes on as from a measured one.
     if "damping_ratio" in columns:
         column = columns.pop("damping_ratio")
         columns["loss_factor"] = _column(column, "loss_factor", 2.0 * _si(column, UNITS["damping_ratio"]), "-")
@@ -76,6 +77,7 @@ def _loss_of_work(work: Column, amplitude: Column) -> Column:
 
 def _over(force: Column, amplitude: Column) -> Column:
     """Dynamic stiffness from the amplitudes of force and displacement, or torque and angle, in their units."""
+    # In the file's own units: kN over mm is told as kN/mm, as it was measured.
     factor, unit = stiffness_unit(normal_unit(amplitude.unit or ""), normal_unit(force.unit or ""))
     return _column(force, "magnitude", factor * force.numbers() / _positive(amplitude), unit)
 
@@ -90,6 +92,7 @@ def _positive(amplitude: Column) -> Real:
 
 def _rest(size: Column, loss: Real, damping: Column) -> Column:
     """Storage stiffness in N/m from the dynamic one, where the loss is known."""
+    # |K|^2 = K'^2 + K''^2; in SI, as the loss comes from another quantity with units of its own.
     whole = _si(size, MODULUS_UNITS)
     left = whole**2 - loss**2
     if (left < 0).any():

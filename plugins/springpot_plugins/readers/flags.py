@@ -78,11 +78,13 @@ def flags_in(status: Column | None, storage: Real | None, loss: Real | None, ign
     if storage is not None and loss is not None:
         clipped |= _at_limit(storage, loss)
     notes = _flag_note(words)
+    # Flags of other kinds are told and change nothing: what they mean differs from instrument to instrument.
     if not clipped.any():
         return Flags(~clipped, notes)
     what = f"{int(clipped.sum())} of {count} rows have a storage that was not measured (tan delta at its limit)"
     if ignored:
         return Flags(np.ones(count, dtype=bool), {**notes, "note clipped": f"{what}; kept as you said"})
+    # Nothing would be left: the user decides, rather than an empty table.
     if clipped.all():
         raise DataError(f"{what}; open 'FILE?{STATUS}={IGNORE}' to see them all the same")
     notes["note clipped"] = f"{what} and were left out; '?{STATUS}={IGNORE}' keeps them"
@@ -117,6 +119,7 @@ def raw_phase_note(raw: Column | None, frequency: Real) -> dict[str, str]:
     if raw is None or not raw.is_numeric():
         return {}
     values = raw.numbers(gaps=True)
+    # Instruments write degrees unless they say otherwise.
     if raw.unit == "rad":
         values = np.degrees(values)
     rows = values > RAW_PHASE

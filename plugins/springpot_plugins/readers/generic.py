@@ -52,6 +52,7 @@ def _confidence(headings: Sequence[Heading]) -> float:
     """Below that of the readers of one maker's format, which know more of such a file."""
     named = [heading for heading in headings if heading.role]
     roles = {str(heading.role) for heading in named}
+    # A unit makes it likely that the names mean what they say; without any, other readers may know better.
     if is_dynamic(roles) and any(heading.unit for heading in named):
         return 0.8
     if is_dynamic(roles):
@@ -82,6 +83,7 @@ def parts(path: Path) -> tuple[Part, ...]:
 
 
 def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
+    # Strict: of a file that no maker's reader knows, a row of another length may be anything.
     blocks, below = blocks_of(grid, strict=True, stacked=True)
     if not blocks and (turned := upright(grid)) is not None:
         blocks, below = blocks_of(turned, strict=True)
@@ -111,6 +113,7 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
     if start:
         names = kept[start - 1][0]
     is_named = len(names) == width
+    # With names the question can show them; without, only the number of the columns is known.
     if not choice.columns and is_named:
         raise _ask_which(names)
     if not choice.columns:

@@ -373,12 +373,14 @@ def role_of(name: str) -> str | None:
     # The whole name before its parts: "loss factor" is no loss with a remark.
     if folded in _ROLE_OF:
         return _ROLE_OF[folded]
+    # Means of repeated measurements stand for the quantity itself.
     if folded.endswith(_MEANS):
         stem = _ROLE_OF.get(folded.removesuffix("mean").removesuffix("avg"))
         if stem not in AVERAGED:
             # A mean force is one over a cycle, not over repeated measurements.
             return None
         return stem
+    # "Frequency (actual)" beside "Frequency (set)": the measured one counts.
     if _QUALIFIED.search(name):
         return _ROLE_OF.get(fold(_QUALIFIED.sub(" ", name)))
     # "Storage modulus G'" says it twice, "Frequency (f)" explains its symbol.
