@@ -10,7 +10,9 @@ from springpot.errors import ModelError
 from springpot.identification import Problem, default_objective
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Formula, Model, Parameter
-from springpot.rheology.parameters import order
+from springpot.rheology.elements import Springpot
+from springpot.rheology.nodes import VALUE
+from springpot.rheology.parameters import order, quasi_property
 
 OMEGA = 2 * np.pi * np.geomspace(0.5, 50.0, 25)
 
@@ -46,6 +48,23 @@ def test_it_is_told_before_anything_is_fitted(slip, name, scale):
         for _ in range(2):
             with pytest.raises(ModelError, match=rf"by {name} is wrong by"):
                 use()
+
+
+class TwoWays(Springpot):
+    """A springpot whose quick way, without derivatives, has a slip in it."""
+
+    def respond(self, theta, at, depth=VALUE):
+        found = super().respond(theta, at, depth)
+        if depth == VALUE:
+            return found._replace(value=1.02 * found.value)
+        return found
+
+
+def test_so_is_a_stiffness_that_depends_on_whether_derivatives_are_asked_for():
+    careless = Model("careless", TwoWays(quasi_property("c", "alpha"), order()), "a test", "none")
+    for _ in range(2):
+        with pytest.raises(ModelError, match="stiffness of careless is another by 2 % where its derivative is asked"):
+            springpot.identify(data(), careless)
 
 
 def test_a_right_derivative_is_no_complaint():

@@ -37,10 +37,18 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
     Raises
     ------
     ModelError
-        If the derivative is wrong, with the parameter where it is most so.
+        If the derivative is wrong, with the parameter where it is most so; or if the model gives another stiffness
+        with it than without.
     """
     if model.network in _checked:
         return
+    with np.errstate(all="ignore"):
+        apart = _apart(model, theta, points)
+    if apart > WRONG:
+        raise ModelError(
+            f"the stiffness of {model.name} is another by {100 * apart:.2g} % where its derivative is asked for too: "
+            "nothing is fitted with it; the plugin's author finds the rest with springpot.testing"
+        )
     _checked.add(model.network)
     with np.errstate(all="ignore"):
         # At the kink of a slider, say, no difference is right; a wrong derivative is wrong everywhere.
@@ -56,6 +64,14 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
         f"the derivative of {model.name} by {model.names[worst]} is wrong by {100 * found[worst]:.2g} %: nothing is "
         "fitted with it; the plugin's author finds the rest with springpot.testing"
     )
+
+
+def _apart(model: Model, theta: Real, points: Points) -> float:
+    """Largest relative difference of the stiffness with and without derivatives, where both are finite."""
+    # Two ways of one model, the quick one of them written apart: a search goes by one and a descent by the other.
+    alone, beside = model.network.respond(theta, points).value, model.network.respond(theta, points, GRADIENT).value
+    apart = np.abs(beside - alone) / np.abs(alone)
+    return float(np.max(apart[np.isfinite(apart)], initial=0.0))
 
 
 def _elsewhere(model: Model, theta: Real, factor: float) -> Real:
