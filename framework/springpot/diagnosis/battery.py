@@ -23,6 +23,7 @@ from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal
 from .noise import Averaged
 from .outliers import outlying, point_in_words
 from .policy import BATTERY, OUTLIERS, VERDICT
+from .unseen import unseen_error, unseen_in_words
 from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
@@ -447,6 +448,15 @@ def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
     return says
 
 
+# Levels of a condition that a fit without them would not foretell.
+def _unseen(name: str) -> ResidualTest:
+    return ResidualTest(
+        f"unseen {name}",
+        lambda frame, sample: unseen_error(frame, sample, name),
+        lambda frame: unseen_in_words(frame, name),
+    )
+
+
 TESTS = (
     ResidualTest("scatter", _scatter, _scatter_in_words),
     ResidualTest("storage alone", _part(0), _part_in_words(0, "storage")),
@@ -461,5 +471,6 @@ TESTS = (
     ResidualTest("furthest point", _largest, _largest_in_words),
     ResidualTest("mains frequency", _hum, _hum_in_words),
     *(ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name)) for name in CONDITIONS),
+    *(_unseen(name) for name in CONDITIONS),
 )
 """All that is looked for."""

@@ -17,12 +17,12 @@ from springpot.rheology import Effect, Model
 from .candidates import printed
 from .diagnose import Case, examine
 from .display import html_of_ladder
-from .leftover import prediction_gain
 from .policy import LADDER
 from .progress import Progress, silent, within
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
+from .unseen import prediction_gain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

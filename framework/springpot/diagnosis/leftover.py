@@ -1,4 +1,4 @@
-"""What the best model leaves, without a name: its size, fixed in Hz or moving, causal; and how well it predicts."""
+"""What the best model leaves, without a name: its size, fixed in Hz or moving, causal or not."""
 
 from __future__ import annotations
 
@@ -12,21 +12,17 @@ from scipy.interpolate import BSpline
 
 from springpot.distributions import normal_quantile
 from springpot.measurement import (
-    CONDITIONS,
-    Measurement,
     distinct_log_omega,
-    frequency_numbers,
     sweeps_of,
-    telling,
     temperatures_differ,
 )
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import Frame, chance_of_squares, orthonormal
-from .policy import LEFTOVER, VALIDATION
-from .refit import Refit, refit
+from .policy import LEFTOVER
+from .refit import Refit
 from .where import where
-from .words import plain, times
+from .words import plain
 
 Rows: TypeAlias = NDArray[np.int64]
 
@@ -280,96 +276,3 @@ def _with_resonance(frame: Frame, x: Real) -> Frame:
             if energy > most:
                 best, most = shapes, energy
     return replace(frame, jacobian=np.concatenate([frame.jacobian, best]))
-
-
-def validation(base: Refit, grown: Refit) -> Iterator[str]:
-    """One sentence for each condition of which several levels were measured.
-
-    Parameters
-    ----------
-    base : Refit
-        The user's model.
-    grown : Refit
-        The model with what is missing.
-    """
-    for name in CONDITIONS:
-        folds = _folds_of(base.fit.measurement, name)
-        if not folds:
-            continue
-        old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
-        word = "does not predict it better"
-        if new < VALIDATION.better * old:
-            word = "predicts it better"
-        yield (
-            f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
-        )
-
-
-def prediction_gain(before: Refit, after: Refit) -> float:
-    """Error of prediction after over before, where something inside the data is left out; one where nothing can be.
-
-    What is physics predicts what it has not seen; a curve that was bent to a misfit does not.
-
-    Parameters
-    ----------
-    before, after : Refit
-        A model, and the same with an effect.
-    """
-    measurement = after.fit.measurement
-    by_condition = (folds for name in CONDITIONS if (folds := _folds_of(measurement, name)))
-    folds = next(by_condition, _folds_of_bands(frequency_numbers(measurement)))
-    if not folds:
-        return 1.0
-    # Both on the same data in units of the same noise: outliers may have been set aside on one rung only.
-    again = refit(before.model, after.data, after.noise, [before.theta], starts=2)
-    return left_out_error(after, folds) / max(left_out_error(again, folds), 1e-300)
-
-
-def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
-    """Root mean square error, in units of the noise, of points that the fit has not seen.
-
-    Parameters
-    ----------
-    fitted : Refit
-        A fit of all data, from which each fit of less starts.
-    folds : list of ndarray of bool, shape (n,)
-        Rows to leave out.
-    """
-    total, count = 0.0, 0
-    for fold in folds:
-        less = fitted.without(fold)
-        off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
-        sd = fitted.noise.sd
-        total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
-        count += 2 * int(np.sum(fold))
-    return float(np.sqrt(total / count))
-
-
-def _folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
-    """Rows of a few inner levels of a condition, or of inner bands where it was swept: ends would be extrapolated."""
-    column = measurement.conditions.get(name)
-    if column is None or (name == "temperature" and not temperatures_differ(measurement)):
-        return []
-    level = measurement.levels(name)
-    count = int(level.max()) + 1
-    if count < VALIDATION.fewest_levels:
-        return []
-    if len(level) >= VALIDATION.points_of_each * count:
-        return [level == number for number in _inner(count)]
-    if name not in telling(measurement):
-        return []
-    return _folds_of_bands(level)
-
-
-def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
-    """Rows of inner bands of frequencies, or of levels, by their numbers (n,); none where they are few."""
-    distinct = int(number.max()) + 1
-    if distinct < 2 * VALIDATION.bands:
-        return []
-    band = number * VALIDATION.bands // distinct
-    return [band == each for each in _inner(VALIDATION.bands)]
-
-
-def _inner(count: int) -> list[int]:
-    """A few of the numbers 1 to count - 2, evenly."""
-    return sorted({round(x) for x in np.linspace(1, count - 2, min(VALIDATION.folds, count - 2)).tolist()})

@@ -11,7 +11,7 @@ from springpot.rheology import INERTANCE, Effect
 
 from .battery import Finding
 from .evidence import Evidence
-from .leftover import discrepancy, log_shift_of, validation
+from .leftover import discrepancy, log_shift_of
 from .levels import notes_on_levels
 from .marginal import harmonic_evidence, likeliest_unknown
 from .outliers import Outlier
@@ -20,6 +20,7 @@ from .policy import EVIDENCE, SCATTER, VERDICT
 from .result import Candidate, Value, Verdict
 from .scatter import scatter_about
 from .search import Search, moved_along
+from .unseen import validation
 from .words import percent, times
 
 ONE_FREQUENCY = 1e-3

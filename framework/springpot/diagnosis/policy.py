@@ -482,6 +482,8 @@ class ValidationLevels:
     """Points of each level at least: of fewer one says little."""
     fewest_levels: int = 4
     """Levels from which two inner ones can be left out between others."""
+    least_seen: float = 0.1
+    """Share of a level's residual that the other levels must leave along an axis, or they do not predict it."""
     bands: int = 6
     """Bands into which a condition that was swept is divided, or the frequency where no condition differs."""
 
