@@ -169,6 +169,9 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
     some = slice(None, None, max(1, len(edge.u) // MOST_SAMPLES))
     power = (edge.slope / edge.value)[some]
     fine = np.isfinite(power)
+    if not np.any(fine):
+        # K is nothing along the whole edge, as of an element whose constant has become zero: it has no poles.
+        return np.zeros(0, dtype=np.complex128)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()

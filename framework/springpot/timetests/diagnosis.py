@@ -21,8 +21,8 @@ from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .identify import identify
 from .judging import ALIKE, HINT, PLAINLY, Left, delta_bic, independent
 from .native import Search
-from .parts import InTimePart, Part, SweepPart, Test, parts_of_specimen
-from .quick import QuickPart, UnfollowedError
+from .parts import InTimePart, Part, Test, parts_of_specimen
+from .quick import QuickPart, UnfollowedError, quick_parts
 from .result import TimeIdentification
 from .scatter import Scatter
 from .score import AnyEffect, Promise, Scan
@@ -174,13 +174,7 @@ def _judged(
     if base is None:
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
-    quick: list[QuickPart | SweepPart] = []
-    for part in parts:
-        # At frequencies the exact answer is a formula already.
-        if isinstance(part, SweepPart):
-            quick.append(part)
-        else:
-            quick.append(QuickPart.of(part))
+    quick = quick_parts(parts)
     before = Left.by(base.model, base.theta, base.reference, parts)
     promises = Scan(base, quick).promises(effects)
     leading = _leading(promises, before)
@@ -232,7 +226,8 @@ def _of_material(
         effect = promises[0].effect
         model = grown(base.model, effect)
         try:
-            fit = identify(tests, model, seeds=[_grown(base.theta, base, promises[0], model)], noise=known)
+            seeds = [promise.start(base, model) for promise in promises[:STARTS]]
+            fit = identify(tests, model, seeds=seeds, thorough=False, noise=known)
         except SpringpotError:
             continue
         left = Left.by(fit.model, fit.theta, fit.reference, parts)
@@ -249,8 +244,8 @@ def _nearly(
     for promises in leading:
         effect = promises[0].effect
         model = grown(base.model, effect)
-        seeds = [_grown(promise.theta, base, promise, model) for promise in promises[:STARTS]]
-        seeds.append(_grown(base.theta, base, promises[0], model))
+        seeds = [promise.start(base, model, moved=True) for promise in promises[:STARTS]]
+        seeds.append(promises[0].start(base, model))
         search = Search(model, quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
@@ -319,15 +314,6 @@ def _near(each: Tried, best: Tried, before: Left, noise: Sequence[Scatter], base
 
 def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdentification) -> float:
     return delta_bic(before, each.left, noise, len(each.theta) - len(base.theta))
-
-
-def _grown(theta: Real, base: TimeIdentification, promise: Promise, model: Model | Timed) -> Real:
-    """A start: parameters of the model without the effect, and as much of it as it promises."""
-    known = dict(zip(base.model.names, theta.tolist(), strict=True))
-    new = [parameter for parameter in model.parameters if parameter.name not in known]
-    for parameter, value in zip(new, promise.values, strict=True):
-        known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
-    return model.vector(known)
 
 
 def _plain_bic(left: Left) -> float:

@@ -8,21 +8,25 @@ from time import perf_counter
 
 import numpy as np
 
-from springpot.errors import ModelError
+from springpot.errors import ModelError, SpringpotError
 from springpot.identification import Optimiser, best_run, is_material
 from springpot.identification.coordinates import Coordinates
 from springpot.measurement import Measurement, Timed, TimeTest, material_of
-from springpot.rheology import Model, Real
+from springpot.rheology import Effect, Model, Real, sorted_out
 
 from .material import spectral
 from .native import Found, Search
 from .parts import Part, Test, parts_of_specimen, reference_of, require_tests
+from .quick import quick_parts
 from .result import TimeIdentification
+from .score import Scan
 from .searched import InTimeProblem
 
 NATIVE = "native"
 BUDGET = 2000
 """Evaluations of an optimiser: each takes some milliseconds, so that this is a matter of ten seconds."""
+STARTS = 2
+"""Places of a force that is not linear, of those that a scan finds, from which a search begins."""
 
 
 def identify(
@@ -92,9 +96,11 @@ def identify(
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
+    if thorough or not len(seeds):
+        seeds = [*seeds, *_scanned(given, model, parts, noise)]
     # Of any material the spectrum itself is sought, which is a problem of another kind.
     if is_material(material_of(model)):
-        search, found = _of_material(model, parts, reference)
+        search, found = _of_material(model, parts, reference, seeds)
         return search.result(found, perf_counter() - began)
     # Without a seed there is no other place to begin at.
     search = Search(model, parts, reference, seeds, thorough or not len(seeds))
@@ -160,7 +166,36 @@ def _weighed(
     return weighed, alone, evaluations
 
 
-def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float) -> tuple[Search, Found]:
+def _scanned(
+    given: Sequence[Test], model: Model | Timed, parts: Sequence[Part], noise: Sequence[Real | None] | None
+) -> list[Real]:
+    """Starts (p,) with the last force that is not linear where a scan of the model without it puts it.
+
+    A threshold has a minimum for each way to share the force between it and the rest: natural sizes find any of them.
+    """
+    beside = sorted_out(material_of(model))[1]
+    if not beside:
+        return []
+    last = beside[-1].effect
+    try:
+        base = identify(given, _less(model, last), noise=noise)
+        promises = Scan(base, quick_parts(parts)).promises([last])
+    except SpringpotError:
+        # It has no law in such a test, or nothing is left to fit: the search begins at natural sizes.
+        return []
+    best = promises.get(last.name, [])[:STARTS]
+    return [each.start(base, model, moved=moved) for each in best for moved in (True, False)]
+
+
+def _less(model: Model | Timed, effect: Effect) -> Model | Timed:
+    if isinstance(model, Timed):
+        return replace(model, material=model.material - effect)
+    return model - effect
+
+
+def _of_material(
+    model: Model | Timed, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
+) -> tuple[Search, Found]:
     """Any linear passive material, whose spectrum the tests choose."""
     typical = Search(model, parts, reference)
     around = len(material_of(model).material.parameters)
@@ -171,8 +206,10 @@ def _of_material(model: Model | Timed, parts: Sequence[Part], reference: float) 
         typical.sizes[1],
     )
 
+    own = [seed[len(seed) - len(model.parameters) + around :] for seed in seeds]
+
     def fitted(some: Sequence[Part]) -> tuple[Search, Real, int]:
-        with_lines, theta, spent = spectral(model, some, reference, coordinates)
+        with_lines, theta, spent = spectral(model, some, reference, coordinates, own)
         search = Search(with_lines, parts, reference, thorough=False)
         return search, search.coordinates.u(theta, search.size), spent
 

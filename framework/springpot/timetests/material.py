@@ -47,7 +47,11 @@ def with_rates(model: Model | Timed, rates: Sequence[float]) -> Model | Timed:
 
 
 def spectral(
-    model: Model | Timed, parts: Sequence[Part], reference: float, coordinates: Coordinates
+    model: Model | Timed,
+    parts: Sequence[Part],
+    reference: float,
+    coordinates: Coordinates,
+    seeds: Sequence[Real] = (),
 ) -> tuple[Model | Timed, Real, int]:
     """A material with the lines that tests in time show, and its parameters.
 
@@ -61,6 +65,8 @@ def spectral(
         Temperature in kelvin at which shifts are one.
     coordinates : Coordinates
         Of the parameters of the effects alone.
+    seeds : sequence of ndarray, shape (q,)
+        Parameters of the effects that are worth a start, beside their natural sizes.
 
     Returns
     -------
@@ -77,7 +83,9 @@ def spectral(
         If the model cannot be followed in these tests, or any material could have done what an effect of them did.
     """
     search = _Search(model, parts, reference, coordinates)
-    weights, u, _ = search.descended(search.placed(search.start()), STEPS)
+    starts = [search.placed(search.start()), *search.seeded(seeds)]
+    ends = [search.descended(start, STEPS) for start in starts]
+    weights, u, _ = min(ends, key=lambda each: each.cost)
     search.require_told(weights, u)
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
@@ -136,6 +144,15 @@ class _Search:
             if np.isfinite(cost):
                 return Place(weights, small, cost)
         raise ModelError(f"{self.model.name} cannot be followed in these tests")
+
+    def seeded(self, seeds: Sequence[Real]) -> list[Place]:
+        """Starts with these parameters of the effects, all lines alike; those that cannot be followed are none."""
+        weights = self.start().weights
+        starts = []
+        for seed in seeds:
+            u = self.coordinates.u(np.asarray(seed, dtype=float).copy(), self.size)
+            starts.append(Place(weights, u, self.cost(weights, u)))
+        return [start for start in starts if np.isfinite(start.cost)]
 
     def placed(self, start: Place) -> Place:
         """A start with each effect of the tests where it does most good, of the places where it may lie."""
@@ -235,6 +252,9 @@ class _Search:
     def step(self, place: Place, value: Real, by_weights: Real, by_u: Real) -> Place | None:
         """A better place, or None where none is found on the way to that of the linear problem."""
         weights, u, cost = place
+        if not all(np.all(np.isfinite(each)) for each in (by_weights, by_u)):
+            # K is a number here and its slope is none, as where a loop closes on itself: no way leads on.
+            return None
         target = by_weights @ weights - value
         wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
         move: Real = u

@@ -72,6 +72,28 @@ class Promise:
     amount: float
     direction: Real
 
+    def start(self, base: TimeIdentification, model: Model | Timed, *, moved: bool = False) -> Real:
+        """A start (p,) for the model with the effect: what it promises beside the parameters of the fit.
+
+        Parameters
+        ----------
+        base : TimeIdentification
+            The fit that was scanned.
+        model : Model or Timed
+            Its model with the effect.
+        moved : bool
+            Let the parameters of the fit make way for the effect, as far as a linear step says.
+        """
+        theta = base.theta
+        if moved:
+            theta = self.theta
+        known = dict(zip(base.model.names, theta.tolist(), strict=True))
+        new = [parameter for parameter in model.parameters if parameter.name not in known]
+        for parameter, value in zip(new, self.values, strict=True):
+            known[parameter.name] = float(np.clip(value, parameter.lower, parameter.upper))
+        # Lines of a free spectrum, which the fit has and the model not yet, are found anew.
+        return model.vector({name: known[name] for name in model.names})
+
 
 @dataclass(frozen=True, eq=False)
 class Atom:
