@@ -22,10 +22,11 @@ from .identify import identify
 from .judging import ALIKE, HINT, PLAINLY, Left, delta_bic, independent
 from .native import Search
 from .parts import InTimePart, Part, Test, parts_of_specimen
+from .promise import AnyEffect, Promise
 from .quick import QuickPart, UnfollowedError, quick_parts
 from .result import TimeIdentification
 from .scatter import Scatter
-from .score import AnyEffect, Promise, Scan
+from .score import Scan
 from .where import Place, places, worst_first
 
 LEADING = 14

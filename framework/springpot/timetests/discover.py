@@ -14,8 +14,8 @@ from .answer import TimeDiagnosis
 from .diagnosis import diagnose
 from .identify import identify
 from .parts import Test
+from .promise import AnyEffect
 from .result import TimeIdentification
-from .score import AnyEffect
 
 SCHEMA = "springpot.discovery-in-time/1"
 MOST = 6
