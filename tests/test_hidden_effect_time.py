@@ -18,7 +18,9 @@ from hidden_effects_time.physics import creep, relaxation, to_history  # noqa: E
 from hidden_effects_time.tables import figures, write_tables  # noqa: E402
 from springpot.registry import parse_model  # noqa: E402
 
-SEED, CASES = 33, 10
+SEED = 33
+CASES = (0, 1, 2, 3, 4, 5, 8)
+"""Five with something of the library hidden, one with something of none, and one with nothing."""
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +28,7 @@ def verdicts():
     effects = library()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        return [judged(drawn_case(SEED, index), index, effects) for index in range(CASES)]
+        return [judged(drawn_case(SEED, index), index, effects) for index in CASES]
 
 
 def test_what_is_plainly_missing_is_seen_and_named(verdicts):
@@ -53,7 +55,7 @@ def test_what_no_library_has_is_not_given_a_name(verdicts):
 def test_the_tables_count_all_cases(verdicts, tmp_path):
     write_tables(verdicts, tmp_path, SEED)
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert f"{CASES} tests drawn anew" in text
+    assert f"{len(CASES)} tests drawn anew" in text
     assert all(name in text for name, _, _ in figures(verdicts))
 
 

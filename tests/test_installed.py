@@ -192,9 +192,12 @@ def test_the_effect_takes_part_in_diagnosis_and_is_found(installed: Environment)
 def test_the_optimiser_runs_in_a_study(installed: Environment):
     script = installed.home / "tiny.py"
     script.write_text(STUDY)
-    answer = json.loads(installed.springpot("run", script, "--workers", "1", "--quiet", "--json"))
+    store = "results/tiny/tiny.sqlite"
+    asked = ["run", str(script), "--workers", "1", "--quiet", "--json"], ["tables", store, "--format", "csv"]
+    told, table = installed.springpots(*asked)
+    answer = json.loads(told)
     assert (answer["trials"], answer["ran"], answer["failed"]) == (4, 4, 0)
-    table = installed.springpot("tables", answer["store"], "--format", "csv")
+    assert answer["store"] == store
     assert "example-optimiser" in table
     assert "native" in table
 

@@ -9,6 +9,7 @@ from types import ModuleType
 import pytest
 from benchmark_fakes import Moody, Walk, moody_study, small_study
 
+from soaked import soaked
 from springpot.benchmark import FORMATS, Status, Store, run_study
 from springpot.errors import StudyError
 
@@ -33,7 +34,7 @@ def serial(tmp_path_factory):
     return tables(folder)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [soaked(1), 2])
 def test_local_workers_give_the_bytes_of_a_serial_run(serial, tmp_path, workers):
     outcome = run_study(small_study(), workers=workers, out=tmp_path, quiet=True)
     assert (outcome.trials, outcome.ran, outcome.failed) == (32, 32, 0)

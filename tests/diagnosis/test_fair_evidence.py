@@ -69,8 +69,15 @@ def resonant(at, hertz=12.0, zeta=0.05, stiffness=3000.0):
     return 1.0 / (1.0 / exact(KELVIN, at) + 1.0 / (stiffness * (1.0 - r**2 + 2j * zeta * r)))
 
 
-def test_what_looks_like_a_resonance_may_be_another_narrow_feature():
-    case = examined(measured(NARROW, resonant(NARROW), level=0.003))
+@pytest.fixture(scope="module")
+def rungs():
+    """The model alone, and with the resonance that is there."""
+    data = measured(NARROW, resonant(NARROW), level=0.003)
+    return springpot.discover(data, KELVIN.name, accept=["frame-resonance"]).steps
+
+
+def test_what_looks_like_a_resonance_may_be_another_narrow_feature(rungs):
+    case = rungs[0].case
     for each in (Evidence.of(case.search), case.evidence):
         explained = sum(one.probability for one in each.explanations)
         assert each.nothing + each.unknown + explained == pytest.approx(1.0)
@@ -93,10 +100,8 @@ def test_a_mass_beside_a_resonance_is_as_sure_as_without():
     assert diagnosis.says.endswith("or another narrow feature")
 
 
-def test_a_rung_of_a_resonance_says_that_it_may_be_something_else():
-    data = measured(NARROW, resonant(NARROW), level=0.003)
-    step = springpot.discover(data, KELVIN.name, accept=["frame-resonance"]).steps[-1]
-    assert "another narrow feature" in doubt_text(step)
+def test_a_rung_of_a_resonance_says_that_it_may_be_something_else(rungs):
+    assert "another narrow feature" in doubt_text(rungs[-1])
 
 
 @pytest.mark.parametrize("row", [20, soaked(35)])

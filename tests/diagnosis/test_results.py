@@ -14,13 +14,13 @@ from springpot.report.jsontext import jsonable, to_json
 DATA, MODEL = "artificial-hidden", "fractional-maxwell"
 
 
-@pytest.fixture(scope="module")
-def ladder():
+@pytest.fixture
+def ladder(asked_once):
     return springpot.discover(DATA, MODEL, accept="inertia")
 
 
-@pytest.fixture(scope="module")
-def compared():
+@pytest.fixture
+def compared(asked_once):
     return springpot.compare(DATA, [MODEL, f"{MODEL} + inertia"])
 
 

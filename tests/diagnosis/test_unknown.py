@@ -59,7 +59,9 @@ def test_a_gain_that_creeps_with_time_is_no_temperature_effect():
     assert told(diagnosis, "from row to row")
 
 
-@pytest.mark.parametrize("effect", ["inertia", "time-delay", "phase-error", "parallel-dashpot", "series-spring"])
+@pytest.mark.parametrize(
+    "effect", ["time-delay", "phase-error", *map(soaked, ("inertia", "parallel-dashpot", "series-spring"))]
+)
 def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
     base = ZENER if effect == "inertia" else KELVIN
     diagnosis = springpot.diagnose(hidden(base, SWEEP, effect, 1000.0), base.name)
