@@ -117,6 +117,19 @@ springpot.cli.main(["list"])
     assert (process.returncode, process.stderr) == (130, "")
 
 
+@pytest.mark.parametrize("closed", [0, 1, 2])
+def test_a_stream_that_is_closed_is_no_fault(tmp_path, closed):
+    """As services start their programs."""
+    asked = ["identify", "artificial-fractional-kelvin", "--model", "fractional-kelvin", "--optimiser", "cma-es"]
+    done = subprocess.run(
+        [sys.executable, "-m", "springpot", *asked, "--budget", "300", "--json"], text=True, capture_output=True,
+        preexec_fn=lambda: os.close(closed), env=os.environ | {"SPRINGPOT_CACHE": str(tmp_path)},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    if closed != 1:
+        assert json.loads(done.stdout)["optimiser"] == "cma-es"
+
+
 NOISY = """
 import os
 

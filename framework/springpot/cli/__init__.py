@@ -37,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     # The matrices of a fit are small: threads only wait for one another, a factor of twenty on a busy machine.
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    _open_streams()
     ctrl_c = CtrlC()
     signal.signal(signal.SIGINT, ctrl_c)
     try:
@@ -47,3 +48,16 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             raise
         sys.exit(130)
     sys.exit(exit_code(lambda: run(sys.argv[1:] if arguments is None else list(arguments))))
+
+
+def _open_streams() -> None:
+    """Let what a service has started with closed streams read nothing, and write to nowhere."""
+    for fd, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is not None:
+            continue
+        # Else the next file that is opened would get the number, and whatever is printed would be written into it.
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        if nowhere != fd:
+            os.dup2(nowhere, fd)
+            os.close(nowhere)
+        setattr(sys, name, os.fdopen(fd, mode, closefd=False))
