@@ -24,6 +24,8 @@ from springpot.measurement import (
     misspelt,
     temperature_in_celsius,
 )
+from springpot.measurement.again import NOTE as AGAIN
+from springpot.measurement.again import again_note
 from springpot.measurement.exchange import NOTE as EXCHANGED
 from springpot.measurement.exchange import exchange_note
 from springpot.measurement.together import runs_together
@@ -99,7 +101,7 @@ def measurement_of(
         provenance=provenance,
         labels=labels,
     )
-    return replace(measured, provenance={**provenance, **exchange_note(measured)})
+    return replace(measured, provenance={**provenance, **exchange_note(measured), **again_note(measured)})
 
 
 def _unit(column: Column, table: dict[str, float], advice: str) -> str:
@@ -224,7 +226,7 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
-NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature", EXCHANGED})
+NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature", AGAIN, EXCHANGED})
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
 
 

@@ -258,3 +258,29 @@ class TestExchange:
 def test_a_hint_that_is_no_complete_sentence_is_never_taken_for_data(folder):
     with pytest.raises(DataError, match="says nothing of a column"):
         folder.open(table("omega [rad/s],G' [Pa],G'' [Pa]"), "?storage")
+
+
+class TestRepeats:
+    """The same frequencies again and again, in a table that does not say why."""
+
+    def text(self, second=(), title=""):
+        twice = np.tile(OMEGA, 2), np.tile(STIFFNESS.real, 2), np.tile(STIFFNESS.imag, 2)
+        return f"omega [rad/s],G' [Pa],G'' [Pa]{title}\n{rows((*twice, *second))}\n"
+
+    @pytest.mark.parametrize("title", ["", ",Point", ",Time [s]"])
+    def test_are_told(self, folder, title):
+        counted = [np.arange(10.0)] * bool(title)
+        note = folder.open(self.text(counted, title)).provenance["note repeats"]
+        assert "each of 5 frequencies stands 2 times" in note
+
+    @pytest.mark.parametrize("title", ["T [°C]", "Strain [%]", "repeat", "run"])
+    def test_are_not_told_where_the_table_says_what_differs(self, folder, title):
+        level = np.repeat([20.0, 40.0], 5)
+        if title == "repeat":
+            level = np.repeat([1.0, 2.0], 5)
+        assert "note repeats" not in folder.open(self.text([level], f",{title}")).provenance
+
+    def test_a_setting_in_time_at_one_frequency_is_none(self, folder):
+        columns = (np.arange(20.0), np.full(20, 6.28), np.geomspace(1, 500, 20), np.geomspace(5, 50, 20))
+        found = folder.open(f"time [s],omega [rad/s],G' [Pa],G'' [Pa]\n{rows(columns)}\n")
+        assert "note repeats" not in found.provenance

@@ -1,0 +1,56 @@
+"""Whether a table holds each frequency several times without saying that these are repeats."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .measurement import Measurement
+from .sweeps import DRIFT, frequency_numbers
+from .together import RUNS
+
+NOTE = "note repeats"
+"""Key of the note in a measurement's provenance."""
+FEWEST_FREQUENCIES = 5
+"""Fewer that come again are a test that follows something else, such as a setting in time."""
+SAME_AMPLITUDE = 0.05
+"""Relative range within which amplitudes are one, as where a user chooses rows by an amplitude."""
+
+
+def again_note(measurement: Measurement) -> dict[str, str]:
+    """A note where each frequency stands equally often under the same conditions; empty otherwise.
+
+    Told and not taken for repeats: a sweep up and down, or one before and one after an ageing, looks alike.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    """
+    number = frequency_numbers(measurement)
+    count = np.bincount(number)
+    if len(count) < FEWEST_FREQUENCIES or count.min() < 2 or count.min() != count.max():
+        return {}
+    # What names runs tells them apart already.
+    if measurement.repeat is not None or RUNS & set(measurement.conditions) or _is_labelled(measurement):
+        return {}
+    for name, width in (("temperature", DRIFT), ("amplitude", SAME_AMPLITUDE)):
+        column = measurement.conditions.get(name)
+        if column is None:
+            continue
+        if name == "amplitude":
+            column = np.log(column)
+        # Each frequency at several temperatures or amplitudes is a set of sweeps, no repeat of one.
+        low, high = np.full(len(count), np.inf), np.full(len(count), -np.inf)
+        np.minimum.at(low, number, column)
+        np.maximum.at(high, number, column)
+        if np.max(high - low) > width:
+            return {}
+    said = f"each of {len(count)} frequencies stands {count.min()} times under the same conditions"
+    return {
+        NOTE: f"{said}: if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
+    }
+
+
+def _is_labelled(measurement: Measurement) -> bool:
+    """Whether some column of words has several values."""
+    return any(len(np.unique(words)) > 1 for words in measurement.labels.values())
