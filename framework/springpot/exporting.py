@@ -104,6 +104,7 @@ def exported(
     SpringpotError
         If something of it is unknown, missing or does not go together, in one line.
     """
+    # What is asked for wrongly is told before a spectrum is worked out.
     writer: Writer = plugins().find("writer", format_name)
     if terms is not None and tolerance is not None:
         raise ModelError("give a tolerance or a number of terms, not both")
@@ -124,6 +125,7 @@ def exported(
     if source.endswith(".json") or unit is not None:
         shown_unit = known.units.stiffness
     handoff = _handoff(known, prony, shown_unit, kelvin, poisson)
+    # An FMU is no text: its bytes are made beside the text that says what is in it.
     data = None
     if writer.data is not None:
         data = writer.data(handoff)
@@ -180,6 +182,7 @@ def _printed(known: Known, unit: str) -> dict[str, str]:
     shown = {}
     for parameter in known.model.released().parameters:
         if not parameter.detail:
+            # Without a unit numbers are printed as they were given.
             factor, label = 1.0, ""
             if unit:
                 factor, label = known.units.of(parameter.unit)

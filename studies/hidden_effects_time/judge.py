@@ -84,22 +84,46 @@ def judged(case: Case, index: int, effects: Sequence[Any]) -> Verdict:
     seconds = process_time() - began
     left = recorded(model, base.theta, case.test).value - case.test.response
     noise = case.exact - case.test.response
+    # What the true model leaves is the mark; where there is none to fit, the noise that was drawn.
     oracle = _oracle(case, base.theta)
-    best = found.candidates[0].over_floor if found.best is not None else found.error.over_floor
+    if oracle is None:
+        oracle = noise
+    best, delta = found.error.over_floor, 0.0
+    if found.best is not None:
+        best = found.candidates[0].over_floor
+    if found.candidates:
+        delta = found.candidates[0].delta_bic
+    # The floor in the unit of the record: the error of the base fit over how many times the noise it is said to be.
     floor = found.error.noise_floor / max(found.error.relative_rms, 1e-300)
-    size = float(np.sqrt(np.mean(left**2))) * floor
+    size = _rms(left) * floor
     return Verdict(
-        index, case.setting.kind, case.setting.base, case.hidden, case.outside, len(case.test), case.memory,
-        _squares(left, case) - _squares(noise if oracle is None else oracle, case),
-        found.verdict, found.missing,
-        found.candidates[0].delta_bic if found.candidates else 0.0,
-        best, float(np.sqrt(np.mean((noise if oracle is None else oracle) ** 2))) / size, seconds,
-    )  # fmt: skip
+        index=index,
+        kind=case.setting.kind,
+        base=case.setting.base,
+        hidden=case.hidden,
+        outside=case.outside,
+        points=len(case.test),
+        memory=case.memory,
+        visible=_squares(left, case) - _squares(oracle, case),
+        verdict=found.verdict,
+        missing=found.missing,
+        delta=delta,
+        after=best,
+        oracle=_rms(oracle) / size,
+        seconds=seconds,
+    )
+
+
+def _rms(values: Any) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _squares(residual: Any, case: Case) -> float:
     """Chi-square over the true noise."""
-    seen = residual[1:] if not np.isfinite(residual[0]) else residual
+    seen = residual
+    # At the instant of a step a springpot's force has no limit.
+    if not np.isfinite(residual[0]):
+        seen = residual[1:]
     white = np.diff(seen, prepend=0.0) + (1.0 - case.memory) * np.concatenate([[0.0], seen[:-1]])
     white[0] = seen[0] * np.sqrt(1.0 - case.memory**2)
     return float(np.sum(white**2) / (case.sd**2 * (1.0 - case.memory**2)))

@@ -77,6 +77,7 @@ def _newton(frame: Frame, s: complex, shape: Complex, share: float) -> tuple[com
     # Without its own damping too: that comes in with the dampers.
     bare = Frame(frame.mass, frame.stiffness)
     for _ in range(ITERATIONS):
+        # K_d(s) of a springpot is no polynomial: it is taken at s itself, with its exact slope.
         at = np.array([s])
         whole, plain = frame.dynamic(at), bare.dynamic(at)
         value = (1.0 - share) * plain[0][0] + share * whole[0][0]
@@ -169,5 +170,6 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
         In m.
     """
     value, _ = frame.dynamic(1j * np.atleast_1d(np.asarray(omega, dtype=float)))
+    # Seen from the ground each floor is pushed by its own inertia.
     load = -frame.mass * acceleration * np.ones((len(value), 1))
     return np.asarray(np.linalg.solve(value, load[:, :, None])[:, :, 0])

@@ -110,6 +110,7 @@ def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0
     t = np.arange(0.0, duration, step)
     omega, zeta = 15.6, 0.6
     upper, lower, _ = cont2discrete(([2 * zeta * omega, omega**2], [1.0, 2 * zeta * omega, omega**2]), step)
+    # What the mass of an oscillator feels whose foot the noise shakes: the soil above the rock.
     shaken = lfilter(upper.ravel(), lower, rng.normal(size=len(t)))
     shaken = (shaken - shaken.mean()) * (t / duration) ** 2 * np.exp(-12.0 * t / duration)
     return Record(step, peak * shaken / np.abs(shaken).max(), "artificial")
@@ -154,6 +155,7 @@ class Motion:
         step = self.record.step
         # Relative to the ground its acceleration is a force of inertia, against it.
         power = -(self.velocity @ self.frame.mass) * self.record.acceleration
+        # What neither the dampers nor the frame take is in motion or in springs when the record ends.
         own = np.einsum("ti,ij,tj->t", self.velocity, self.frame.viscous, self.velocity)
         rates = self.frame.drift_of(self.velocity)
         taken = sum(
@@ -195,6 +197,7 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     0.015
     """
     matrix, load, parts = _system(frame, record)
+    # A linear system goes in exact steps of the record, as long as they are; a jump of friction needs short ones.
     besides = {i: Beside(damper) for i, damper in enumerate(frame.dampers) if damper.beside}
     n, count = len(frame), len(record.acceleration)
     if besides:
@@ -237,6 +240,7 @@ def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: di
     start = rows @ y[:n], rows @ y[n : 2 * n]
     for i, push in enumerate(pushed, 1):
         y = forward @ y + push
+        # As if nothing slid: what the forces then add is linear in them, so that they are solved for at once.
         free = rows @ y[:n], rows @ y[n : 2 * n]
         force = forces(members, start, free, by_force, force)
         y = y + pulled @ force
@@ -263,6 +267,7 @@ class _Part:
 
     def force(self, displacement: Real, velocity: Real, state: Real) -> Real:
         """Its force (t,)."""
+        # A branch pulls by how far its dashpot lags behind the drift.
         way = displacement @ self.row
         behind = way[:, None] - state[:, self.states]
         force: Real = self.spring * way + self.dashpot * (velocity @ self.row) + behind @ self.weights
@@ -277,6 +282,7 @@ def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -
         temperature=damper.kelvin,
         reference_temperature=damper.reference,
     )
+    # The size holds the count and the slope; the model's own parameters stay as they were identified.
     row, factor = frame.drifts[damper.storey - 1], damper.size
     return _Part(
         row=row,
@@ -300,6 +306,7 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
         parts.append(_part(damper, frame, band, start))
         start = parts[-1].states.stop
     stiffness, damping = frame.elastic.copy(), frame.viscous.copy()
+    # One first-order system for all: frame and dampers are then exact together, without any iteration.
     matrix = np.zeros((start, start))
     inverse = 1.0 / frame.mass
     for part in parts:

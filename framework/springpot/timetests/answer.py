@@ -51,6 +51,7 @@ class TimeError:
         """That of a fit."""
         errors = []
         for part, residual, scatter in zip(parts, left.residuals, noise, strict=True):
+            # A sweep is judged in units of its own standard deviations: it has no one size of a signal.
             sd, size = np.ones(len(residual)), 1.0
             if isinstance(part, InTimePart):
                 sd = np.asarray(part.sd, dtype=float)
@@ -64,6 +65,7 @@ class TimeError:
             # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
             source = "signal" if scatter.size == 1.0 else "residual"
             errors.append(cls(error, floor, ratio, scatter.memory, source))
+        # A model is as good as it is for the test that it misses most.
         return max(errors, key=lambda each: each.over_floor)
 
     def to_dict(self) -> dict[str, Any]:

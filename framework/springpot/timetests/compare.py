@@ -107,6 +107,7 @@ def compare(
             left_out[model.name] = str(error)
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))
+    # All models were fitted to the same samples.
     points = sum(test.points for test in fits[0].tests)
     # By what the best model leaves, where that is more than noise: see the notes.
     scale = max(1.0, min(fit.power for fit in fits) / points)

@@ -176,6 +176,7 @@ def _judged(
         base = identify(given, model, noise=known)
     parts = parts_of_specimen(given, known)
     quick = quick_parts(parts)
+    # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
     promises = Scan(base, quick).promises(effects)
     leading = _leading(promises, before)
@@ -207,6 +208,7 @@ def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Prom
     def hope(of_effect: list[Promise]) -> float:
         return float(of_effect[0].drop / unit - len(of_effect[0].values) * count)
 
+    # Hope is the drop less what its parameters cost: else the effect with most parameters would lead.
     ranked = sorted(promises.values(), key=hope, reverse=True)
     worth = [of_effect for of_effect in ranked[:LEADING] if of_effect[0].drop / unit > HOPE]
     if len(worth) < FEWEST:
@@ -247,6 +249,7 @@ def _nearly(
         model = grown(base.model, effect)
         seeds = [promise.start(base, model, moved=True) for promise in promises[:STARTS]]
         seeds.append(promises[0].start(base, model))
+        # The model's own fit with a trace of the effect is the last seed: an effect that does nothing ends there.
         search = Search(model, quick, base.reference, seeds, thorough=False)
         # Without the effect a parameter may have gone where nothing tells the way back.
         starts = [*(search.centred(u) for u in search.starts()[:-1]), search.starts()[-1]]
@@ -285,6 +288,7 @@ def _exactly(
     known: Sequence[Real | None] | None,
 ) -> list[Tried]:
     """The best of them fitted exactly, and the others as they are."""
+    # The noise is read where the least is left, and the effects are then rated by that one noise.
     least = min((each.left for each in nearly), key=_plain_bic, default=before)
     noise = _noise(before, least)
     rated = sorted(nearly, key=lambda each: -_delta(before, each, noise, base))
@@ -399,6 +403,7 @@ def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tup
 def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
     """The best effect and those that these tests cannot tell from it."""
     best = tried[0]
+    # Two roads to a class: effects that fit as well, and such that add the same shape but were never fitted.
     names = [each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)]
     fitted = {each.effect.name for each in tried}
     return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
@@ -432,6 +437,7 @@ def _classes(
         name = each.effect.name
         if name in taken:
             continue
+        # Each effect in one class alone: the first that claims it is the better one.
         twins = [other for other in _twins(name, promises) if other not in taken]
         if twins:
             classes.append((name, *twins))
@@ -444,6 +450,7 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
     if not tried:
         return []
     logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
+    # Less the largest, or evidence of some thousand would overflow.
     weights = np.exp(logs - logs.max())
     return [float(weight) for weight in weights[1:] / weights.sum()]
 

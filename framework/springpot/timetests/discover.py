@@ -148,6 +148,7 @@ def discover(
     told(f"judging {model.name}")
     diagnosis = diagnose(tests, model, effects)
     steps = [TimeStep(diagnosis.base, None)]
+    # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of several.
     while diagnosis.missing and len(steps) <= MOST:
         first, *others = diagnosis.missing
         model = grown(model, known[first])

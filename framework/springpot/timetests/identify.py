@@ -121,6 +121,7 @@ def _native(search: Search, near: bool) -> Found:
     # A test by itself outvotes no other.
     if len(parts) == 1:
         return Found(u, parts, together, evaluations, converged)
+    # Each begins where all together ended, so that alone it can only do better.
     parts, alone, spent = _weighed(parts, together, lambda part: (search, *search.solved([part], [u])[:2]))
     u, more, converged = search.solved(parts, [u])
     return Found(u, parts, alone, evaluations + spent + more, converged)

@@ -87,6 +87,7 @@ def spectral(
     ends = [search.descended(start, STEPS) for start in starts]
     weights, u, _ = min(ends, key=lambda each: each.cost)
     search.require_told(weights, u)
+    # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
     return with_rates(model, search.rates[kept].tolist()), theta, search.evaluations

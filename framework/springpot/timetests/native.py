@@ -100,6 +100,7 @@ class Search:
         self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
         self._followed = False
         middle = float(np.mean([part.log_omega for part in parts]))
+        # By logarithms: tests of one specimen may lie decades apart, and no single one should set the size.
         size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
         amplitude = max(_reach(part) for part in parts)
         self.sizes, self.middle = (size, amplitude), middle
@@ -110,6 +111,7 @@ class Search:
         """Search points (p,) to begin at."""
         if not self.thorough:
             return [self.coordinates.u(np.asarray(theta, dtype=float), self.size) for theta in self.seeds]
+        # The material first: its start is read off the data, and what a test adds is sought on top of it.
         in_time = [part for part in self.parts if isinstance(part, InTimePart)]
         sweeps = [part.test for part in self.parts if not isinstance(part, InTimePart)]
         material = material_of(self.model)
@@ -128,6 +130,7 @@ class Search:
         for effect in self.model.time_effects:
             mine = test_with(effect, [part.test for part in in_time])
             places = [np.array(place) for place in tries_of(effect, mine, scales)]
+            # One effect at a time: the product of all places of all effects would be hundreds of starts.
             theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
             theta = sorted(theta, key=lambda each: self._misfit(each))
         return theta[:TRIED]
@@ -186,11 +189,13 @@ class Search:
             # With these a start costs next to nothing.
             if self.thorough:
                 further = self.natural()
+            # Exponentials show the valley at little cost; the exact response then has a short way to its bottom.
             u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
             last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
             return last.u[0], spent + last.evaluations
+        # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
             if quick == list(parts):
                 raise
@@ -201,6 +206,7 @@ class Search:
         best = int(np.argmin(quick.cost))
         found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
+        # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
             more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
             best = int(np.argmin(more.cost))
@@ -211,6 +217,7 @@ class Search:
         self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
     ) -> Solution:
         def evaluate(u: Real, rows: Rows) -> tuple[Real, Real]:
+            # One start after another: the parts of a test share no shape that could be stacked.
             pairs = [self._guarded(parts, one, coarse) for one in u]
             return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 

@@ -76,6 +76,7 @@ class Known:
     def of(cls, found: TimeIdentification | Identification) -> Known:
         """From a fit to tests in time, or to a sweep."""
         if isinstance(found, TimeIdentification):
+            # Samples whose misses are alike were counted once in the covariance already.
             points = sum(test.points for test in found.tests)
             # What a test did itself, such as a drift, does not go into another one.
             material = material_of(found.model)
@@ -334,9 +335,11 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     else:
         compared = _at_frequencies(test, known, theta)
         kind, unit, judged = "sweep", test.units.stiffness, True
+    # Relative to the signal, so that tests in different units and of different kinds are judged alike.
     share = (compared.value - compared.measured) / compared.size
     reach = _reach(compared.by_theta, covariance)
     wide = student(0.95, known.dof) * reach
+    # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(reach, compared.noise) / compared.size
     inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
     error_inside = float("nan")
@@ -376,6 +379,7 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
         )
     stiffer = MODULUS_UNITS[own.stiffness] / MODULUS_UNITS[units.stiffness]
     longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+    # Time is in s everywhere: it needs no factor.
     powers = [(parameter.unit.stiffness, parameter.unit.amplitude) for parameter in known.model.parameters]
     factors = np.array([stiffer**stiffness * longer**amplitude for stiffness, amplitude in powers])
     _require_same_model(known, factors, stiffer, longer, units)

@@ -208,6 +208,7 @@ class QuickPart(InTimePart):
     @classmethod
     def of(cls, part: InTimePart) -> QuickPart:
         """A part, weighed by the stiffness that its record amounts to."""
+        # Relative misses need a size of K before any model is known: the record itself gives it, roughly.
         made = part.apparent
         if made is None:
             return cls(part.test, part.scale, part.noise)
@@ -253,6 +254,7 @@ class QuickPart(InTimePart):
         mine = [(effect, place) for effect, place in placed if effect.is_for(self.test)]
         inside, beside, signals = sorted_out(material)
         network, places = network_of(material, inside)
+        # Value and derivatives go through the same two matrices, side by side.
         amounts, slopes = self._amounts(network.respond(own[places], self._points(reference), GRADIENT))
         by_theta = np.zeros((len(self.t), len(theta)))
         both, columns = self._course(mine, theta, np.column_stack([amounts, slopes]))
@@ -299,6 +301,7 @@ class QuickPart(InTimePart):
         alone = mix[:, :1]
         columns = [by(slope, theta, alone)[:, 0] for slope in slopes]
         for index in indices(mine, Stage.CLOCK):
+            # A clock bends time for all exponentials at once, which has no closed derivative here.
             step = STEP * max(abs(float(theta[index])), STEP)
             ends = [theta + sign * step * (np.arange(len(theta)) == index) for sign in (1.0, -1.0)]
             more, less = (by(loading, end, alone)[:, 0] for end in ends)

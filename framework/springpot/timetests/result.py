@@ -40,6 +40,7 @@ def sampled_scatter(residual: Real, part: Part) -> float:
     power = float(np.mean(rows**2))
     if len(rows) < 4 or power == 0.0:
         return float(np.mean(residual**2))
+    # Misses that alternate would claim more than one independent number a sample.
     likeness = float(np.clip(np.mean(rows[1:] * rows[:-1]) / power, 0.0, LIKENESS))
     return float(np.mean(residual**2)) * (1.0 + likeness) / (1.0 - likeness)
 

@@ -68,6 +68,7 @@ class Scatter:
     def whitened(self, residual: Real) -> Real:
         """A residual of which noise would leave independent numbers of variance one."""
         before = np.concatenate([[0.0], residual[:-1]])
+        # What each sample tells beyond the one before it.
         white = (residual - self.memory * before) / (self.size * np.sqrt(1.0 - self.memory**2))
         white[:1] = residual[:1] / self.size
         return np.asarray(white, dtype=float)
@@ -91,7 +92,9 @@ def scatter_of(residual: Real) -> Scatter:
     if n < FEWEST:
         return Scatter(1.0, 0.0, 0.0, _chance(float(np.mean(residual**2)), n, 0.5 * CLIP * n))
     power, omega = _periodogram(residual)
+    # Two stories: noise alone at all frequencies, or noise above and something smooth below.
     alone = _fitted(power, omega, np.ones(len(omega), dtype=bool))
+    # The likelier one is believed; the second has a size for each octave and must earn them.
     upper = omega > UPPER * np.pi
     above = _fitted(power, omega, upper)
     noise = _spectrum(omega, *above)
@@ -134,6 +137,7 @@ def _periodogram(residual: Real) -> tuple[Real, Real]:
     window = np.ones(n)
     window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
     window[-fade:] = window[:fade][::-1]
+    # A mean is no noise, and would leak into the lowest frequencies.
     turned = np.fft.rfft((residual - residual.mean()) * window)
     power = np.abs(turned) ** 2 / np.sum(window**2)
     return power[1:], 2.0 * np.pi * np.arange(1, len(power)) / n
@@ -147,6 +151,7 @@ def _spectrum(omega: Real, size: float, memory: float) -> Real:
 
 def _fitted(power: Real, omega: Real, rows: NDArray[np.bool_]) -> tuple[float, float]:
     """Size and memory that make the periodogram likeliest at some frequencies."""
+    # Of each memory the best size is known in closed form, so that a grid of one number is enough.
     shapes = np.stack([_spectrum(omega[rows], 1.0, memory) for memory in MEMORIES])
     squares = np.mean(power[rows] / shapes, axis=1)
     cost = np.mean(np.log(shapes), axis=1) + np.log(np.maximum(squares, 1e-300))

@@ -94,6 +94,7 @@ class Scan:
         columns = np.column_stack([atom.column for atom in atoms])
         given = columns
         whole = np.linalg.norm(columns, axis=0)
+        # Only what the model's own parameters cannot take over speaks for an effect.
         columns = columns - self.taken @ (self.taken.T @ columns)
         left = np.linalg.norm(columns, axis=0)
         missed = self.residual - self.taken @ (self.taken.T @ self.residual)
@@ -102,6 +103,7 @@ class Scan:
         for k, atom in enumerate(atoms):
             if not left[k] > ABSORBED * whole[k]:
                 continue
+            # Least squares with one unknown; the sum of squares falls by amount times fall.
             amount = float(fall[k] / left[k] ** 2)
             drop = 0.0
             # Less than nothing of an effect makes no sense, however much it would help.
@@ -119,6 +121,7 @@ class Scan:
         step = -self._back @ (self.taken.T @ residual)
         moved = []
         for parameter, value, change in zip(self.model.parameters, self.theta, step, strict=True):
+            # What has one sign moves by a factor, so that a long step cannot take it through nothing.
             if parameter.scale == "log" and value > 0.0:
                 moved.append(value * float(np.exp(np.clip(change / value, -LONGEST, LONGEST))))
             else:
@@ -147,6 +150,7 @@ class Scan:
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
         change = _change(material_of(self.model), self.theta, effect, values)
+        # A specimen that swings answers a small mass by a large ringing: no linear step leads there.
         if any(view.swings(change) for view in self.views):
             return self._swinging(effect, places)
         whole = np.concatenate([view.of_change(change, scale) for view in self.views])
@@ -208,6 +212,7 @@ class Scan:
         if not tests:
             return []
         atoms = []
+        # An effect of the test is tried at several places: a stop that is not met has no slope to follow.
         for place in tries_of(effect, tests[0], self.scales):
             values = np.array(place)
             if effect.stage is Stage.RESPONSE:

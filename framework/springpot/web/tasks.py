@@ -56,6 +56,7 @@ def _ladder(state: State, text: str, told: Told) -> Ladder:
 
 def library(told: Told) -> dict[str, Any]:
     """All models, effects and data sets that are installed."""
+    # Once at the start: drawings, equations and summaries are in the page before anything is computed.
     installed = plugins()
     return {
         "models": [_model(item) for item in installed.items("model")],
@@ -87,6 +88,7 @@ def understand(
 
     `content` is base64; `onto` is the text of data that the file joins.
     """
+    # Bytes cross to a worker as text: the pipe between them carries lines of JSON.
     raw = base64.b64decode(content)
     if is_session(raw):
         session = session_of(raw)

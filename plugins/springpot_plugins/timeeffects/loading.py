@@ -12,6 +12,7 @@ from springpot.rheology import AMPLITUDE, FORCE, Parameter, Real, relaxation_tim
 
 def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
     """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back."""
+    # Only jumps become ramps: what was recorded in between is followed as it was.
     when, sizes = loading.jumps
     smooth = loading.smooth
     corners = [when, when + tau]

@@ -28,6 +28,7 @@ def grown(record: Record, response: Any, size: Any, tau: Any) -> Answered:
 
 def clipped(record: Record, response: Any, limit: Any) -> Answered:
     """The response within a limit on either side."""
+    # Where the limit cuts, the record follows it alone, and the specimen no more.
     inside = np.abs(response) < limit
     return Answered(
         np.clip(response, -limit, limit), (np.where(inside, 0.0, np.sign(response)),), inside.astype(float)
@@ -46,6 +47,7 @@ def tired(record: Record, response: Any, damage: Any) -> Answered:
 
 def _limits(test: TimeTest) -> tuple[tuple[float], ...]:
     largest = float(np.abs(test.response).max())
+    # A limit above all samples changes nothing and has no slope: the search could not come back from there.
     return tuple((share * largest,) for share in SHARES)
 
 
