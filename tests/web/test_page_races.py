@@ -187,3 +187,19 @@ def test_a_first_answer_that_was_cancelled_is_begun_again(page: Open, damper: by
     assert "'Judge this model' begins it again" in here.reads("#refused")
     here.page.click("#judge")
     here.shows("material")
+
+
+def test_a_plan_that_does_not_exist_is_not_offered(judged: Page):
+    here = judged
+    here.page.click("#leave")
+    plan = here.page.locator('[data-leave="plan"]')
+    assert plan.get_attribute("aria-disabled") == "false"
+    here.page.keyboard.press("Escape")
+    here.page.click("#effect-inertia")
+    here.shows(GROWN)
+    here.page.click("#leave")
+    assert plan.get_attribute("aria-disabled") == "true"
+    assert plan.get_attribute("title") == "no further measurement is proposed here"
+    plan.click()
+    assert here.reads("#done") == ""
+    assert here.violations() == []

@@ -17,7 +17,7 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
 from springpot.report.interactive.answers import proposed_points
-from springpot.report.interactive.scene import MOST_POINTS, PageScene, rounded
+from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
 from springpot.report.jsontext import to_json
 from springpot.web import leaving
 from springpot.web.answers import answer, ladder_of
@@ -337,3 +337,13 @@ def test_a_file_that_is_added_to_itself_is_no_repeat_without_noise(data: Measure
         joined(data, data)
     again = Measurement(data.omega[3:6], 1.001 * data.stiffness[3:6], units=data.units, name="again")
     assert len(joined(data, again)) == len(data) + 3
+
+
+def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measurement):
+    model = springpot.parse_model("spring")
+    half = model.theta(k=1.0) * 0.5 * abs(data.stiffness[:1]).item()
+    one = data.subset(np.arange(len(data)) == 0)
+    exact = abs(half.item() / one.stiffness[0] - 1.0)
+    assert relative_error(one, model, half) == pytest.approx(exact)
+    words = (Path(springpot.__file__).parent / "web" / "page" / "main.js").read_text(encoding="utf-8")
+    assert "|K_model - K| / |K|" in words

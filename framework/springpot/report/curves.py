@@ -77,6 +77,7 @@ def axis_of(measurement: Measurement) -> Axis:
     along_frequency = Axis("frequency", label, measurement.units.on_clock(measurement.frequency))
     if varies("frequency", measurement.frequency):
         return along_frequency
+    # Tests at one frequency: what was varied instead is what a reader wants to see.
     labels = {"amplitude": f"amplitude [{measurement.units.amplitude}]", "temperature": "temperature [°C]"}
     for name, label in labels.items():
         column = measurement.conditions.get(name)

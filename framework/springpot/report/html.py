@@ -127,6 +127,7 @@ READING = (
 
 def _bench(ladder: Ladder, measurement: Measurement) -> Bench:
     """The panels of the workbench, with every step of the ladder."""
+    # The same scene as the workbench, so that a report and the page cannot say different things.
     scene = PageScene(measurement)
     given = {
         "scene": scene.to_dict(),

@@ -144,6 +144,7 @@ def plot(lines: Sequence[Line], x: Scale, y: Scale, title: str) -> Html:
     title : str
         Read aloud where the picture cannot be seen.
     """
+    # Bands below all lines: one that lay above a line would hide it.
     bands = [_band(line, x, y) for line in reversed(lines) if line.band is not None]
     drawn: list[Html] = []
     for line in reversed(lines):

@@ -64,6 +64,7 @@ class Scene:
     @cached_property
     def curves(self) -> list[list[tuple[Real, Complex]]]:
         """Smooth curves: for each fit and each sweep the places and the complex stiffness there."""
+        # The places are those of the data, so that all models share them.
         grids = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
         return [[(x, fit.at(points)) for x, points in grids] for fit in self.fits]
 

@@ -30,6 +30,7 @@ def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
     matplotlib.figure.Figure
         The figure.
     """
+    # Four questions of an engineer: how far, how hard, how sure, and who took the energy.
     motion = found.motion
     time, energy = motion.record.time, motion.energy
     low, high = found.band()

@@ -51,6 +51,7 @@ class PageScene:
         rows = np.concatenate([sweep.rows for sweep in self.sweeps])
         if len(rows) <= MOST_POINTS:
             return rows
+        # Evenly along each sweep, its ends among them: a browser draws some thousand marks without a pause.
         return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_POINTS).round().astype(int)])
 
     @cached_property
@@ -62,6 +63,7 @@ class PageScene:
     def grids(self) -> list[tuple[Real, Points]]:
         """For each sweep the places of its smooth curve along the axis, and the conditions there."""
         whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
+        # Each preview carries such a curve for each sweep: the page would otherwise grow by megabytes.
         step = max(2, int(np.ceil(sum(len(x) for x, _ in whole) / MOST_ON_CURVES)))
         few = [np.unique(np.append(np.arange(0, len(x), step), len(x) - 1)) for x, _ in whole]
         return [(x[rows], _rows_of(points, rows)) for (x, points), rows in zip(whole, few, strict=True)]
@@ -112,7 +114,7 @@ class PageScene:
 
 
 def relative_error(measurement: Measurement, model: Model, theta: Real) -> float:
-    """Root mean square of |K - K_m| / |K_m| over all rows."""
+    """Root mean square of |K_model - K| / |K| over all rows, K being what was measured."""
     left = measurement.stiffness - model.stiffness(theta, measurement.points)
     return float(np.sqrt(np.mean(np.abs(left / measurement.stiffness) ** 2)))
 

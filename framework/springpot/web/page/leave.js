@@ -1,6 +1,6 @@
 // Everything on the page leaves as a file.
 
-import { byId, download, h, put } from "./dom.js";
+import { byId, download, enable, h, put, usable } from "./dom.js";
 import { asPng, standalone } from "./plot.js";
 
 const FILES = [
@@ -21,6 +21,13 @@ export function leaveDialog(app) {
   const says = h("p", { class: "error", role: "alert" });
   const shown = h("pre", { id: "command-line", tabindex: "0" });
   const done = h("p", { class: "quiet", role: "status", id: "done" });
+  // Why a file cannot be had: a button that only fails when it is pressed keeps that to itself.
+  const lacks = (kind) => (kind === "plan" && !app.answer.discovery.diagnosis.next_experiment ? "no further measurement is proposed here" : "");
+  const leaving = (kind, name, type) => {
+    const button = h("button", { type: "button", "data-leave": kind, onclick: () => { if (usable(button)) away(() => app.leaveWith(kind, type)); } }, name);
+    enable(button, lacks(kind));
+    return button;
+  };
   const away = async (action) => {
     says.textContent = "";
     done.textContent = "";
@@ -42,7 +49,7 @@ export function leaveDialog(app) {
     }
   } }, "Copy");
   const files = FILES.map(([kind, name, what, type]) => h("li", {},
-    h("button", { type: "button", "data-leave": kind, onclick: () => away(() => app.leaveWith(kind, type)) }, name), " ",
+    leaving(kind, name, type), " ",
     COPIED.has(kind) ? copy(kind, name.toLowerCase()) : null, ` ${what}`));
   const plots = PLOTS.filter(([id]) => byId(id) && !byId(id).hasAttribute("hidden") && byId(id).childElementCount).map(([id, name]) => h("li", {}, `${name}: `,
     h("button", { type: "button", "data-leave": `${id}-svg`, onclick: () => away(() => saved(`${app.stem}-${name}.svg`, standalone(byId(id)), "image/svg+xml")) }, `${name} as SVG`), " ",

@@ -24,7 +24,7 @@ const BEGINNING = { model: "", accepted: [], seed: 0 };
 const WAIT = "wait for the computation, or cancel it";
 const CANCELLED = "the computation was cancelled: 'Judge this model' begins it again";
 
-const ERROR = "error: root mean square of |K - K_model| / |K_model| over all points; noise floor: the error that noise alone leaves";
+const ERROR = "error: root mean square of |K_model - K| / |K| over all points, K being what was measured; noise floor: the error that noise alone leaves";
 
 class App {
   constructor() {

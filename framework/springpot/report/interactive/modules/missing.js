@@ -127,7 +127,7 @@ export class Missing {
 
 const MEANS = {
   size: "its parameters with their 95 % intervals",
-  error: "root mean square of |K - K_model| / |K_model| before and after it joins; the noise floor is what noise alone leaves",
+  error: "root mean square of |K_model - K| / |K| before and after it joins, K being what was measured; the noise floor is what noise alone leaves",
   evidence: "probability that it is among what is missing; drop of the Bayesian information criterion when it joins, above 6 clear, above 10 decisive",
   "cannot be told from": "effects that change these data alike",
   "would have been seen": "relative change of K above which the effect would have been seen",
