@@ -154,3 +154,11 @@ def test_opposite_signs_are_told_and_a_mass_that_pushes_back_is_none():
     pushes = TimeTest.of_history(T, X, force, "mm", "N", control="displacement")
     assert np.sum(X * pushes.response) < 0.0
     assert not any("signs" in note for note in identify(pushes, MODEL).notes)
+
+
+def test_a_limit_that_nothing_reaches_has_no_size():
+    clipping = [plugins().find("time effect", "force-clipping")]
+    for seed in (3, 4):
+        [found] = diagnose(record(seed=seed), MODEL, clipping).candidates
+        assert found.verdict == "absent"
+        assert found.parameters == {}

@@ -45,6 +45,8 @@ UNEVEN = 1.5
 """Ratio of the largest to the smallest noise of a record from which its shape matters."""
 COSTLY = 0.05
 """Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
+NOTHING = 1e-6
+"""Share of the sum of squares that two searches for the same minimum may differ by: they stop at less."""
 TWINS = 0.995
 """Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
 they would need a hundred times the evidence that finds them."""
@@ -193,8 +195,8 @@ def _judged(
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:
-    """An effect whose fit went astray leaves what was left without it: at some size it is absent."""
-    if _power(each.left) <= _power(before):
+    """An effect that changes nothing, or whose fit went astray, leaves what was left without it: it has no size."""
+    if _power(each.left) < (1.0 - NOTHING) * _power(before):
         return each
     return replace(each, left=replace(before, count=each.left.count), fit=None)
 
