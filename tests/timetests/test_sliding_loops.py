@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.measurement import TimeTest
+from springpot.measurement import TimeTest, noise_of
 from springpot.timetests import identify
 
 SLIDER, FORCE, SPRING = 1500.0, 3900.0, 30.0
@@ -28,3 +28,13 @@ def test_the_threshold_is_found_from_no_start(loop, model):
     values = dict(zip(found.model.names, found.theta, strict=True))
     assert values["elasto-sliding.F"] == pytest.approx(FORCE, rel=0.03)
     assert values["elasto-sliding.k"] == pytest.approx(SLIDER, rel=0.1)
+
+
+def test_where_the_force_crosses_zero_the_noise_is_that_of_the_rest():
+    """Noise in proportion to the force would let the few samples of the crossings outvote the loop."""
+    t = np.linspace(0.0, 20.0, 2001)
+    force = 1000.0 * np.sin(np.pi * t)
+    shaken = force * (1.0 + 0.02 * np.random.default_rng(1).normal(size=len(t)))
+    noise = noise_of(TimeTest.of_history(t, np.sin(np.pi * t), shaken, "mm", "N", control="displacement"))
+    assert np.ptp(noise.sd) == 0.0
+    assert noise.sd[0] == pytest.approx(0.02 * 1000.0 / np.sqrt(2.0), rel=0.15)

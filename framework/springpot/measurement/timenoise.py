@@ -108,7 +108,11 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
         scatter, level = scatter[telling], level[telling]
     absolute, relative = _two_parts(scatter, level)
     absolute = max(absolute, LEAST * largest)
-    return SignalNoise(np.hypot(relative * size, absolute), absolute, relative, True)
+    sd = np.hypot(relative * size, absolute)
+    if test.kind == "history" and test.response.min() < 0.0 < test.response.max():
+        # Where a loop crosses zero the rig is no quieter than elsewhere, and these few samples must not outvote it.
+        sd = np.full(len(test), float(np.sqrt(np.mean(sd**2))))
+    return SignalNoise(sd, absolute, relative, True)
 
 
 def _without_jumps(test: TimeTest) -> NDArray[np.bool_]:
