@@ -20,6 +20,9 @@ FEWEST_POINTS = 5
 """With fewer points nearly any pair of curves is that of some material."""
 LEAST_RANGE = 5.0
 """Ratio of highest and lowest frequency: over less, both curves are straight lines and tell little of each other."""
+MOST_DECADES = 20.0
+"""Of frequencies and of |K|: no instrument and no master curve has more, and a spectrum over hundreds of decades
+would take seconds at each opening."""
 MOST_ROWS = 10_000
 """Larger tables are written by programs, which mix up no columns, and finding their sweeps would take time."""
 MOST_POINTS = 60
@@ -51,6 +54,10 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     omega, stiffness = measurement.omega[rows], measurement.stiffness[rows]
     if len(np.unique(omega)) < FEWEST_POINTS or omega.max() < LEAST_RANGE * omega.min():
         return {}
+    if max(decades(omega), decades(np.abs(stiffness))) > MOST_DECADES:
+        return {}
+    # Of what is left neither is near the end of what a number can be.
+    omega, stiffness = omega / omega.max(), stiffness / np.abs(stiffness).max()
     as_named = material_misfit(omega, stiffness)
     if as_named < FAR:
         return {}
@@ -61,6 +68,11 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
         NOTE: f"no material has such storage and loss ({100 * as_named:.0f} % off), but one has them the other way "
         f"round ({100 * exchanged:.1f} %): if the columns are exchanged, open 'FILE?storage=loss,loss=storage'"
     }
+
+
+def decades(positive: Real) -> float:
+    """Powers of ten between the least and the largest of some positive numbers."""
+    return float(np.log10(positive.max()) - np.log10(positive.min()))
 
 
 def material_misfit(omega: Real, stiffness: Complex) -> float:

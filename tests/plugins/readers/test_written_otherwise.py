@@ -284,3 +284,22 @@ class TestRepeats:
         columns = (np.arange(20.0), np.full(20, 6.28), np.geomspace(1, 500, 20), np.geomspace(5, 50, 20))
         found = folder.open(f"time [s],omega [rad/s],G' [Pa],G'' [Pa]\n{rows(columns)}\n")
         assert "note repeats" not in found.provenance
+
+
+@pytest.mark.parametrize("part", ["omega", "stiffness"])
+def test_nobody_looks_for_exchanged_columns_over_hundreds_of_decades(part):
+    """Numbers that no instrument gives: a spectrum over them would take seconds, and overflow."""
+    far = np.geomspace(1e-290, 1e290, 12)
+    omega = far if part == "omega" else np.geomspace(1.0, 100.0, 12)
+    size = far if part == "stiffness" else np.ones(12)
+    assert exchange_note(Measurement(omega, size * (1.0 - 2.0j))) == {}
+
+
+@pytest.mark.parametrize("size", [1e-290, 1e290])
+def test_the_size_of_numbers_changes_nothing_of_what_was_exchanged(size):
+    omega = np.geomspace(1.0, 100.0, 12)
+    maxwell = 1j * omega / (10.0 + 1j * omega)
+    swapped = size * (maxwell.imag + 1j * maxwell.real)
+    assert (
+        exchange_note(Measurement(omega * size, swapped)) == exchange_note(Measurement(omega, swapped / size)) != {}
+    )
