@@ -138,3 +138,23 @@ def test_a_trial_whose_square_is_no_number_ends_nothing():
     noisy = exact * (1.0 + 0.01 * (rng.normal(size=40) + 1j * rng.normal(size=40)))
     found = springpot.diagnose(springpot.Measurement(omega[::2], noisy[::2], units=springpot.Units("kN/m", "mm")))
     assert (found.verdict, found.best.effect) == ("effect-missing", "inertia")
+
+
+@pytest.mark.parametrize("points", [12, 20, 40])
+@pytest.mark.parametrize("model", ["material", "fractional-kelvin"])
+def test_computed_data_lack_nothing(points, model):
+    """Rounding has a pattern, and no instrument has it."""
+    omega = np.geomspace(1.0, 100.0, points)
+    diagnosis = springpot.diagnose(springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), model)
+    assert diagnosis.verdict == "adequate"
+
+
+def test_rows_that_were_copied_are_no_repeats():
+    rng = np.random.default_rng(3)
+    omega = np.geomspace(1.0, 100.0, 20)
+    noise = 0.01 * (rng.normal(size=20) + 1j * rng.normal(size=20))
+    stiffness = (100.0 + 20.0 * (1j * omega) ** 0.5) * (1.0 + noise)
+    data = springpot.Measurement(np.tile(omega, 3), np.tile(stiffness, 3), repeat=np.repeat([1, 2, 3], 20))
+    error = springpot.diagnose(data, "fractional-kelvin").error
+    assert error.noise_source == "estimated"
+    assert error.noise_floor == pytest.approx(0.014, rel=0.5)

@@ -18,6 +18,7 @@ SEEN = {"by_battery": True, "certain": True}
     ("facts", "verdict"),
     [
         ({}, "adequate"),
+        (SEEN | {"exact": True, "gain": CLEAR, "named": True}, "adequate"),
         ({"few": True}, "inconclusive"),
         ({"outliers": True}, "unexplained"),
         ({"gain": CLEAR, "named": True}, "inconclusive"),
@@ -63,8 +64,9 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
             assert facts.alarm
             assert facts.named
         if rule.verdict == "adequate":
-            assert not facts.alarm
             assert not facts.outliers
+        if rule.verdict == "adequate" and not facts.exact:
+            assert not facts.alarm
             assert not facts.repeats
             assert not facts.unknown
     assert used == {rule.reason for rule in RULES}

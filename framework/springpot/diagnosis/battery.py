@@ -400,8 +400,11 @@ def _hum(frame: Frame, sample: Drawn) -> Real | None:
     if not np.any(near) or np.sum(~near) < BATTERY.fewest_off_mains:
         return None
     off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
-    others = np.mean(off[:, ~near] ** 2, axis=1)
-    return np.asarray(np.mean(off[:, near] ** 2, axis=1) / np.maximum(others, 1e-300), dtype=np.float64)
+    # In double precision: of exact data next to nothing is left, whose square is none in single.
+    others = np.mean(off[:, ~near] ** 2, axis=1, dtype=np.float64)
+    return np.asarray(
+        np.mean(off[:, near] ** 2, axis=1, dtype=np.float64) / np.maximum(others, 1e-300), dtype=np.float64
+    )
 
 
 def _hum_in_words(frame: Frame) -> tuple[float, str]:

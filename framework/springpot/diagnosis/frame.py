@@ -344,12 +344,16 @@ class Frame:
         which, n = frequency_numbers(self.measurement), len(self.measurement)
         distinct = int(which.max()) + 1
         columns = []
+        # Six kinds of columns, of one part and one width each; of very many frequencies evenly placed ones.
+        most = BATTERY.most_local // 6
         for width in (1, 2, 3):
             starts = np.arange(distinct - width + 1)
+            if len(starts) > most:
+                starts = np.linspace(0, distinct - width, most).astype(np.int64)
             inside = ((which[:, None] >= starts) & (which[:, None] < starts + width)).astype(float)
             empty = np.zeros((n, len(starts)))
             columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
-        left = self.project(np.concatenate(columns, axis=1)[:, : BATTERY.most_local])
+        left = self.project(np.concatenate(columns, axis=1))
         size = np.sqrt(np.sum(left * left, axis=0))
         seen = size > BATTERY.least_local
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)

@@ -246,7 +246,7 @@ class Averaged:
         return Averaged(mean, mean, scatter, np.arange(len(mean)))
 
     def relative_rms(self, model: Model, theta: Real) -> float:
-        """Root mean square of |K - K_m| / |K_m| over all measured rows."""
+        """Root mean square of |K_model - K| / |K| over all measured rows."""
         off = np.abs(model.stiffness(theta, self.raw.points) / self.raw.stiffness - 1.0)
         return float(np.sqrt(np.mean(off**2)))
 
@@ -303,6 +303,9 @@ def average_repeats(measurement: Measurement) -> Averaged:
         nothing = np.zeros(len(first))
         return Averaged(measurement, measurement, Scatter(nothing, nothing, nothing), group)
     mean = _means(measurement.stiffness, group)
+    if np.all(np.abs(measurement.stiffness / mean[group] - 1.0) < NOISE.least_relative):
+        # Rows that were written again are no repeats: they tell nothing of the noise.
+        return average_repeats(replace(measurement.subset(first), repeat=None))
     gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, count[group])
     stiffness = measurement.stiffness
     if gains is not None:

@@ -101,7 +101,7 @@ class Refit:
 
     @cached_property
     def relative_rms(self) -> float:
-        """Root mean square of |K - K_m| / |K_m| over all measured rows."""
+        """Root mean square of |K_model - K| / |K| over all measured rows."""
         return self.data.relative_rms(self.model, self.theta)
 
     @property

@@ -34,7 +34,7 @@ class Error:
     Attributes
     ----------
     relative_rms : float
-        Root mean square of |K - K_m| / |K_m|.
+        Root mean square of |K_model - K| / |K|.
     noise_floor : float
         The same for noise alone.
     noise_source : {"given", "repeats", "estimated"}

@@ -157,7 +157,8 @@ def scatter_about(frame: Frame) -> tuple[float, float]:
     differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
     """
     variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
-    kept = 1.0 - frame.absorbed.shape[1] / frame.size
+    # Where a free spectrum has as many lines as there are numbers, all of the noise is followed: none is left over.
+    kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
     along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
     for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
         parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]

@@ -23,6 +23,7 @@ from .outliers import Outlier, are_outliers, described, may_be_effects, outlying
 from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
 from .scan import Scan, Score, best_pairs, influence, scan
+from .words import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -478,7 +479,8 @@ def _search_in_noise(
 
 def _require_enough(base: Refit, measurement: Measurement) -> None:
     if base.fit.dof < 1:
+        points = counted(len(base.fit.measurement), "distinct point")
         raise DataError(
-            f"{measurement.name}: {len(base.fit.measurement)} distinct points cannot judge a model of "
-            f"{len(base.theta)} parameters; measure at more frequencies"
+            f"{measurement.name}: {points} cannot judge a model of {counted(len(base.theta), 'parameter')}; measure "
+            "at more frequencies, or diagnose the record of force and displacement itself"
         )

@@ -21,7 +21,7 @@ from .policy import EVIDENCE, SEARCH, VERDICT
 from .refit import Refit
 from .result import Verdict
 from .search import Grown, Search
-from .words import times
+from .words import percent, times
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,8 @@ class Facts:
         The error is beyond the noise floor by more than chance, though no test sees a pattern.
     together : bool
         The points that are beyond it are neighbours, as those of a notch are and those of long-tailed noise are not.
+    exact : bool
+        The error is that of arithmetic: the data were computed, and their residual is no scatter.
     """
 
     repeats: bool = False
@@ -77,6 +79,7 @@ class Facts:
     material: bool = False
     exceeds: bool = False
     together: bool = False
+    exact: bool = False
 
     @property
     def alarm(self) -> bool:
@@ -98,6 +101,7 @@ class Rule(NamedTuple):
 
 
 RULES = (
+    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
     Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
     Rule("more than the noise, by neighbours", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
@@ -154,6 +158,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         material=beside_material,
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
+        exact=search.base.relative_rms < VERDICT.arithmetic,
     )
 
 
@@ -217,6 +222,8 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
     """
     ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
+    if verdict == "adequate" and own.base.relative_rms < VERDICT.arithmetic:
+        return f"nothing is missing: the error, {percent(own.base.relative_rms)}, is that of arithmetic"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"
     if verdict == "effect-missing":

@@ -21,3 +21,10 @@ def plain(value: float, digits: int = 3) -> str:
     if "e+" in text and value < 1e6:
         return f"{float(text):.0f}"
     return text
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, such as ``1 point`` or ``3 points``."""
+    if number == 1:
+        return f"1 {noun}"
+    return f"{number} {noun}s"

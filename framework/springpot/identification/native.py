@@ -41,7 +41,7 @@ POLISHED = 3
 
 def relative_objective() -> Objective:
     """The differences of K' and K'' over |K|: the objective where none is asked for."""
-    return Objective("relative", "the differences of K' and K'' over |K_m|", _over_magnitude)
+    return Objective("relative", "the differences of K' and K'' over |K|", _over_magnitude)
 
 
 def _over_magnitude(measurement: Measurement) -> Complex:

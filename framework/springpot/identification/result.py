@@ -149,7 +149,7 @@ class Identification(Estimate):
 
     @property
     def relative_rms(self) -> float:
-        """Root mean square of |K - K_m| / |K_m|."""
+        """Root mean square of |K_model - K| / |K|."""
         data = self.measurement
         # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
         share = np.abs(self.residuals) / np.maximum(data.magnitude, 1e-9 * data.magnitude.max())
