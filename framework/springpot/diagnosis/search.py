@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.errors import DataError, ModelError
-from springpot.identification import EDGE, Effort, is_material
+from springpot.errors import DataError
+from springpot.identification import EDGE, Effort, is_material, within_material
 from springpot.measurement import CONDITIONS, Measurement, spread_of, telling
-from springpot.rheology import Effect, Layer, Model, Real
+from springpot.rheology import Effect, Model, Real
 
 from .battery import Battery, battery, repeats_structure
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
@@ -115,7 +114,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         if not effect.narrow
         and _fits(base, base.model + effect)
         and not _twice(base.model, effect)
-        and not _within(base.model, effect)
+        and not within_material(base.model, effect)
     ]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
@@ -192,30 +191,6 @@ def _strained(search: Search) -> bool:
 def _twice(model: Model, effect: Effect) -> bool:
     """Whether a model already has this shift: two of one law are a law with a kink, which is no physics."""
     return effect.plane == "shift" and effect.name in {own.name for own in model.effects}
-
-
-def _within(model: Model, effect: Effect) -> bool:
-    """Whether an effect is a part of any material, so that beside a free spectrum it can explain nothing.
-
-    Around a material whose times are shifted, what gives way in the mounting is not shifted with it, and shows.
-    """
-    shifted = any(own.plane == "shift" for own in model.effects)
-    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and _is_passive(effect)
-
-
-@lru_cache(maxsize=256)
-def _is_passive(effect: Effect) -> bool:
-    """Whether it adds a spring, dashpot, springpot or mode: what has a relaxation spectrum, and no mass."""
-    if effect.plane not in ("stiffness", "compliance") or effect.needs:
-        return False
-    element = Model(effect.name, effect.element)
-    bounds = np.array([(parameter.lower, parameter.upper) for parameter in element.parameters])
-    # Inside its range the sign of a spectrum does not depend on the parameters: any value will do.
-    theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
-    try:
-        return element.spectrum(theta).mass == 0.0
-    except ModelError:
-        return False
 
 
 def _fits(base: Refit, model: Model) -> bool:

@@ -4,7 +4,7 @@ from .bounded import BoundedDescent, minima_in_box
 from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
-from .material import is_material, own_parameters
+from .material import is_material, own_parameters, within_material
 from .native import Effort, Fit, default_objective, fit, fit_batch, scanned_starts
 from .objective import Objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
@@ -68,4 +68,5 @@ __all__ = [
     "settings",
     "shown",
     "weighted",
+    "within_material",
 ]

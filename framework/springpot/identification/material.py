@@ -9,16 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
 
+from springpot.errors import ModelError
 from springpot.measurement import Measurement
 from springpot.rheology import (
     GRADIENT,
     Chain,
     Complex,
     Continuum,
+    Effect,
+    Layer,
     Model,
     Node,
     Parallel,
@@ -83,6 +87,37 @@ STEP = float(np.log(10.0)) / PER_DECADE
 def is_material(model: Model) -> bool:
     """Whether the model's material is any linear passive one, whose spectrum the data choose."""
     return isinstance(model.material, Continuum)
+
+
+def within_material(model: Model, effect: Effect) -> bool:
+    """Whether an effect is a part of any material, so that beside a free spectrum it can explain nothing.
+
+    Around a material whose times are shifted, what gives way in the mounting is not shifted with it, and shows.
+
+    Parameters
+    ----------
+    model : Model
+        The material with other effects; of any other model nothing is a part of the material.
+    effect : Effect
+        That may be missing.
+    """
+    shifted = any(own.plane == "shift" for own in model.effects)
+    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and _is_passive(effect)
+
+
+@lru_cache(maxsize=256)
+def _is_passive(effect: Effect) -> bool:
+    """Whether it adds a spring, dashpot, springpot or mode: what has a relaxation spectrum, and no mass."""
+    if effect.plane not in ("stiffness", "compliance") or effect.needs:
+        return False
+    element = Model(effect.name, effect.element)
+    bounds = np.array([(parameter.lower, parameter.upper) for parameter in element.parameters])
+    # Inside its range the sign of a spectrum does not depend on the parameters: any value will do.
+    theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
+    try:
+        return element.spectrum(theta).mass == 0.0
+    except ModelError:
+        return False
 
 
 def own_parameters(model: Model) -> list[int]:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import is_material
+from springpot.identification import is_material, within_material
 from springpot.measurement import Timed, TimeTest, grown, material_of, noise_of
 from springpot.registry import library_in_time, parse_timed
-from springpot.rheology import Model, Real
+from springpot.rheology import Effect, Model, Real
 
 from .answer import TimeCandidate, TimeDiagnosis, TimeError
 from .identify import identify
@@ -180,7 +180,9 @@ def _judged(
     quick = quick_parts(parts)
     # Three sieves, each finer and dearer than the one before: a linear scan, fits by fixed exponentials, exact fits.
     before = Left.by(base.model, base.theta, base.reference, parts)
-    promises = Scan(base, quick).promises(effects)
+    material = material_of(base.model)
+    beside = [effect for effect in effects if not (isinstance(effect, Effect) and within_material(material, effect))]
+    promises = Scan(base, quick).promises(beside)
     leading = _leading(promises, before)
     if is_material(material_of(base.model)):
         tried = _of_material(given, parts, base, leading, known)
