@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.errors import ModelError
-from springpot.identification import Problem, default_objective
+from springpot.identification import Problem, default_objective, derivative
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Formula, Model, Parameter
 from springpot.rheology.elements import Springpot
@@ -78,3 +78,18 @@ def test_no_installed_effect_is_accused(name):
     measured = replace(data(), conditions=conditions, units=Units("kN/m", "mm"))
     grown = springpot.parse_model("fractional-maxwell") + name
     Problem.of(grown, measured, default_objective(measured))
+
+
+@pytest.mark.parametrize(("apart", "wrong"), [((0.1, 0.0, 0.0, 0.0), False), ((0.1, 0.1, 0.1, 0.1), True)])
+def test_what_differs_at_one_place_only_has_no_single_solution_there(monkeypatch, apart, wrong):
+    """Where a hardening mount balances a resonant specimen rounding decides between two amplitudes."""
+    found = iter(apart)
+    monkeypatch.setattr(derivative, "_apart", lambda *_: next(found))
+    sound = replace(model((0.0, 0.0, 0.0)), name=f"apart {apart}")
+    derivative._checked.discard(sound.network)
+    theta, points = np.array([100.0, 60.0, 0.5]), data().points
+    if not wrong:
+        derivative.require_derivative(sound, theta, points)
+        return
+    with pytest.raises(ModelError, match="another by 10 %"):
+        derivative.require_derivative(sound, theta, points)

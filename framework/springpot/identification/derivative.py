@@ -42,8 +42,10 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
     """
     if model.network in _checked:
         return
+    places = [theta, *(_elsewhere(model, theta, factor) for factor in ELSEWHERE)]
     with np.errstate(all="ignore"):
-        apart = _apart(model, theta, points)
+        # Where a balance of two nonlinear parts has no single solution rounding decides: a wrong way errs everywhere.
+        apart = min(_apart(model, place, points) for place in places)
     if apart > WRONG:
         raise ModelError(
             f"the stiffness of {model.name} is another by {100 * apart:.2g} % where its derivative is asked for too: "
@@ -52,7 +54,6 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
     _checked.add(model.network)
     with np.errstate(all="ignore"):
         # At the kink of a slider, say, no difference is right; a wrong derivative is wrong everywhere.
-        places = [theta, *(_elsewhere(model, theta, factor) for factor in ELSEWHERE)]
         for place in places:
             direction = _direction(model, place)
             if not _deviation(model, place, points, direction) > WRONG:
