@@ -32,7 +32,8 @@ def remember(monkeypatch: pytest.MonkeyPatch) -> None:
 def _remembering(name: str, examine: Callable[..., Any]) -> Callable[..., Any]:
     def answer(*given: Any, **named: Any) -> Any:
         asked = _written(given, named)
-        if asked is None:
+        # Who is to be given each rung must be given it, whoever asked the same before.
+        if asked is None or named.get("reached") is not None:
             return examine(*given, **named)
         if (name, asked) not in _known:
             _known[name, asked] = examine(*given, **named)

@@ -158,3 +158,9 @@ def test_rows_that_were_copied_are_no_repeats():
     error = springpot.diagnose(data, "fractional-kelvin").error
     assert error.noise_source == "estimated"
     assert error.noise_floor == pytest.approx(0.014, rel=0.5)
+
+
+def test_computed_data_are_exact_beside_their_own_model_only():
+    omega = np.geomspace(1.0, 100.0, 20)
+    diagnosis = springpot.diagnose(springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), "kelvin")
+    assert diagnosis.verdict != "adequate"

@@ -158,7 +158,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         material=beside_material,
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
-        exact=search.base.relative_rms < VERDICT.arithmetic,
+        exact=not beside_material and search.base.relative_rms < VERDICT.arithmetic,
     )
 
 
