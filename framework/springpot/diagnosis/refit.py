@@ -139,7 +139,8 @@ class Refit:
         parameters = self.model.parameters
         logs = np.array([parameter.scale == "log" for parameter in parameters])
         bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
-        influence = np.linalg.norm(by_theta * np.where(logs, self.theta, 1.0)[:, None] / np.abs(value), axis=1)
+        size = np.maximum(np.abs(value), np.finfo(float).tiny)
+        influence = np.linalg.norm(by_theta * np.where(logs, self.theta, 1.0)[:, None] / size, axis=1)
         downhill = weighted(by_theta, self.noise.weights) @ weighted(
             self.fit.measurement.stiffness - value, self.noise.weights
         )

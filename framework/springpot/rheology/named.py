@@ -238,7 +238,9 @@ class NamedNetwork(HasParameters):
             known, unsure = effect.third_harmonic_range(theta[own], at)
             centre, radius = centre + known, radius + unsure
         first = self.stiffness(theta, at)
-        return np.asarray(centre / first, dtype=np.complex128), radius / np.abs(first)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # A model that has no force has no share of it either: not finite, as where nothing is known.
+            return np.asarray(centre / first, dtype=np.complex128), radius / np.abs(first)
 
     def stiffness(self, theta: Real, at: Points | Real | float) -> Complex:
         """Complex stiffness.
