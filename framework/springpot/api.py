@@ -235,7 +235,7 @@ def discover(
     for effect in wanted or ():
         grown = grown.taking(effect)
     require_conditions(grown, data)  # what cannot be accepted is told before the first fit, not after it
-    return discover_objects(data, start, known, np.random.default_rng(seed), wanted, progress, reached)
+    return discover_objects(data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached)
 
 
 def compare(
