@@ -291,6 +291,7 @@ def _discounted(search: Search, rss: float, spent: int, effects: int) -> float:
     (Liang et al. 2008, doi:10.1198/016214507000001337, equation 6) counts only what the parameters leave free.
     """
     base = search.base
+    # The width of what was known before, over that of what is known after, squared: the larger the effect, the wider.
     g = _drop(search, rss, spent)
     price = EVIDENCE.unknown_size * effects
     if base.noise.dof == inf:
@@ -322,4 +323,7 @@ def _freedom(search: Search) -> float:
 def _known(search: Search) -> float:
     """Degrees of freedom of the noise that do not come from the residual."""
     noise = search.base.noise
-    return noise.dof if noise.source == "repeats" else 0.0
+    if noise.source == "repeats":
+        return noise.dof
+    # An estimate comes from the very residual that is weighed: it tells nothing beside it.
+    return 0.0
