@@ -1,7 +1,6 @@
 """What must not change an answer: the order of rows, the unit of stiffness, the day, the size of the set."""
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +9,7 @@ from hidden_data import AMPLITUDES, KELVIN, SWEEP, Design, design, exact, hidden
 
 import springpot
 from soaked import soaked
-from springpot.diagnosis.policy import NOISE
+from springpot.measurement.replicates import MOST_POINTS
 from springpot.report.jsontext import jsonable
 
 CASES = {"inertia": SWEEP, "friction": AMPLITUDES}
@@ -149,11 +148,11 @@ def test_a_ladder_is_strict_json_of_the_agreed_form():
 
 @pytest.mark.parametrize(
     ("points", "kept", "within"),
-    [(10, 10, 0.3), (20_000, 100, 0.2), pytest.param(20_000, NOISE.most_points, 0.02, marks=pytest.mark.soak)],
+    [(10, 10, 0.3), (20_000, 100, 0.2), pytest.param(20_000, MOST_POINTS, 0.02, marks=pytest.mark.soak)],
 )
 def test_few_and_very_many_points(points, kept, within, monkeypatch):
     """Of very many a part is diagnosed: here a small one, which takes a second and not half a minute."""
-    monkeypatch.setattr("springpot.diagnosis.noise.NOISE", replace(NOISE, most_points=kept))
+    monkeypatch.setattr("springpot.measurement.replicates.MOST_POINTS", kept)
     at = design(points)
     stiffness = exact(KELVIN, at, "inertia", 3e-4)
     diagnosis = springpot.diagnose(measured(at, stiffness, level=0.01, just=True), KELVIN.name)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from springpot.diagnosis.battery import repeats_structure
-from springpot.diagnosis.noise import average_repeats
 from springpot.diagnosis.policy import BATTERY
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, average_repeats
 
 
 def repeated(seed=3):

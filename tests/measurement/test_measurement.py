@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from springpot import Measurement
-from springpot.diagnosis.noise import average_repeats
 from springpot.errors import DataError
+from springpot.measurement import average_repeats
 
 
 def test_sweeps_are_labelled_by_their_own_conditions():

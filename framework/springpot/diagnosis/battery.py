@@ -16,11 +16,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import CONDITIONS, sweeps_of
+from springpot.measurement import CONDITIONS, Averaged, sweeps_of
 from springpot.rheology import Real
 
 from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal, spectrum
-from .noise import Averaged
 from .outliers import outlying, point_in_words
 from .policy import BATTERY, OUTLIERS, VERDICT
 from .unseen import unseen_error, unseen_in_words

@@ -13,7 +13,7 @@ import numpy as np
 from springpot.drawing import draw, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, thinned
 from springpot.rheology import Model
 
 from .battery import Battery, Finding, battery
@@ -21,7 +21,6 @@ from .candidates import printed
 from .display import html_of_comparison
 from .floor import fitted_to_floor
 from .material import MaterialFloor, error_of, material_floor
-from .noise import thinned
 from .overtones import judged, overtones
 from .policy import RANKING, VERDICT
 from .progress import Progress, silent

@@ -10,14 +10,13 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.identification import is_material, require_conditions
-from springpot.measurement import Measurement, steadied
+from springpot.measurement import Measurement, steadied, thinned
 from springpot.rheology import Effect, Model, Real
 
 from .candidates import candidates_of, printed
 from .evidence import Evidence
 from .experiment import next_experiment
 from .material import MaterialFloor, error_of, material_floor, split_in_words
-from .noise import thinned
 from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
 from .policy import EXPERIMENT, SEARCH, VERDICT

@@ -9,21 +9,21 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import Measurement
-from springpot.rheology import Complex, Model, Real
-
-from .noise import (
+from springpot.measurement import (
     Averaged,
+    Measurement,
     Noise,
     Scatter,
     at_least_rounding,
     average_repeats,
-    best_shape,
-    checked,
+    checked_noise,
     noise_of_repeats,
-    plausible,
-    robust_shape,
+    noise_shape,
+    plausible_variance,
+    robust_noise_shape,
 )
+from springpot.rheology import Complex, Model, Real
+
 from .policy import SCATTER
 from .refit import Refit, refit
 from .scatter import Trimmed, scatter_about, trimmed
@@ -55,7 +55,7 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
 
 def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
     first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=16)
-    noise = checked(first.noise, *scatter_about(first.frame()))
+    noise = checked_noise(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
         return first
     return refit(model, data, noise, [first.theta], starts=4)
@@ -70,7 +70,7 @@ def as_given(base: Refit) -> Refit:
 def borne_out(best: Refit) -> bool:
     """Whether the scatter about a good model is as large as its noise says."""
     variance, dof = scatter_about(best.frame())
-    return variance < plausible(dof)[1]
+    return variance < plausible_variance(dof)[1]
 
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
@@ -161,7 +161,7 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
         scatters.append(left)
     for scatter in scatters:
         rough = scatter[:n] / free.noise.weights.real + 1j * scatter[n:] / free.noise.weights.imag
-        sd = at_least_rounding(robust_shape(measurement, rough, inside), measurement)
+        sd = at_least_rounding(robust_noise_shape(measurement, rough, inside), measurement)
         yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 
@@ -171,5 +171,5 @@ def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
     squares = np.where(scatter.kept, scatter.left, 0.0) ** 2
     each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
     parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
-    sd = at_least_rounding(best_shape(found.data.mean, parts), found.data.mean)
+    sd = at_least_rounding(noise_shape(found.data.mean, parts), found.data.mean)
     return Noise(sd, scatter.dof, "estimated")

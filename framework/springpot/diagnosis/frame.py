@@ -15,15 +15,23 @@ from scipy.optimize import brentq
 
 from springpot.distributions import chi2_sf, f_sf
 from springpot.identification import weighted
-from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, sweeps_of
+from springpot.measurement import (
+    CONDITIONS,
+    LEAST_RELATIVE,
+    Measurement,
+    frequency_numbers,
+    rounding_step,
+    sweeps_of,
+)
 from springpot.rheology import Complex, Real
 
-from .noise import rounding_step
-from .policy import BATTERY, NOISE, SCATTER, SWEEPS
+from .policy import BATTERY, SCATTER, SWEEPS
 
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
 Drawn: TypeAlias = NDArray[np.floating]
+ROUNDED = 0.1
+"""Share of the noise's variance from which rounding is simulated as such: less is lost in the rest of it."""
 
 
 def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
@@ -206,7 +214,7 @@ class Frame:
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
         # A uniform error of one step has a twelfth of its square for variance; the mean is over both parts.
         share = 0.5 * float(np.mean(real**2 + imag**2)) / 12.0
-        if share < NOISE.rounded:
+        if share < ROUNDED:
             return None
         return steps
 
@@ -236,11 +244,10 @@ class Frame:
         def excess(level: float) -> float:
             return float(np.sum(squares / (level**2 * size**2 + step[rows] ** 2 / 12.0 + 1e-300))) - free
 
-        least = NOISE.least_relative
-        if excess(least) <= 0.0:
-            return least
+        if excess(LEAST_RELATIVE) <= 0.0:
+            return LEAST_RELATIVE
         largest = float(np.sqrt(np.sum(squares / size**2) / free))
-        return float(brentq(excess, least, largest * (1.0 + 1e-9)))
+        return float(brentq(excess, LEAST_RELATIVE, largest * (1.0 + 1e-9)))
 
     def standard(self, rest: Drawn) -> Drawn:
         """Residuals (m, 2n) in units of their own scatter, where the noise is estimated from it (Student 1908)."""

@@ -10,51 +10,6 @@ from math import log, pi, sqrt
 
 
 @dataclass(frozen=True)
-class NoiseLevels:
-    """The noise of a point, from repeats or as stated."""
-
-    least_relative: float = 1e-07
-    """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
-    most_digits: int = 9
-    """Digits from which a value counts as written in full: single precision has seven."""
-    rounded: float = 0.1
-    """Share of the noise's variance from which rounding is simulated as such: less is lost in the rest of it."""
-    points_of_a_run: int = 6
-    """Points of a run from which its own gain says little of each of them."""
-    runs_differ: float = 0.0001
-    """Chance of replicates that differ as a whole by so much where only their points scatter."""
-    doubt: float = 0.0001
-    """Chance below which given standard deviations are held to be misstated."""
-    student_dof: float = 4.0
-    """Degrees of freedom of the tails by which shapes are compared: outliers count little, and normal noise is still
-    judged nearly as well as by its own likelihood."""
-    student_rounds: int = 25
-    """Rounds of reweighting for a scale: each takes away a fixed share of what is left to go."""
-    force_floor: float = 6.0
-    """Minus twice the log-likelihood that a floor of constant force must bring: a load cell has one, so that less is
-    asked than of other shapes; noise proportional to |K| brings as much in 1 to 2 of 100 (a maximum over the levels
-    of chi-square with one degree of freedom)."""
-    force_range: float = 3.0
-    """Largest over smallest force from which such a floor can be told from noise proportional to |K|."""
-    force_levels: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
-    """Force, in units of the least one measured, at which the floor is as large as the rest of the noise."""
-    unusual_shape: float = 10.0
-    """Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few
-    points some shape fits chance best, and structure is then seen where there is none."""
-    enough_repeats: int = 8
-    """Degrees of freedom below which the scatter of repeats says too little about the noise."""
-    most_points: int = 1500
-    """Points that are diagnosed at most."""
-    fewest_of_a_sweep: int = 10
-    """Points of a sweep that are kept before sweeps are left out."""
-    most_repeats: int = 30
-    """Repeats of one point that are kept before points are left out."""
-
-
-NOISE = NoiseLevels()
-
-
-@dataclass(frozen=True)
 class ScatterLevels:
     """Scatter about a fit, where the noise must be estimated from it."""
 

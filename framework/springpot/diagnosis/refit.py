@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification import Effort, Fit, Objective, fit, is_material, own_parameters, weighted
-from springpot.measurement import Measurement
+from springpot.measurement import Averaged, Measurement, Noise
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
 from .frame import Frame
-from .noise import Averaged, Noise
 from .policy import SEARCH
 
 

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.diagnosis import Comparison, Error
-from springpot.diagnosis.noise import thinned
 from springpot.diagnosis.where import in_plane
-from springpot.measurement import Measurement, Units
+from springpot.measurement import Measurement, Units, thinned
 from springpot.rheology import Complex, Real
 from springpot.rheology.nodes import FULL
 

@@ -1,0 +1,253 @@
+"""Repeats and replicates: their mean and scatter, the gain that each run has of its own, and how many are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.distributions import f_sf
+from springpot.rheology import Complex, Model, Real
+
+from .measurement import CONDITIONS, Measurement
+from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
+from .sweeps import frequency_numbers, sweeps_of
+
+Rows: TypeAlias = NDArray[np.int64]
+
+ENOUGH_REPEATS = 8
+"""Degrees of freedom below which the scatter of repeats says too little about the noise."""
+POINTS_OF_A_RUN = 6
+"""Points of a run from which its own gain says little of each of them."""
+RUNS_DIFFER = 0.0001
+"""Chance of replicates that differ as a whole by so much where only their points scatter."""
+MOST_POINTS = 1500
+"""Points that are kept at most: more tell a smooth curve no better and cost time."""
+FEWEST_OF_A_SWEEP = 10
+"""Points of a sweep that are kept before sweeps are left out."""
+MOST_REPEATS = 30
+"""Repeats of one point that are kept before points are left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Averaged:
+    """Data with their repeats averaged.
+
+    Attributes
+    ----------
+    raw : Measurement
+        As measured.
+    mean : Measurement
+        One row for each frequency and set of conditions; `raw` itself where nothing is repeated.
+    scatter : Scatter
+        Of the repeats about their mean, with no degree of freedom where nothing is repeated.
+    group : ndarray of int, shape (N,)
+        Row of `mean` that each measured row belongs to.
+    gains : ndarray of complex, shape (N,), optional
+        By how much the run that a row belongs to is larger than the mean of its replicates, relative to K, where
+        runs differ by more than the scatter of their points: another specimen, loaded anew. It was taken away before
+        the mean and the scatter were formed.
+    """
+
+    raw: Measurement
+    mean: Measurement
+    scatter: Scatter
+    group: Rows
+    gains: Complex | None = None
+
+    @property
+    def own_gain(self) -> float:
+        """Root mean square of what sets replicates apart as a whole, relative to |K|."""
+        if self.gains is None:
+            return 0.0
+        return float(np.sqrt(np.mean(np.abs(self.gains) ** 2)))
+
+    def deviations(self) -> Complex:
+        """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
+        gains = 0.0 if self.gains is None else self.gains
+        return (self.raw.stiffness / (1.0 + gains) - self.mean.stiffness[self.group]) / self.raw.magnitude
+
+    def without(self, rows: NDArray[np.bool_]) -> Averaged:
+        """The averages without some of them, (n,); the reference temperature stays."""
+        mean = self.mean.subset(np.flatnonzero(~rows))
+        scatter = Scatter(*(column[~rows] for column in self.scatter))
+        return Averaged(mean, mean, scatter, np.arange(len(mean)))
+
+    def relative_rms(self, model: Model, theta: Real) -> float:
+        """Root mean square of |K_model - K| / |K| over all measured rows."""
+        off = np.abs(model.stiffness(theta, self.raw.points) / self.raw.stiffness - 1.0)
+        return float(np.sqrt(np.mean(off**2)))
+
+    def floor(self, noise: Noise) -> float:
+        """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
+        count = self.scatter.dof + 1.0
+        single = (noise.sd.real**2 + noise.sd.imag**2) * count / self.mean.magnitude**2
+        return float(np.sqrt(np.sum(count * single) / np.sum(count) + self.own_gain**2))
+
+
+def average_repeats(measurement: Measurement) -> Averaged:
+    """Mean of the repeats of each point, and their scatter about it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, (N,); only rows that the column `repeat` marks as such are averaged.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> stiffness = np.array([10.0, 20.0, 12.0, 22.0]) + 1j
+    >>> data = Measurement(np.array([1.0, 2.0, 1.0, 2.0]), stiffness, repeat=np.array([0, 0, 1, 1]))
+    >>> average_repeats(data).mean.storage.tolist()
+    [11.0, 21.0]
+    """
+    group, first = _groups(measurement)
+    count = np.bincount(group).astype(float)
+    if len(first) == len(measurement):
+        nothing = np.zeros(len(first))
+        return Averaged(measurement, measurement, Scatter(nothing, nothing, nothing), group)
+    mean = _means(measurement.stiffness, group)
+    if np.all(np.abs(measurement.stiffness / mean[group] - 1.0) < LEAST_RELATIVE):
+        # Rows that were written again are no repeats: they tell nothing of the noise.
+        return average_repeats(replace(measurement.subset(first), repeat=None))
+    gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, count[group])
+    stiffness = measurement.stiffness
+    if gains is not None:
+        stiffness = stiffness / (1.0 + gains)
+    mean = _means(stiffness, group)
+    off = stiffness - mean[group]
+    real, imag = (np.bincount(group, part**2).astype(float) for part in (off.real, off.imag))
+    # A gain is estimated from all points of a run: each point pays its share of that degree of freedom.
+    free = max(1.0 - spent / max(float(np.sum(count - 1.0)), 1.0), 0.0)
+    scatter = Scatter(real, imag, (count - 1.0) * free)
+    averaged = measurement.subset(first)
+    sd = averaged.sd
+    if sd is not None:
+        sd = sd / np.sqrt(count)
+    return Averaged(measurement, replace(averaged, stiffness=mean, sd=sd, repeat=None), scatter, group, gains)
+
+
+def _means(values: Complex, group: Rows) -> Complex:
+    """Mean of each group, shape (groups,)."""
+    count = np.bincount(group)
+    return np.asarray((np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count)
+
+
+def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -> tuple[Complex | None, float]:
+    """The gain (N,) of the run that each row belongs to, and how many were estimated.
+
+    A run is what was measured in one repeat under one set of conditions. None where runs do not differ as a whole by
+    an analysis of variance, or where they differ in slope as well: then only their full scatter is honest.
+    """
+    columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
+    if measurement.repeat is not None:
+        columns.append(measurement.repeat)
+    _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    run = run.ravel()
+    usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
+    if not np.any(usable):
+        return None, 0.0
+    run, values = np.unique(run[usable], return_inverse=True)[1], relative[usable]
+    x = np.log(measurement.omega[usable])
+    mean = _means(values, run)
+    gain_spent = float(np.max(run) + 1) * (1.0 - float(np.mean(1.0 / count[usable])))
+    x = x - _means(x.astype(np.complex128), run).real[run]
+    slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
+    slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
+    by_gain = float(np.sum(np.abs(mean[run]) ** 2))
+    by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
+    left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
+    free = 2.0 * (float(np.sum(1.0 - 1.0 / count[usable])) - 2.0 * gain_spent)
+    if free < 1.0:
+        return None, 0.0
+    unit = max(left / free, 1e-300)
+    differ = [f_sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
+              for part in (by_gain, by_slope)]  # fmt: skip
+    if not differ[0] or differ[1]:
+        return None, 0.0
+    gains = np.zeros(len(relative), dtype=np.complex128)
+    gains[usable] = mean[run]
+    return gains, gain_spent
+
+
+def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
+    """Which averaged row each row belongs to, and the first row of each; only marked repeats are merged."""
+    columns: list[Real] = [frequency_numbers(measurement).astype(float)]
+    columns += [measurement.levels(name).astype(float) for name in CONDITIONS if name in measurement.conditions]
+    if measurement.repeat is None:
+        columns = [np.arange(len(measurement), dtype=float)]
+    _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[order] = np.arange(len(first))
+    return rank[group.ravel()], first[order].astype(np.int64)
+
+
+def noise_of_repeats(averaged: Averaged) -> Noise | None:
+    """Noise of the averages, or None where too little is repeated.
+
+    Parameters
+    ----------
+    averaged : Averaged
+        The data with the scatter of their repeats.
+    """
+    scatter = averaged.scatter
+    dof = 2.0 * float(np.sum(scatter.dof))
+    if dof < ENOUGH_REPEATS:
+        return None
+    return Noise(noise_shape(averaged.mean, scatter) / np.sqrt(scatter.dof + 1.0), dof, "repeats")
+
+
+def thinned(measurement: Measurement) -> Measurement:
+    """At most `MOST_POINTS` rows, in the order in which they stand.
+
+    Every sweep keeps as many points as the longest may have, spread evenly over its own, with all their repeats. Only
+    where that leaves fewer than `FEWEST_OF_A_SWEEP` of each, whole sweeps are left out; only of more than
+    `MOST_REPEATS` repeats some are.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data; they are handed back as they are where they are few.
+    """
+    if len(measurement) <= MOST_POINTS:
+        return measurement
+    data = average_repeats(measurement)
+    points = np.split(np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1])
+    most = max(MOST_REPEATS, MOST_POINTS // len(points))
+    points = [_even(rows, most) for rows in points]
+    size = np.array([len(rows) for rows in points])
+    lines = [sweep.rows for sweep in sweeps_of(data.mean)]
+
+    def fits(lines: Sequence[Rows], each: int) -> bool:
+        return sum(int(size[_even(line, each)].sum()) for line in lines) <= MOST_POINTS
+
+    kept = _largest(lambda count: fits([lines[i] for i in _spread(len(lines), count)], FEWEST_OF_A_SWEEP), len(lines))
+    lines = [lines[i] for i in _spread(len(lines), kept)]
+    each = _largest(lambda count: fits(lines, count), max(len(line) for line in lines))
+    return measurement.subset(np.sort(np.concatenate([points[i] for line in lines for i in _even(line, each)])))
+
+
+def _largest(fits: Callable[[int], bool], most: int) -> int:
+    """The largest number up to `most` that fits, by halving; 1 where none does."""
+    low, high = 1, most + 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if fits(middle):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _even(rows: Rows, most: int) -> Rows:
+    return rows[_spread(len(rows), most)]
+
+
+def _spread(count: int, most: int) -> Rows:
+    """At most so many of the numbers 0, ..., count - 1, from end to end."""
+    return np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)

@@ -1,0 +1,330 @@
+"""How measured points scatter: their standard deviations, the shapes that noise has, and what rounding adds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.distributions import chi2_quantile
+from springpot.rheology import Complex, Real
+
+from .measurement import Measurement
+
+Source = Literal["given", "repeats", "estimated"]
+
+LEAST_RELATIVE = 1e-7
+"""No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
+LEAST_VARIANCE = 1e-30
+"""Stands for no scatter at all, of which there is no logarithm."""
+MOST_DIGITS = 9
+"""Digits from which a value counts as written in full: single precision has seven."""
+DOUBT = 0.0001
+"""Chance below which given standard deviations are held to be misstated."""
+FEWEST_TO_DOUBT = 10
+"""Degrees of freedom of the data's scatter below which it says nothing against given standard deviations."""
+STUDENT_DOF = 4.0
+"""Degrees of freedom of the tails by which shapes are compared: outliers count little, and normal noise is still
+judged nearly as well as by its own likelihood."""
+STUDENT_ROUNDS = 25
+"""Rounds of reweighting for a scale: each takes away a fixed share of what is left to go."""
+UNUSUAL_SHAPE = 10.0
+"""Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
+some shape fits chance best, and structure is then seen where there is none."""
+FORCE_FLOOR = 6.0
+"""Minus twice the log-likelihood that a floor of constant force must bring: a load cell has one, so that less is
+asked than of other shapes; noise proportional to |K| brings as much in 1 to 2 of 100 (a maximum over the levels of
+chi-square with one degree of freedom)."""
+FORCE_RANGE = 3.0
+"""Largest over smallest force from which such a floor can be told from noise proportional to |K|."""
+FORCE_LEVELS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+"""Force, in units of the least one measured, at which the floor is as large as the rest of the noise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Standard deviations of the measured points, and how well they are known.
+
+    Parameters
+    ----------
+    sd : ndarray of complex, shape (n,)
+        Of K' (real part) and K'' (imaginary part) of each point.
+    dof : float
+        Degrees of freedom behind their common scale; infinite where it is known.
+    source : {"given", "repeats", "estimated"}
+        Where they come from.
+    doubt : str
+        One sentence where the given ones disagree with the data's own scatter.
+    """
+
+    sd: Complex
+    dof: float
+    source: Source
+    doubt: str = ""
+
+    @property
+    def overruled(self) -> bool:
+        """Whether other standard deviations were given."""
+        return self.source == "estimated" and bool(self.doubt)
+
+    @property
+    def weights(self) -> Complex:
+        """Reciprocal standard deviations."""
+        return np.asarray(1.0 / self.sd.real + 1.0j / self.sd.imag, dtype=np.complex128)
+
+    def log_likelihood(self, rss: float, size: int) -> float:
+        """Log-likelihood of a whitened residual sum of squares, an unknown scale integrated or profiled out."""
+        if self.dof == inf:
+            return -0.5 * rss
+        if self.source == "repeats":
+            return -0.5 * (self.dof + size) * float(np.log1p(rss / self.dof))
+        return -0.5 * size * float(np.log(max(rss, 1e-300)))
+
+    def of(self, rows: NDArray[np.bool_]) -> Noise:
+        """The noise of some of the points, (n,)."""
+        return replace(self, sd=self.sd[rows])
+
+    def scaled(self, factor: float) -> Noise:
+        """The same shape with every standard deviation multiplied."""
+        return replace(self, sd=self.sd * factor)
+
+
+class Scatter(NamedTuple):
+    """Squared scatter of each point about its mean or about a smooth curve.
+
+    Attributes
+    ----------
+    real, imag : ndarray, shape (n,)
+        Sums of squared deviations of K' and of K''.
+    dof : ndarray, shape (n,)
+        Degrees of freedom behind each of them.
+    """
+
+    real: Real
+    imag: Real
+    dof: Real
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One hypothesis on how the noise depends on the point; its scales are fitted.
+
+    Parameters
+    ----------
+    real, imag : ndarray, shape (n,)
+        Standard deviations of K' and K'' up to a scale.
+    tied : bool
+        Whether both have the same scale.
+    price : float
+        Minus twice the log-likelihood by which it must outdo the first shape.
+    """
+
+    real: Real
+    imag: Real
+    tied: bool
+    price: float
+
+    def of(self, rows: NDArray[np.bool_]) -> Shape:
+        """The same for some of the points, (n,)."""
+        return replace(self, real=self.real[rows], imag=self.imag[rows])
+
+    def fit(self, scatter: Scatter) -> tuple[float, Complex]:
+        """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
+        total = float(np.sum(scatter.dof))
+        real = float(np.sum(scatter.real / self.real**2)) / total
+        imag = float(np.sum(scatter.imag / self.imag**2)) / total
+        scales = 2
+        if self.tied:
+            real = imag = 0.5 * (real + imag)
+            scales = 1
+        real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
+        logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
+        cost = total * (np.log(real) + np.log(imag)) + logs
+        penalty = scales * np.log(2.0 * max(total, 1.0))
+        sd = np.sqrt(real) * self.real + 1.0j * np.sqrt(imag) * self.imag
+        return float(cost + penalty + self.price), np.asarray(sd, dtype=np.complex128)
+
+
+def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
+    """Noise proportional to |K|, to each part by itself, or with a constant-force floor beside it."""
+    size = measurement.magnitude
+    parts = [np.maximum(np.abs(part), 1e-6 * size) for part in (measurement.storage, measurement.loss)]
+    yield Shape(size, size, True, 0.0)
+    yield Shape(size, size, False, UNUSUAL_SHAPE)
+    yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
+    amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
+    force = size * amplitude
+    if force.max() > FORCE_RANGE * force.min():
+        for level in FORCE_LEVELS:
+            floor = np.hypot(size, level * force.min() / amplitude)
+            yield Shape(floor, floor, True, FORCE_FLOOR)
+
+
+def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
+    """Standard deviations (n,) of the shape that the scatter favours.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The points, (n,).
+    scatter : Scatter
+        Of each of them.
+    """
+    fits = [shape.fit(scatter) for shape in _shapes_of(measurement)]
+    return min(fits, key=lambda fit: fit[0])[1]
+
+
+def robust_noise_shape(measurement: Measurement, residual: Complex, rows: NDArray[np.bool_]) -> Complex:
+    """Standard deviations (n,), up to a scale, of the shape that a residual favours, whatever stands out from it.
+
+    By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the noise of some
+    points is larger, they must not be set aside as outliers before their noise is known.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    residual : ndarray of complex, shape (m,)
+        The scatter of some of them about slow curves, in the unit of K.
+    rows : ndarray of bool, shape (n,)
+        Which these are.
+    """
+    shapes = list(_shapes_of(measurement))
+    costs = [_student_cost(shape.of(rows), residual) + shape.price for shape in shapes]
+    best = shapes[int(np.argmin(costs))]
+    real, imag = _student_scales(best.of(rows), residual)
+    return np.asarray(real * best.real + 1j * imag * best.imag, dtype=np.complex128)
+
+
+def _student_scales(shape: Shape, residual: Complex) -> tuple[float, float]:
+    """Scales of both parts, by iterated reweighting."""
+    parts = [np.abs(residual.real / shape.real), np.abs(residual.imag / shape.imag)]
+    if shape.tied:
+        scale = _student_scale(np.concatenate(parts))
+        return scale, scale
+    return _student_scale(parts[0]), _student_scale(parts[1])
+
+
+def _student_scale(size: Real) -> float:
+    square = size**2
+    variance = max(float(np.mean(square)), LEAST_VARIANCE)
+    for _ in range(STUDENT_ROUNDS):
+        weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance)
+        variance = max(float(np.mean(weight * square)), LEAST_VARIANCE)
+    return float(np.sqrt(variance))
+
+
+def _student_cost(shape: Shape, residual: Complex) -> float:
+    """Minus twice the log-likelihood, and what a second scale costs."""
+    total = 0.0
+    scales = _student_scales(shape, residual)
+    for part, form, scale in zip((residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True):
+        square = (part / (scale * form)) ** 2
+        tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
+        total += float(np.sum(2.0 * np.log(scale * form) + tails))
+    spent = 1 if shape.tied else 2
+    return total + spent * float(np.log(2.0 * len(residual)))
+
+
+def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
+    """Noise as stated, with a word of doubt where the data's own scatter disagrees; too small noise is rescaled.
+
+    Parameters
+    ----------
+    noise : Noise
+        As given.
+    variance : float
+        Of the whitened scatter that neither the model nor structure follows; one if all is well.
+    dof : float
+        Its degrees of freedom.
+    """
+    if dof < FEWEST_TO_DOUBT:
+        return noise
+    low, high = plausible_variance(dof)
+    if low < variance < high:
+        return noise
+    factor = float(np.sqrt(variance))
+    if factor < 1.0:
+        doubt = (
+            f"the given standard deviations are {1 / factor:.2g} times the data's own scatter: "
+            "too large, or they hold errors that neighbouring points share; they are used as given"
+        )
+        return replace(noise, doubt=doubt)
+    doubt = (
+        f"the given standard deviations look too small: the data scatter {factor:.2g} times as much; "
+        "the scatter is used instead"
+    )
+    return replace(noise.scaled(factor), dof=dof, source="estimated", doubt=doubt)
+
+
+def plausible_variance(dof: float) -> tuple[float, float]:
+    """Least and largest variance of whitened scatter that standard deviations of the right size leave.
+
+    Parameters
+    ----------
+    dof : float
+        Degrees of freedom of the scatter.
+    """
+    low, high = chi2_quantile([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
+    return float(low), float(high)
+
+
+def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
+    """Standard deviations (n,) no smaller than what writing the values with few digits has rounded away.
+
+    Parameters
+    ----------
+    sd : ndarray of complex, shape (n,)
+        Of K' (real part) and K'' (imaginary part).
+    measurement : Measurement
+        The values as they were written.
+    """
+    least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
+    size = LEAST_RELATIVE * measurement.magnitude
+    parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
+    return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)
+
+
+def rounding_step(values: Real) -> Real:
+    """How far apart the next values lie that could have been written in place of each; shape (n,).
+
+    A column is written with so many decimals, or with so many significant digits, or both: the coarser step counts.
+    Zero where the values carry all the digits of a number.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        One column of a file.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rounding_step(np.array([1.5, 12.25])).tolist()
+    [0.01, 0.01]
+    """
+    size = np.abs(values[values != 0.0])
+    if len(size) == 0:
+        return np.zeros(len(values))
+    decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
+    digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
+    step = np.zeros(len(values))
+    if decimals is not None:
+        step = np.maximum(step, 10.0**decimals)
+    if digits is not None:
+        step = np.maximum(step, 10.0 ** (exponent + digits))
+    return step
+
+
+def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
+    """The largest number whose powers of ten (n,) divide all values; None where only a full number's digits do."""
+    for power in range(12, -MOST_DIGITS, -1):
+        step = 10.0 ** power_of(power)
+        steps = size / step
+        if np.all(np.abs(steps - np.round(steps)) <= 1e-9 * np.abs(steps)):
+            return power if np.max(np.abs(steps)) < 10.0**MOST_DIGITS else None
+    return None
