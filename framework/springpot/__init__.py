@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
     from springpot.api import compare, diagnose, discover, identify, mastercurve, read
-    from springpot.diagnosis import Comparison, Diagnosis, Ladder
+    from springpot.comparison import Comparison
+    from springpot.diagnosis import Diagnosis, Ladder
     from springpot.identification import Identification, Prediction
     from springpot.loading import load
     from springpot.measurement import Measurement, TimeTest, Units, geometry
@@ -28,7 +29,7 @@ if TYPE_CHECKING:  # what a user's type checker sees; the table below is what ha
 __version__ = "0.1.0"
 
 _WHERE = {
-    "Comparison": "springpot.diagnosis",
+    "Comparison": "springpot.comparison",
     "Diagnosis": "springpot.diagnosis",
     "Identification": "springpot.identification",
     "Ladder": "springpot.diagnosis",

@@ -9,9 +9,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from springpot.comparison import Comparison, rank
+from springpot.comparison import compare as compare_objects
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
-from springpot.diagnosis import Comparison, Diagnosis, Ladder, Progress, any_material, rank
-from springpot.diagnosis import compare as compare_objects
+from springpot.diagnosis import Diagnosis, Ladder, Progress, any_material
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.diagnosis.progress import silent
@@ -261,7 +262,7 @@ def compare(
     Returns
     -------
     Comparison
-        A `springpot.diagnosis.Ranking` where no models are given.
+        A `springpot.comparison.Ranking` where no models are given.
 
     Raises
     ------

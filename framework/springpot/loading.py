@@ -94,7 +94,7 @@ class KeptLadder:
 
 @dataclass(frozen=True, eq=False)
 class KeptJudgement:
-    """One model against the data, as its file tells it; names as in `springpot.diagnosis.Judgement`."""
+    """One model against the data, as its file tells it; names as in `springpot.comparison.Judgement`."""
 
     model: Model
     error: Error
@@ -110,7 +110,7 @@ class KeptJudgement:
 
 @dataclass(frozen=True, eq=False)
 class KeptComparison:
-    """Models against the same data, as their file tells it; names as in `springpot.diagnosis.Comparison`."""
+    """Models against the same data, as their file tells it; names as in `springpot.comparison.Comparison`."""
 
     data: str
     judgements: tuple[KeptJudgement, ...]

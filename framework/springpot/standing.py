@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.diagnosis import compare
+from springpot.comparison import compare
 from springpot.errors import DataError
 from springpot.identification import Identification, Standing, default_objective
 

@@ -69,7 +69,7 @@ def test_a_share_beyond_all_is_written_out():
 
 def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng):
     """Thirty per cent of scatter in one direction of an otherwise smooth curve is not 'nothing but noise'."""
-    from springpot.diagnosis.compare import Judgement
+    from springpot.comparison import Judgement
     from springpot.diagnosis.result import Error
 
     class Quiet(Judgement):

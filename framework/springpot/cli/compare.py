@@ -12,7 +12,7 @@ from .common import FILE, data_argument, emit, geometry_option, json_option, ope
 from .waiting import Waiting
 
 if TYPE_CHECKING:
-    from springpot.diagnosis import Comparison
+    from springpot.comparison import Comparison
     from springpot.measurement import Measurement
     from springpot.rheology import Model
 
@@ -59,7 +59,7 @@ def command(
 
 def _show(found: Comparison, data: str, figure: Path | None) -> None:
     """The answer, and what to go on with: what is missing from the best model, or its parameters where nothing is."""
-    from springpot.diagnosis import Ranking
+    from springpot.comparison import Ranking
     from springpot.report.answers import comparison_text
     from springpot.report.ranking import ranked_text
 

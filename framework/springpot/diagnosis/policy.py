@@ -498,33 +498,3 @@ class LadderLevels:
 
 
 LADDER = LadderLevels()
-
-
-@dataclass(frozen=True)
-class RankingLevels:
-    """Installed models in order."""
-
-    chance: float = 0.001
-    """Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models
-    compared, one right one in 25 data sets is lost."""
-    decisive: float = 10.0
-    """Information criterion above the least from which another model is decisively better (Kass and Raftery 1995,
-    doi:10.1080/01621459.1995.10476572)."""
-    alike: float = 2.0
-    """Standard deviations of the noise between two curves, over all points together, below which no data like these
-    tell them apart."""
-    starts: int = 8
-    """Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
-    next: int = 3
-    """Models shown beside the adequate ones, which tell how much worse the next are."""
-    looked_at: int = 20
-    """Of the others, how many are looked at for these."""
-    most_drawn: int = 6
-    """Models in a picture: more colours are not told apart."""
-    compared_starts: int = 4
-    """Starts of each of a few models that a user compares, from the fit that found its own noise."""
-    most_places: int = 3
-    """Places named in the sentence on a model; all are in `where`."""
-
-
-RANKING = RankingLevels()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from springpot.diagnosis import Candidate, Comparison, Diagnosis, Error, Finding, Judgement, Ladder, Step, Value
+from springpot.comparison import Comparison, Judgement
+from springpot.diagnosis import Candidate, Diagnosis, Error, Finding, Ladder, Step, Value
 from springpot.diagnosis.words import plain
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement, Units

@@ -6,7 +6,8 @@ from functools import singledispatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.diagnosis import Comparison, Diagnosis, Ladder
+from springpot.comparison import Comparison
+from springpot.diagnosis import Diagnosis, Ladder
 from springpot.errors import OutputError
 from springpot.identification import Identification, Prediction, is_material
 from springpot.loading import KeptLadder

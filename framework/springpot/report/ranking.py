@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from springpot.diagnosis import Judgement, Ranking
+from springpot.comparison import Judgement, Ranking
 
 from .answers import USUAL, doubt_text, floors, times_floor, value_text
 from .numbers import number, percent

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.diagnosis import Comparison, Error
+from springpot.comparison import Comparison
+from springpot.diagnosis import Error
 from springpot.diagnosis.where import in_plane
 from springpot.measurement import Measurement, Units, thinned
 from springpot.rheology import Complex, Real

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from functools import singledispatch
 
-from springpot.diagnosis import Comparison, Diagnosis, Ladder, Ranking
+from springpot.comparison import Comparison, Ranking
+from springpot.diagnosis import Diagnosis, Ladder
 from springpot.identification import Identification
 
 from .answers import comparison_text, diagnosis_text, ladder_text

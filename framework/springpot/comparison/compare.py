@@ -10,24 +10,23 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from springpot.diagnosis.battery import Battery, Finding, battery
+from springpot.diagnosis.candidates import printed
+from springpot.diagnosis.floor import fitted_to_floor
+from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
+from springpot.diagnosis.overtones import judged, overtones
+from springpot.diagnosis.policy import VERDICT
+from springpot.diagnosis.progress import Progress, silent
+from springpot.diagnosis.refit import Refit, refit
+from springpot.diagnosis.result import Error, Value, Where
+from springpot.diagnosis.where import where
+from springpot.diagnosis.words import percent, times
 from springpot.drawing import draw, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
+from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement, thinned
 from springpot.rheology import Model
-
-from .battery import Battery, Finding, battery
-from .candidates import printed
-from .display import html_of_comparison
-from .floor import fitted_to_floor
-from .material import MaterialFloor, error_of, material_floor
-from .overtones import judged, overtones
-from .policy import RANKING, VERDICT
-from .progress import Progress, silent
-from .refit import Refit, refit
-from .result import Error, Value, Where
-from .where import where
-from .words import times
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +36,10 @@ Effects: TypeAlias = tuple[str, ...]
 
 
 SCHEMA = "springpot.comparison/1"
+STARTS = 4
+"""Starts of each of a few models that a user compares, from the fit that found its own noise."""
+MOST_PLACES = 3
+"""Places named in the sentence on a model; all are in `where`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +119,7 @@ class Judgement:
             return f"{ratio}; nothing is left but noise"
         if not self.where:
             return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"
-        return f"{ratio}; {'; '.join(place.says for place in self.where[: RANKING.most_places])}"
+        return f"{ratio}; {'; '.join(place.says for place in self.where[:MOST_PLACES])}"
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -194,7 +197,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         answer = self.to_dict() | {"models": [judgement.to_dict() for judgement in self.shown]}
-        return html_of_comparison(self.says, answer)
+        return _html_of(self.says, answer)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``."""
@@ -244,8 +247,8 @@ def compare(
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     progress("looking how near any material comes")
-    judged = judgements(fits, material_floors(fits, rng), rng)
-    return Comparison(measurement.name, tuple(judged), harmonics_of(quiet), tuple(notes))
+    each = judgements(fits, material_floors(fits, rng), rng)
+    return Comparison(measurement.name, tuple(each), harmonics_of(quiet), tuple(notes))
 
 
 def harmonics_of(found: Refit) -> tuple[Finding, ...]:
@@ -297,6 +300,40 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
     in_its_noise = []
     for fitted in first:
         if fitted is not quiet:
-            fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=RANKING.compared_starts)
+            fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS)
         in_its_noise.append(fitted)
     return in_its_noise
+
+
+def _html_of(says: str, answer: Mapping[str, Any]) -> Html:
+    """Errors against the floor that the models share, and where each of them fails.
+
+    The answer is that of schema ``springpot.comparison/1``, of the models that are shown.
+    """
+    rows = []
+    for one in answer["models"]:
+        best = one["model"] == answer["best"] and len(answer["models"]) > 1
+        error, name = one["error"], one["model"]
+        if best:
+            name = f"{name} (best)"
+        word = "holds"
+        if one["fails"]:
+            word = "fails"
+        rows.append(
+            (
+                name,
+                *(percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
+                f"{error['relative_rms'] / error['noise_floor']:.3g}",
+                f"{one['delta_bic']:.3g}",
+                word,
+            )
+        )
+    told = [f"{one['model']}: {one['says']}" for one in answer["models"]]
+    told += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
+    headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
+    parts = [tag("p", tag("b", f"models of {answer['data']}"))]
+    if says:
+        parts.append(tag("p", says))
+    parts.append(table(headers, rows))
+    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*told, *answer["notes"]))))
+    return tag("div", *parts)

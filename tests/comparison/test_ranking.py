@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis import Ranking, rank
-from springpot.diagnosis.policy import RANKING
-from springpot.diagnosis.ranking import chance_beside, grouped
+from springpot.comparison import Ranking, rank
+from springpot.comparison.ranking import ALIKE, CHANCE, chance_beside, grouped
+from springpot.diagnosis.policy import SEARCH
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.report.jsontext import jsonable
@@ -76,15 +76,15 @@ def test_a_richer_model_of_the_same_curve_stands_with_the_simple_one(heavy):
         for i, one in enumerate(leaders)
         for two in leaders[:i]
     ]
-    assert all(gap >= RANKING.alike for gap in gaps)
+    assert all(gap >= ALIKE for gap in gaps)
 
 
 def test_every_adequate_model_is_as_good_as_any_material(heavy):
     floor = heavy.ladder.steps[-1].case.search.base
     for one in heavy.judgements:
-        as_good = chance_beside(one.refit, floor) >= RANKING.chance
+        as_good = chance_beside(one.refit, floor) >= CHANCE
         outdone = any(
-            other.delta_bic < one.delta_bic - RANKING.decisive and len(other.refit.theta) > len(one.refit.theta)
+            other.delta_bic < one.delta_bic - SEARCH.decisive and len(other.refit.theta) > len(one.refit.theta)
             for other in heavy.judgements
         )
         assert (one in heavy.adequate) == (as_good and not outdone)

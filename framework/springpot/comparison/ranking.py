@@ -14,6 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis.frame import chance_of_squares
+from springpot.diagnosis.ladder import Ladder, discover
+from springpot.diagnosis.material import any_material
+from springpot.diagnosis.policy import SEARCH
+from springpot.diagnosis.progress import Progress, silent
+from springpot.diagnosis.refit import Refit, refit
 from springpot.errors import DataError
 from springpot.identification import is_material, weighted
 from springpot.measurement import Measurement
@@ -21,13 +27,21 @@ from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
 from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
-from .frame import chance_of_squares
-from .ladder import Ladder, discover
-from .material import any_material
-from .policy import RANKING
-from .progress import Progress, silent
-from .refit import Refit, refit
 
+CHANCE = 0.001
+"""Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
+right one in 25 data sets is lost."""
+ALIKE = 2.0
+"""Standard deviations of the noise between two curves, over all points together, below which no data like these tell
+them apart."""
+STARTS = 8
+"""Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
+NEXT = 3
+"""Models shown beside the adequate ones, which tell how much worse the next are."""
+LOOKED_AT = 20
+"""Of the others, how many are looked at for these."""
+MOST_DRAWN = 6
+"""Models in a picture: more colours are not told apart."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
 
@@ -70,13 +84,13 @@ class Ranking(Comparison):
     @cached_property
     def next(self) -> tuple[Judgement, ...]:
         """The best of those that are not adequate, one of each kind of curve."""
-        nearest = self.judgements[len(self.adequate) :][: RANKING.looked_at]
-        return tuple(group[0] for group in grouped(nearest)[: RANKING.next])
+        nearest = self.judgements[len(self.adequate) :][:LOOKED_AT]
+        return tuple(group[0] for group in grouped(nearest)[:NEXT])
 
     @property
     def shown(self) -> tuple[Judgement, ...]:
         """One of each group, and the best of those that are not adequate."""
-        return (*(group[0] for group in self.groups), *self.next)[: RANKING.most_drawn]
+        return (*(group[0] for group in self.groups), *self.next)[:MOST_DRAWN]
 
     @property
     def says(self) -> str:
@@ -150,9 +164,7 @@ def rank(
     alone = [found for found in fits if not found.model.effects]
     floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
-    adequate = [
-        one for one in ordered if chance_beside(one.refit, floor) >= RANKING.chance and not _outdone(one, ordered)
-    ]
+    adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     adequate.sort(key=lambda one: len(one.refit.theta))
     others = [one for one in ordered if one not in adequate]
     notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
@@ -187,7 +199,7 @@ def chance_beside(found: Refit, floor: Refit) -> float:
 
 def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
-    limit, size = one.delta_bic - RANKING.decisive, len(one.refit.theta)
+    limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
     return any(other.delta_bic < limit and len(other.refit.theta) > size for other in others)
 
 
@@ -203,7 +215,7 @@ def _fitted(
     for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
         for found in _one(item.build(number), effects, floor, skipped):
             yield found
-            if found.log_evidence <= evidence or chance_beside(found, floor) >= RANKING.chance:
+            if found.log_evidence <= evidence or chance_beside(found, floor) >= CHANCE:
                 return
             evidence = found.log_evidence
 
@@ -219,14 +231,14 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
     elif len(grown.parameters) >= 2 * len(data.mean):
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
     else:
-        yield refit(grown, data, floor.noise, starts=RANKING.starts)
+        yield refit(grown, data, floor.noise, starts=STARTS)
 
 
 def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
     """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
     groups: list[list[Judgement]] = []
     for one in judgements:
-        known = next((group for group in groups if _distance(group[0].refit, one.refit) < RANKING.alike), None)
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
         if known is None:
             groups.append([one])
         else:
