@@ -12,10 +12,9 @@ import numpy as np
 from springpot.comparison import Comparison, rank
 from springpot.comparison import compare as compare_objects
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
-from springpot.diagnosis import Diagnosis, Ladder, Progress, any_material
+from springpot.diagnosis import Diagnosis, Ladder, Progress, any_material, silent
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
-from springpot.diagnosis.progress import silent
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, require_conditions
 from springpot.identification import identify as identify_objects

@@ -10,7 +10,7 @@ import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import best_with
 from springpot.diagnosis.experiment import Clash, actions, next_experiment, promise, separation
-from springpot.diagnosis.words import plain
+from springpot.diagnosis.result import plain
 from springpot.measurement import Measurement
 from springpot.registry import plugins
 

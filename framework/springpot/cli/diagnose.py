@@ -86,7 +86,7 @@ Shown = Callable[["Diagnosis", "Measurement"], None]
 
 def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown: Shown) -> int:
     from springpot.api import diagnose
-    from springpot.diagnosis.progress import within
+    from springpot.diagnosis import within
 
     measurement = opener()
     with Waiting() as waiting:

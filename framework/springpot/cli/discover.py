@@ -167,7 +167,7 @@ def _next(ladder: Ladder, data: str, model: str | None) -> str:
 def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) -> tuple[Ladder, int]:
     """The ladder, as far as it was waited for, and the exit code that says which."""
     from springpot.api import discover
-    from springpot.diagnosis.progress import within
+    from springpot.diagnosis import within
 
     reached: list[Ladder] = []
     with Waiting() as waiting:

@@ -11,16 +11,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from springpot.diagnosis.battery import Battery, Finding, battery
-from springpot.diagnosis.candidates import printed
+from springpot.diagnosis.diagnose import Progress, printed, silent
 from springpot.diagnosis.floor import fitted_to_floor
 from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
-from springpot.diagnosis.overtones import judged, overtones
+from springpot.diagnosis.notes import judged, overtones
 from springpot.diagnosis.policy import VERDICT
-from springpot.diagnosis.progress import Progress, silent
 from springpot.diagnosis.refit import Refit, refit
-from springpot.diagnosis.result import Error, Value, Where
+from springpot.diagnosis.result import Error, Value, Where, percent, times
 from springpot.diagnosis.where import where
-from springpot.diagnosis.words import percent, times
 from springpot.drawing import draw, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions

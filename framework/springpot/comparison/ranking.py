@@ -14,11 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from springpot.diagnosis import Progress, any_material, silent
 from springpot.diagnosis.frame import chance_of_squares
 from springpot.diagnosis.ladder import Ladder, discover
-from springpot.diagnosis.material import any_material
 from springpot.diagnosis.policy import SEARCH
-from springpot.diagnosis.progress import Progress, silent
 from springpot.diagnosis.refit import Refit, refit
 from springpot.errors import DataError
 from springpot.identification import is_material, weighted

@@ -1,10 +1,9 @@
 """Diagnosis: the noise floor, where a model fails, which effect is missing, what to measure next."""
 
 from .battery import Finding
-from .diagnose import Case, diagnose, examine
+from .diagnose import Case, Progress, diagnose, examine, silent, within
 from .ladder import Ladder, Step, discover
 from .material import any_material
-from .progress import Progress
 from .result import Candidate, Diagnosis, Error, NextExperiment, Value, Where
 
 __all__ = [
@@ -23,4 +22,6 @@ __all__ = [
     "diagnose",
     "discover",
     "examine",
+    "silent",
+    "within",
 ]

@@ -22,8 +22,8 @@ from springpot.rheology import Real
 from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal, spectrum
 from .outliers import outlying, point_in_words
 from .policy import BATTERY, OUTLIERS, VERDICT
+from .result import plain, times
 from .unseen import unseen_error, unseen_in_words
-from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
 MAINS = (50.0, 60.0)

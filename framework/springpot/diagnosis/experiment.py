@@ -21,8 +21,7 @@ from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 from .frame import orthonormal
 from .policy import EXPERIMENT
 from .refit import Refit
-from .result import NextExperiment
-from .words import plain
+from .result import NextExperiment, plain
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,19 @@
-"""Finding the noise floor of a measurement together with a first fit of its model."""
+"""Finding the noise floor of a measurement together with a first fit of its model.
+
+It is the scatter about slow curves, without ripples, drift and what stands out.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import inf
+from math import comb, inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.distributions import chi2_quantile, f_quantile, f_sf, gamma_sf
 from springpot.measurement import (
     Averaged,
     Measurement,
@@ -21,12 +26,13 @@ from springpot.measurement import (
     noise_shape,
     plausible_variance,
     robust_noise_shape,
+    sweeps_of,
 )
 from springpot.rheology import Complex, Model, Real
 
+from .frame import Frame, drift_shapes, orthonormal, spectrum, waves
 from .policy import SCATTER
 from .refit import Refit, refit
-from .scatter import Trimmed, scatter_about, trimmed
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -173,3 +179,161 @@ def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
     parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
     sd = at_least_rounding(noise_shape(found.data.mean, parts), found.data.mean)
     return Noise(sd, scatter.dof, "estimated")
+
+
+class Trimmed(NamedTuple):
+    """What slow curves leave of a residual, and the frequencies whose scatter is noise.
+
+    Attributes
+    ----------
+    left : ndarray, shape (2n,)
+        The residual without the curves, which are fitted to the kept rows alone.
+    kept : ndarray of bool, shape (2n,)
+        Rows that are kept.
+    dof : float
+        Degrees of freedom of what is left in them.
+    """
+
+    left: Real
+    kept: NDArray[np.bool_]
+    dof: float
+
+    @property
+    def variance(self) -> float:
+        """Of the scatter."""
+        return float(np.sum(self.left[self.kept] ** 2)) / self.dof
+
+
+def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
+    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit.
+    kept : ndarray of bool, shape (n,), optional
+        Rows known to be free of what stands out; without them the median over frequencies is the first guess.
+    """
+    followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
+    found = trimmed_residual(frame.residual, followed, omega, kept)
+    drift = frame.relative(drift_shapes(len(frame.measurement)))
+    if found.dof >= SCATTER.fewest_free and _explains(drift, followed, found):
+        followed = np.concatenate([followed, drift], axis=1)
+        found = trimmed_residual(frame.residual, followed, omega)
+    for _ in range(SCATTER.most_ripples):
+        if found.dof < SCATTER.fewest_free or (period := _ripple(frame, found)) == 0.0:
+            break
+        ripple = frame.relative(waves(frame.measurement, period))
+        followed = np.concatenate([followed, ripple], axis=1)
+        found = trimmed_residual(frame.residual, followed, omega)
+    return found
+
+
+def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
+    """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
+    rows = scatter.kept
+    inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
+    kept = np.linalg.norm(inner, axis=0) > SCATTER.least_new * np.linalg.norm(columns[rows], axis=0)
+    basis = orthonormal(inner[:, kept])
+    spent = float(basis.shape[1])
+    if spent == 0.0 or scatter.dof <= spent:
+        return False
+    explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
+    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
+    ratio = (explained / spent) / (left / (scatter.dof - spent))
+    return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
+
+
+def _ripple(frame: Frame, scatter: Trimmed) -> float:
+    """Period, in points, of a ripple that the scatter holds; zero where the strongest one may be chance.
+
+    Of white noise the power at each of n independent frequencies is a sum of exponentials, one for each part of each
+    sweep; a periodic error of the analysis or of a resonance of the chain is not (Fisher 1929,
+    doi:10.1098/rspa.1929.0151).
+    """
+    left = np.where(scatter.kept, scatter.left, 0.0)
+    power = spectrum(frame.measurement, left[None])[0]
+    lines = 2 * len(sweeps_of(frame.measurement))
+    longest = len(power) - 1
+    # Slow waves are structure, and told of elsewhere.
+    # The spectrum counts in half waves along a sweep.
+    first = min(int(np.ceil(2.0 * longest / SCATTER.slowest_ripple)), 2 * SCATTER.slow_waves)
+    if first + 1 >= len(power):
+        return 0.0
+    peak = first + int(np.argmax(power[first:]))
+    mean = float(np.sum(left**2)) / lines
+    chance = longest * float(gamma_sf(power[peak] / mean, lines))
+    if chance > SCATTER.ripple_alarm:
+        return 0.0
+    fine = np.linspace(peak - 1.0, peak + 1.0, 41)[1:-1]
+    tried = [float(np.sum((orthonormal(frame.relative(waves(frame.measurement, 2.0 * longest / x))).T @ left) ** 2))
+             for x in fine]  # fmt: skip
+    return 2.0 * longest / float(fine[int(np.argmax(tried))])
+
+
+def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray[np.bool_] | None = None) -> Trimmed:
+    """What curves leave of a residual, without the frequencies at which it is far larger.
+
+    An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not. The
+    curves are fitted anew without them, or they would be drawn towards what is left out; the first guess is the
+    median over frequencies, which a notch of a few points does not move.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (2n,)
+        Whitened residual.
+    followed : ndarray, shape (2n, q)
+        Orthonormal basis of the curves.
+    omega : ndarray, shape (n,)
+        Angular frequencies.
+    first : ndarray of bool, shape (n,), optional
+        Rows from which to start; all of them by default.
+    """
+    _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
+    group = np.concatenate([group.ravel(), group.ravel()])
+    count = np.bincount(group).astype(float)
+    usual, middle = chi2_quantile(1.0 - SCATTER.outlying_frequency, count), chi2_quantile(0.5, count)
+    kept = np.ones(len(count), dtype=bool)
+    if first is not None:
+        kept[group[: len(omega)][~first]] = False
+    for turn in range(10):
+        rows = kept[group]
+        left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
+        found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))
+        # Curves take their share from every frequency alike.
+        squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof
+        mean = float(np.sum(squares[kept]) / np.sum(count[kept]))
+        variance = mean
+        if turn == 0 and first is None:
+            variance = float(np.median(squares / middle))
+        within = squares <= usual * variance
+        too_many = np.sum(count[within]) < SCATTER.least_kept * len(residual)
+        if too_many or (turn > 0 and np.array_equal(within, kept)):
+            return found
+        kept = within
+    return found
+
+
+def scatter_about(frame: Frame) -> tuple[float, float]:
+    """Variance of whitened scatter and its degrees of freedom: what neither the fit nor structure can follow.
+
+    A ripple too fast for the slow curves, or a drift of a measurement whose frequencies were taken in random order,
+    would pass for scatter. But neighbours, along a sweep or from row to row, share most of it: where their
+    differences vary by much less (von Neumann et al. 1941, doi:10.1214/aoms/1177731746), these tell the noise.
+    """
+    variance, dof = trimmed(frame).variance, float(max(frame.rough_dof, 1))
+    # Where a free spectrum has as many lines as there are numbers, all of the noise is followed: none is left over.
+    kept = max(1.0 - frame.absorbed.shape[1] / frame.size, 1.0 / frame.size)
+    along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
+    for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
+        parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
+        for order in SCATTER.differences:
+            left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
+            power = comb(2 * order, order)
+            efficient = len(left) * power**2 / comb(4 * order, 2 * order)
+            if efficient < SCATTER.enough_neighbours:
+                continue
+            near = float(np.mean(left**2)) / power / kept
+            if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
+                variance, dof = near, efficient
+    return variance, dof

@@ -21,8 +21,8 @@ from springpot.rheology import Complex, Real, Shift
 from .frame import Frame, chance_of_squares, orthonormal
 from .policy import LEFTOVER
 from .refit import Refit
+from .result import plain
 from .where import where
-from .words import plain
 
 Rows: TypeAlias = NDArray[np.int64]
 

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_sf, f_log_density, f_sf
 from springpot.measurement import Measurement, sweeps_of
 
+from .floor import trimmed_residual
 from .frame import Frame
 from .policy import OUTLIERS
 from .refit import Refit
-from .result import Where
-from .scatter import trimmed_residual
-from .words import plain
+from .result import Where, plain
 
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
 """Degrees of freedom and scale of the scatter that may be: normal first. The variance is taken without the furthest

@@ -1,4 +1,4 @@
-"""What a diagnosis says, as plain data."""
+"""What a diagnosis says, as plain data, and how its figures stand in a sentence."""
 
 from __future__ import annotations
 
@@ -8,23 +8,51 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from springpot.drawing import draw, text_of
+from springpot.markup import Html, table, tag
 from springpot.rheology import Effect, Model
-
-from .display import html_of_diagnosis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
-
-
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
-
 
 BELIEVED = 0.1
 """Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
 rigs and rheometers repeat a stiffness within a few per cent."""
+SHOWN = 6
+"""Candidates in a notebook's table."""
+NOTES = 5
+"""Notes below it, the most telling first; `print` tells all."""
+
+
+def times(ratio: float) -> str:
+    """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
+    if ratio >= 99.5:
+        return f"{ratio:.0f} x"
+    return f"{ratio:.2g} x"
+
+
+def percent(fraction: float) -> str:
+    """A share of |K| with three digits, such as ``0.572 %``."""
+    return f"{100.0 * fraction:.3g} %"
+
+
+def plain(value: float, digits: int = 3) -> str:
+    """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
+    text = f"{value:.{digits}g}"
+    if "e+" in text and value < 1e6:
+        return f"{float(text):.0f}"
+    return text
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, such as ``1 point`` or ``3 points``."""
+    if number == 1:
+        return f"1 {noun}"
+    return f"{number} {noun}s"
 
 
 @dataclass(frozen=True)
@@ -238,4 +266,46 @@ class Diagnosis:
         }
 
     def _repr_html_(self) -> str:
-        return html_of_diagnosis(self.to_dict())
+        return _html_of(self.to_dict())
+
+
+def _floors(error: Mapping[str, Any]) -> str:
+    return f"noise floor {percent(error['noise_floor'])}, material floor {percent(error['material_floor'])}"
+
+
+def _html_of(answer: Mapping[str, Any]) -> Html:
+    """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes.
+
+    Parameters
+    ----------
+    answer : mapping
+        Schema ``springpot.diagnosis/1``.
+    """
+    error = answer["error"]
+    values = []
+    for name, value in answer["parameters"].items():
+        numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
+        values.append((name, *numbers, value["unit"]))
+    rows = []
+    for c in answer["candidates"][:SHOWN]:
+        errors = [percent(c[name]) for name in ("predicted_error", "error_after")]
+        alike = ", ".join(name for name in c["class"] if name != c["effect"])
+        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"], alike))
+    headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
+    parts = [
+        tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
+        tag("p", answer["says"]),
+        tag("p", f"error {percent(error['relative_rms'])}, {_floors(error)}"),
+    ]
+    if answer["split"]:
+        parts.append(tag("p", answer["split"]))
+    parts.append(tag("ul", *(tag("li", place["says"]) for place in answer["where"])))
+    if values:
+        parts.append(table(("parameter", "value", "from", "to", "unit"), values))
+    if rows:
+        parts.append(table(headers, rows))
+    if answer["next_experiment"]:
+        parts.append(tag("p", f"next experiment: {answer['next_experiment']['says']}"))
+    if answer["notes"]:
+        parts.append(tag("ul", *(tag("li", note) for note in answer["notes"][:NOTES])))
+    return tag("div", *parts)

@@ -21,8 +21,8 @@ from .frame import Frame
 from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
 from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
+from .result import counted
 from .scan import Scan, Score, best_pairs, influence, scan
-from .words import counted
 
 
 @dataclass(frozen=True, eq=False)

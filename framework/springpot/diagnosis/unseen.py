@@ -13,7 +13,7 @@ from springpot.rheology import Real
 from .frame import Drawn, Frame
 from .policy import VALIDATION
 from .refit import Refit, refit
-from .words import times
+from .result import times
 
 
 def validation(base: Refit, grown: Refit) -> Iterator[str]:

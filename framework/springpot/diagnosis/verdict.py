@@ -19,9 +19,8 @@ from .marginal import likeliest_unknown
 from .outliers import Outlier
 from .policy import EVIDENCE, SEARCH, VERDICT
 from .refit import Refit
-from .result import Verdict
+from .result import Verdict, percent, times
 from .search import Grown, Search
-from .words import percent, times
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 from .frame import Frame, spectrum
 from .policy import WHERE
 from .regions import Axis, Blocks, Region, Rows, rare, scales
-from .result import Where
-from .words import plain
+from .result import Where, plain
 
 AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
           2.0: "growing as amplitude^2"}  # fmt: skip

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from springpot.comparison import Comparison, Judgement
 from springpot.diagnosis import Candidate, Diagnosis, Error, Finding, Ladder, Step, Value
-from springpot.diagnosis.words import plain
+from springpot.diagnosis.result import plain
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement, Units
 

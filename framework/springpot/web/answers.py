@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from springpot.api import discover
-from springpot.diagnosis import Ladder
-from springpot.diagnosis.progress import silent
+from springpot.diagnosis import Ladder, silent
 from springpot.measurement import Measurement
 from springpot.report.interactive.answers import drawn
 
