@@ -126,6 +126,7 @@ def identify(
         simpler=[_model(part) for part in simpler],
         start=own_values(judged, data.units, start, "start"),
     )
+    # Floors are judged by a room above identification, which must not know it: so its judge is handed down.
     return replace(fit, judge=standing_of)
 
 

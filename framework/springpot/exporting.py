@@ -220,6 +220,3 @@ def _share(tolerance: str | float | None) -> float | None:
     if percent:
         share /= 100.0
     return share
-    if percent:
-        share /= 100.0
-    return share

@@ -15,7 +15,7 @@ from springpot.registry import effect_in_time, parse_timed
 from springpot.rheology import Model
 from springpot.timetests import Known, Place, TimeCandidate, TimeError, best_of, missing_of
 
-from .kept_values import number, values
+from .kept_values import number, place, values
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ def diagnosis_in_time(answer: Mapping[str, Any]) -> KeptTimeDiagnosis:
         error=_error(answer["error"]),
         tests=tuple(answer["tests"]),
         verdict=answer["verdict"],
-        where=tuple(_place(row) for row in answer["where"]),
+        where=tuple(place(Place, row) for row in answer["where"]),
         candidates=tuple(_candidate(row) for row in answer["candidates"]),
         classes=_names(answer["classes"]),
         says=answer["says"],
@@ -186,35 +186,37 @@ def diagnosis_in_time(answer: Mapping[str, Any]) -> KeptTimeDiagnosis:
 
 def ladder_in_time(answer: Mapping[str, Any]) -> KeptTimeLadder:
     """A discovery, from what it wrote."""
-    steps = tuple(
-        KeptTimeStep(
-            parse_timed(row["model"]),
-            row["accepted"],
-            tuple(row["class"]),
-            number(row["relative_rms"]),
-            number(row["over_floor"]),
-            tuple(row["tests"]),
-            values(row["parameters"]),
-        )
-        for row in answer["steps"]
-    )
+    steps = tuple(_step(row) for row in answer["steps"])
     return KeptTimeLadder(answer["data"], steps, answer["verdict"], diagnosis_in_time(answer["diagnosis"]), answer)
 
 
 def comparison_in_time(answer: Mapping[str, Any]) -> KeptTimeComparison:
     """A comparison, from what it wrote."""
-    judgements = tuple(
-        KeptTimeJudgement(
-            parse_timed(row["model"]),
-            number(row["delta_bic"]),
-            number(row["relative_rms"]),
-            tuple(row["tests"]),
-            values(row["parameters"]),
-            tuple(row["notes"]),
-        )
-        for row in answer["models"]
-    )
+    judgements = tuple(_judgement(row) for row in answer["models"])
     return KeptTimeComparison(answer["data"], judgements, dict(answer["left_out"]), answer)
+
+
+def _step(row: Mapping[str, Any]) -> KeptTimeStep:
+    return KeptTimeStep(
+        model=parse_timed(row["model"]),
+        accepted=row["accepted"],
+        alike=tuple(row["class"]),
+        relative_rms=number(row["relative_rms"]),
+        over_floor=number(row["over_floor"]),
+        tests=tuple(row["tests"]),
+        parameters=values(row["parameters"]),
+    )
+
+
+def _judgement(row: Mapping[str, Any]) -> KeptTimeJudgement:
+    return KeptTimeJudgement(
+        model=parse_timed(row["model"]),
+        delta_bic=number(row["delta_bic"]),
+        relative_rms=number(row["relative_rms"]),
+        tests=tuple(row["tests"]),
+        parameters=values(row["parameters"]),
+        notes=tuple(row["notes"]),
+    )
 
 
 def _names(classes: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
@@ -229,10 +231,6 @@ def _error(row: Mapping[str, Any]) -> TimeError:
         number(row["noise_memory"]),
         row["noise_source"],
     )
-
-
-def _place(row: Mapping[str, Any]) -> Place:
-    return Place(row["plane"], row["condition"], number(row["from"]), number(row["to"]), row["size"], row["says"])
 
 
 def _candidate(row: Mapping[str, Any]) -> TimeCandidate:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import nan
-from typing import Any
+from typing import Any, TypeVar
 
 from springpot.diagnosis import Value
 from springpot.identification import kept_interval
+
+P = TypeVar("P")
 
 
 def number(value: float | None) -> float:
@@ -20,3 +22,8 @@ def number(value: float | None) -> float:
 def values(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
     """Parameters by name, with their intervals."""
     return {name: Value(number(row["value"]), *kept_interval(row), row["unit"]) for name, row in rows.items()}
+
+
+def place(kind: Callable[[str, str, float, float, float, str], P], row: Mapping[str, Any]) -> P:
+    """A place at which a model fails, of the kind that sweeps or tests in time have."""
+    return kind(row["plane"], row["condition"], number(row["from"]), number(row["to"]), row["size"], row["says"])

@@ -32,7 +32,7 @@ from .kept_in_time import (
     fit_in_time,
     ladder_in_time,
 )
-from .kept_values import number, values
+from .kept_values import number, place, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -184,6 +184,7 @@ def load(path: str | Path) -> Loaded:
         raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
     try:
         return _KNOWN[schema](answer)
+    # A file that was cut off or edited by hand fails anywhere: to its user these are one fault.
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise DataError(
             f"{path} is damaged or of an older version ({type(error).__name__}: {error}): {AGAIN}"
@@ -235,7 +236,7 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         verdict=answer["verdict"],
         says=answer["says"],
         split=answer["split"],
-        where=tuple(_where(row) for row in answer["where"]),
+        where=tuple(place(Where, row) for row in answer["where"]),
         candidates=tuple(_candidate(row) for row in answer["candidates"]),
         classes=tuple(tuple(names) for names in answer["classes"]),
         next_experiment=advice,
@@ -247,10 +248,6 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
 
 def _error(row: dict[str, Any]) -> Error:
     return Error(**row)
-
-
-def _where(row: dict[str, Any]) -> Where:
-    return Where(row["plane"], row["condition"], number(row["from"]), number(row["to"]), row["size"], row["says"])
 
 
 def _candidate(row: dict[str, Any]) -> Candidate:
@@ -276,37 +273,39 @@ def _candidate(row: dict[str, Any]) -> Candidate:
 
 
 def _ladder(answer: dict[str, Any]) -> KeptLadder:
-    steps = tuple(
-        KeptStep(
-            parse_model(row["model"]),
-            row["accepted"],
-            row["relative_rms"],
-            row["noise_floor"],
-            row["material_floor"],
-            row["predicted_error"],
-            values(row["parameters"]),
-            row["changed"],
-            tuple(row["class"]),
-        )
-        for row in answer["steps"]
-    )
+    steps = tuple(_step(row) for row in answer["steps"])
     return KeptLadder(answer["data"], steps, answer["verdict"], _diagnosis(answer["diagnosis"]), answer)
 
 
 def _comparison(answer: dict[str, Any]) -> KeptComparison:
-    judgements = tuple(
-        KeptJudgement(
-            parse_model(row["model"]),
-            _error(row["error"]),
-            number(row["delta_bic"]),
-            row["fails"],
-            row["says"],
-            values(row["parameters"]),
-            tuple(_where(place) for place in row["where"]),
-        )
-        for row in answer["models"]
-    )
+    judgements = tuple(_judgement(row) for row in answer["models"])
     return KeptComparison(answer["data"], judgements, tuple(answer["notes"]), answer)
+
+
+def _step(row: dict[str, Any]) -> KeptStep:
+    return KeptStep(
+        model=parse_model(row["model"]),
+        accepted=row["accepted"],
+        relative_rms=row["relative_rms"],
+        noise_floor=row["noise_floor"],
+        material_floor=row["material_floor"],
+        predicted_error=row["predicted_error"],
+        parameters=values(row["parameters"]),
+        changed=row["changed"],
+        alike=tuple(row["class"]),
+    )
+
+
+def _judgement(row: dict[str, Any]) -> KeptJudgement:
+    return KeptJudgement(
+        model=parse_model(row["model"]),
+        error=_error(row["error"]),
+        delta_bic=number(row["delta_bic"]),
+        fails=row["fails"],
+        says=row["says"],
+        parameters=values(row["parameters"]),
+        where=tuple(place(Where, each) for each in row["where"]),
+    )
 
 
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {

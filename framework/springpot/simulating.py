@@ -169,8 +169,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     except UnicodeDecodeError:
         raise DataError(f"{path} is no text in UTF-8") from None
     rows = [line for line in lines if line.strip() and not line.startswith("#")]
-    header = rows[0] if rows else ""
-    factor = _acceleration_unit(header, path)
+    factor = _acceleration_unit(next(iter(rows), ""), path)
     try:
         values = np.array([[float(cell) for cell in row.split(",")[:2]] for row in rows[1:]], dtype=float)
     except ValueError as error:

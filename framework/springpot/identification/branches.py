@@ -104,6 +104,7 @@ class Branches:
         return self._moved(u, np.matmul(log_gain, self.gains), log)
 
     def _moved(self, u: Real, change: Real, log: NDArray[np.bool_]) -> Real:
+        # The exponent is zero where it is not asked for: it could overflow there.
         return np.where(log, u + change, u * np.exp(np.where(log, 0.0, change)))
 
     def shares(self, theta: Real, value: Complex, by_theta: Complex) -> Complex:
@@ -134,6 +135,7 @@ def plane_data(stiffness: Complex, weights: Complex, compliance: bool) -> tuple[
     """Data and weights (B, 2n) in the plane in which the branches add."""
     if not compliance:
         return interleaved(stiffness), interleaved(weights)
+    # 1/K mixes the parts of K, so both get the mean of their weights; d(1/K) = -dK / K^2.
     size = np.abs(weights) * np.abs(stiffness) ** 2 / np.sqrt(2.0)
     return interleaved(1.0 / stiffness), np.repeat(size, 2, axis=-1)
 
@@ -192,8 +194,11 @@ def _inverse(matrix: Real) -> Real:
 def _descended(matrix: Real, right: Real, x: Real) -> Real:
     """The same by coordinate descent from `x`, of shape (r, m)."""
     m = x.shape[1]
+    passes = 6 * m
     # Where one of two gains is held, a single pass finds the other.
-    for _ in range(1 if m == 2 else 6 * m):
+    if m == 2:
+        passes = 1
+    for _ in range(passes):
         for i in range(m):
             slope = right[:, i] - (matrix[:, i] * x).sum(axis=1)
             x[:, i] = np.maximum(x[:, i] + slope, LEAST_GAIN)

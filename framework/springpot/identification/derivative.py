@@ -88,6 +88,7 @@ def _direction(model: Model, theta: Real) -> Real:
     share = 1.0 + 0.3 * np.sin(1.0 + np.arange(len(theta)))
     size = np.where(theta == 0.0, 0.01, np.abs(theta))
     upper = np.array([p.upper for p in model.parameters])
+    # From the upper half downwards, as no step may leave the bounds.
     direction: Real = share * size * np.where(np.isfinite(upper) & (theta > 0.5 * upper), -1.0, 1.0)
     return direction
 
@@ -102,6 +103,7 @@ def _deviation(model: Model, theta: Real, points: Points, direction: Real) -> fl
     least = least[np.isfinite(least)]
     if not least.size:
         return float("nan")
+    # Single points may lie at a kink, or show nothing but rounding.
     return float(np.median(least))
 
 

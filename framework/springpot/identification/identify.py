@@ -94,6 +94,7 @@ def identify(
     """
     began = perf_counter()
     require_conditions(model, measurement)
+    # Factors of levels are as many as the data have levels: only from here on are all parameters known.
     model = model.bound_to(measurement.points)
     if len(measurement) < 2:
         raise DataError(f"{measurement.name}: one point identifies no model; measure at two frequencies or more")
@@ -128,6 +129,7 @@ def _start(model: Model, measurement: Measurement, objective: Objective, start: 
     """A start (p,) of which some values are given; the others are fitted beside them."""
     known = dict(start)
     if set(known) != set(model.names):
+        # The given values are held meanwhile, so that the others suit them.
         rest = fit(model.holding(known), measurement, objective, starts=STARTS)
         known |= dict(zip(rest.model.names, rest.theta.tolist(), strict=True))
     return model.vector(known)
@@ -152,6 +154,7 @@ def _by_native(
     seeds = []
     if start:
         seeds = [_start(model, measurement, objective, start)]
+    # Without a seed the scan stays where it is: the same data give the same answer.
     rng = None
     if seed is not None:
         rng = np.random.default_rng(seed)
@@ -187,6 +190,7 @@ def _no_worse_than_simpler(whole: Fit, simpler: Sequence[Model]) -> tuple[Fit, l
 
 def _beats(simpler: Fit, whole: Fit) -> bool:
     """Whether a simpler model fits better by more than rounding."""
+    # Below the floor a cost is rounding: of two exact fits neither beats the other.
     return bool(simpler.cost < whole.cost * (1.0 - NESTING) - whole.task.floor[0])
 
 
@@ -226,6 +230,7 @@ def _by_optimiser(
         best.theta,
         best.best,
         best.evaluations,
+        # A run that its budget has ended may have been on its way still.
         best.status != "budget",
         best.seconds,
     )
@@ -253,6 +258,7 @@ def best_run(
     OptionError
         If all of them failed.
     """
+    # Optimisers draw at random: even without a seed their answer must come again.
     rngs = np.random.default_rng(seed or 0).spawn(restarts or 1)
     # Every run has a generator of its own: a restart more changes none of the others.
     runs = [guarded(optimiser, problem, budget or BUDGET, rng) for rng in rngs]
@@ -273,6 +279,7 @@ def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
         pairs = [profile(known.fit, name, known.level) for name in known.fit.model.names]
         return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
     if kind == "bootstrap":
+        # A stream apart from the restarts, which draw from the seed alone.
         drawn = bootstrap(known.fit, RESAMPLES, np.random.default_rng([seed, 1]))
         tail = 50.0 * (1.0 - known.level)
         low, high = np.percentile(drawn, [tail, 100.0 - tail], axis=0)

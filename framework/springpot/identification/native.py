@@ -17,11 +17,11 @@ from springpot.rheology import Complex, Continuum, Model, Points, Real
 from .alignment import superposed
 from .leastsquares import FLAT, Rows, Solution
 from .material import STILL, fit_spectrum, is_material, own_parameters
-from .objective import Objective
+from .objective import Objective, sizes
 from .problem import Problem
 from .space import require_conditions
 from .starts import shape_count
-from .task import Task
+from .task import FLAT_SHAPES, Task
 
 COARSE_POINTS = 500
 """Larger data sets are first fitted at this many of their points."""
@@ -35,6 +35,12 @@ AGREE = 3
 """Starts that must end in the same optimum for it to be believed."""
 JITTERS = 32
 """Places to which a scan can be moved: few, so that scans on one grid are made once."""
+CONFIRMED = 2
+"""The same of descents that went to their ends, which is no chance meeting of two that were stopped on their way."""
+SAME = 1e-6
+"""Relative difference of the objectives at such ends that are one optimum."""
+SCANNED, NEAR = 1e-4, 1e-6
+"""Damping at a start that a scan has found, and at one beside its end: there a step of Gauss and Newton is right."""
 POLISHED = 3
 """Shapes that go on to the search in all parameters."""
 
@@ -45,9 +51,7 @@ def relative_objective() -> Objective:
 
 
 def _over_magnitude(measurement: Measurement) -> Complex:
-    # A point at which |K| all but vanishes must not outweigh all the others.
-    size = measurement.magnitude
-    return np.asarray((1.0 + 1.0j) / np.maximum(size, 1e-9 * size.max()), dtype=np.complex128)
+    return np.asarray((1.0 + 1.0j) / sizes(measurement), dtype=np.complex128)
 
 
 def _over_sd(measurement: Measurement) -> Complex:
@@ -230,6 +234,7 @@ def fit(
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
     best = int(np.argmin(solution.cost))
+    # By way of a logarithm and back, a value at its bound comes to lie a rounding beyond it.
     theta = _within(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
     return Fit(
         model,
@@ -240,7 +245,7 @@ def fit(
         evaluations,
         bool(solution.converged[best]),
         perf_counter() - began,
-        _agreed(solution, task.floor[0], 2, 1e-6),
+        _agreed(solution, task.floor[0], CONFIRMED, SAME),
     )
 
 
@@ -262,6 +267,7 @@ def _solved(
 ) -> tuple[Solution, int]:
     """Solutions from all starts, and the evaluations spent; of many points a few show the way."""
     size = task.coordinates.size[0]
+    # Two axes even where nothing is given, so that other starts can be joined on.
     seeds = np.reshape([task.coordinates.u(np.asarray(t, dtype=float), size) for t in seeds_theta], (-1, len(size)))
     offset = 0.0
     if rng is not None:
@@ -275,7 +281,7 @@ def _solved(
         solution, evaluations = _search(coarse, seeds, starts, offset, effort.of_part(coarse.count / task.count))
     if coarse is not task:
         # The best two, because with all points the second may turn out to be the better one.
-        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=1e-6)
+        solution = task.solve(solution.u[np.argsort(solution.cost)[:2]][None], iterations=LAST, damping=NEAR)
         evaluations += solution.evaluations
     return solution, evaluations
 
@@ -330,7 +336,7 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
     if starts:
         shapes, placed = task.starts(starts, offset)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
-    quick = task.solve(u[None], iterations=QUICK, damping=1e-4, flat=effort.negligible)
+    quick = task.solve(u[None], iterations=QUICK, damping=SCANNED, flat=effort.negligible)
     evaluations += quick.evaluations
     agreed = _agreed(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
     if agreed or float(quick.cost.min()) > effort.hopeless:
@@ -340,9 +346,9 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
     v = task.shaped(np.concatenate([best, seeds]))
     if starts:
         v = np.concatenate([v, shapes[0]])
-    valley = task.solve_shapes(v[None], flat=max(effort.negligible, 1e-10))
+    valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES))
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
-    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=1e-6, flat=effort.negligible)
+    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=NEAR, flat=effort.negligible)
     return last, evaluations + valley.evaluations + last.evaluations
 
 
@@ -434,7 +440,7 @@ def fit_batch(
         v = np.concatenate([task.shaped(given), v], axis=1)
     best, cost = v[:, 0].copy(), np.full(len(v), np.inf)
     _rounds(task, v, best, cost)
-    solution = task.solve(task.full(best[:, None, :]), damping=1e-6)
+    solution = task.solve(task.full(best[:, None, :]), damping=NEAR)
     return _within(model, task.coordinates.theta(solution.u, task.coordinates.size)), solution.cost
 
 
@@ -447,6 +453,7 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
         if len(rows) < len(v):
             part = task.rows(rows)
         trials = v[rows, first : first + width]
+        # What is best so far goes along: a new start that ends there confirms it.
         if first:
             trials = np.concatenate([best[rows, None], trials], axis=1)
         solution = part.solve_shapes(trials, iterations)
@@ -461,9 +468,9 @@ def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArra
     found, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
     which = np.argmin(found, axis=1)
     least = found[np.arange(len(rows)), which]
-    agree = solution.converged.reshape(found.shape) & (found <= least[:, None] * (1.0 + 1e-6))
+    agree = solution.converged.reshape(found.shape) & (found <= least[:, None] * (1.0 + SAME))
     better = least < cost[rows]
     best[rows[better]] = at[better, which[better]]
     cost[rows[better]] = least[better]
-    agreed: NDArray[np.bool_] = np.sum(agree, axis=1) >= 2
+    agreed: NDArray[np.bool_] = np.sum(agree, axis=1) >= CONFIRMED
     return agreed

@@ -19,6 +19,12 @@ LOST = 1000.0
 """Width of an interval, over its value, from which a parameter is not determined: not even its decade is known."""
 LOOSE = 2.0
 """Given standard deviations that a misfit may be on average before intervals by them are called too narrow."""
+AT_END = 1e-6
+"""Difference of an order from 0 or 1 that no measured phase shows."""
+NEAR_END = 0.1
+"""The same that may be taken for none: the phase is within 9 degrees of a spring's or a dashpot's."""
+ROUNDING = 1e-12
+"""Between the end of an interval and the bound that cut it."""
 PAIRS = 3
 """Correlated pairs that are told, the strongest."""
 
@@ -54,6 +60,7 @@ def _undetermined(fit: Fit) -> Iterator[str]:
 
 
 def _is_order(fit: Fit, parameter: Parameter) -> bool:
+    # Not every number between 0 and 1 is an order: the unit of a constant has to depend on it.
     return (parameter.lower, parameter.upper) == (0.0, 1.0) and any(
         other.unit.time == parameter.name for other in fit.model.parameters
     )
@@ -62,6 +69,7 @@ def _is_order(fit: Fit, parameter: Parameter) -> bool:
 def _bounds(known: Uncertainty) -> Iterator[str]:
     for parameter, side in zip(known.fit.model.parameters, known.at_bound.tolist(), strict=True):
         name = parameter.name
+        # An order at its end is told as the element that it then is, the lines of a spectrum as a whole.
         if side == 0 or parameter.detail or _is_order(known.fit, parameter):
             continue
         if side < 0 and parameter.lower == 0.0:
@@ -86,9 +94,9 @@ def _orders(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             continue
         for bound, end in ((0, low[i]), (1, high[i])):
             near = abs(known.fit.theta[i] - bound)
-            if near < 1e-6:
+            if near < AT_END:
                 yield f"{parameter.name} is {bound}: the springpot is a {element[bound]}"
-            elif near < 0.1 and abs(end - bound) < 1e-12:
+            elif near < NEAR_END and abs(end - bound) < ROUNDING:
                 yield f"{parameter.name} cannot be told from {bound}: a {element[bound]} for the springpot fits too"
 
 
@@ -100,6 +108,7 @@ def _weak(known: Uncertainty, low: Real, high: Real) -> Iterator[str]:
             continue
         width = high[i] - low[i]
         size = abs(known.fit.theta[i])
+        # Not "above": a width that is no number counts as well.
         if np.isinf(known.covariance[i, i]) or not width < LOST * size:
             open_ones.append(name)
         elif width > WEAK * size:

@@ -13,6 +13,9 @@ import numpy as np
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Real
 
+LEAST_SIZE = 1e-9
+"""Share of the largest |K| by which a difference is divided at least: what is smaller is rounding of the others."""
+
 
 @dataclass(frozen=True)
 class Objective:
@@ -82,3 +85,10 @@ def total(terms: Real) -> Real:
         return columns
     sums: Real = np.add.accumulate(terms, axis=-1)[..., -1]
     return sums
+
+
+def sizes(measurement: Measurement) -> Real:
+    """|K| (n,) by which differences are divided."""
+    size = measurement.magnitude
+    # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
+    return np.asarray(np.maximum(size, LEAST_SIZE * size.max()), dtype=np.float64)

@@ -16,7 +16,7 @@ from springpot.markup import table, tag
 from springpot.measurement import HELD, KELVIN, Measurement, Moduli, Units, points_at
 from springpot.rheology import Complex, Real
 
-from .uncertainty import Uncertainty
+from .uncertainty import Uncertainty, lost_and_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,6 +80,7 @@ class Prediction(Moduli):
     @property
     def loss_factor(self) -> Real:
         """Tan delta = K'' / K', shape (n,)."""
+        # K' is zero at a resonance: tan delta is infinite there, and no fault.
         with np.errstate(all="ignore"):
             return self.loss / self.storage
 
@@ -182,10 +183,16 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
         elif float(np.ptp(measured)) <= _held(name, measured):
             own[name] = np.array([float(np.mean(measured))])
         else:
-            unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
-            span = f"{measured.min():.4g} to {measured.max():.4g} [{unit}]"
+            span = _span(data, name)
             raise DataError(f"{model.name} depends on {name}, which was {span}: say {name}=...")
     return own
+
+
+def _span(data: Measurement, name: str) -> str:
+    """The measured range of a condition, with its unit."""
+    measured = data.conditions[name]
+    unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
+    return f"{measured.min():.4g} to {measured.max():.4g} [{unit}]"
 
 
 def _held(name: str, column: Real) -> float:
@@ -260,9 +267,7 @@ def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> 
 
 def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
     """Standard deviations (n,) of what depends on the search coordinates by `by_u` (n, p)."""
-    lost = np.isinf(np.diag(covariance))
-    # Zero times infinity is no number: what is lost is taken out here and put back below.
-    known = np.where(lost[:, None] | lost[None, :], 0.0, covariance)
+    lost, known = lost_and_known(covariance)
     variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
     open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)
     return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))
@@ -280,6 +285,4 @@ def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Ite
             continue
         slack = _held(name, measured)
         if np.any(column < measured.min() - slack) or np.any(column > measured.max() + slack):
-            unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
-            span = f"{measured.min():.4g} to {measured.max():.4g}"
-            yield f"beyond the measured {name} of {span} [{unit}] the band holds only if the model does"
+            yield f"beyond the measured {name} of {_span(data, name)} the band holds only if the model does"

@@ -116,6 +116,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     smoothing = system.smoothing()
     best = system.solve(smoothing, system.target)
     followed = system.columns @ best
+    # About the smooth curve, not about the data, which hold one draw of the noise already.
     noise = np.sqrt(system.variance) * rng.standard_normal((draws, len(followed)))
     again = np.array([best, *(system.solve(smoothing, followed + each) for each in noise)])[:, 2:]
     tail = 50.0 * (1.0 - LEVEL)
@@ -174,10 +175,12 @@ class _System:
         response = both.network.respond(theta, points, GRADIENT)
         weights = _weights(fit)
         slopes = weighted(response.by_theta[: count + len(log_rates)], weights)
+        # K is linear in the weights: what the lines of the fit explain is put back, to be explained anew.
         target = weighted(data - response.value, weights) + lines @ slopes[:count]
         columns = np.concatenate([slopes[:2], step * slopes[count:]]).T
         size = np.abs(material.respond(lines, Points(log_rates)).value)
         variance = max(fit.cost / max(fit.dof, 1), float(np.mean(weighted(EXACT * data, weights) ** 2)))
+        # Reduced once to as many rows as columns, because every halving and every draw solves it again.
         basis, columns = np.linalg.qr(columns)
         inside = basis.T @ target
         outside = target - basis @ inside
@@ -218,5 +221,6 @@ def _weights(fit: Fit) -> Complex:
 def _roughness(size: Real, step: float) -> Real:
     """Second differences (m, 2 + m) of H over a size (m,), without K_e and c; H is zero beyond the ends."""
     count = len(size)
+    # The integral of the squared second derivative, so that finer lines ask for no other weight.
     bent = -2.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
     return np.concatenate([np.zeros((count, 2)), bent / size / step**1.5], axis=1)

@@ -20,9 +20,11 @@ from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 from .estimate import Estimate
 from .kept import kept
 from .material import is_material
+from .objective import sizes
 from .prediction import Prediction, predict
 from .printed import all_parameters, search_parameters
 from .regularised import Spectrum, regularised
+from .uncertainty import lost_and_known
 from .value import Value
 
 if TYPE_CHECKING:
@@ -134,9 +136,7 @@ class Identification(Estimate):
         fit, known = self.fit, self.uncertainty.covariance
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
         factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
-        lost = np.isinf(np.diag(known))
-        # Zero times infinity is no number: what is lost is taken out here and put back below.
-        finite = np.where(lost[:, None] | lost[None, :], 0.0, known)
+        lost, finite = lost_and_known(known)
         covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
         touched = np.any(np.abs(turn[:, lost]) > 0.0, axis=1)
         covariance[touched, touched] = np.inf
@@ -150,9 +150,7 @@ class Identification(Estimate):
     @property
     def relative_rms(self) -> float:
         """Root mean square of |K_model - K| / |K|."""
-        data = self.measurement
-        # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
-        share = np.abs(self.residuals) / np.maximum(data.magnitude, 1e-9 * data.magnitude.max())
+        share = np.abs(self.residuals) / sizes(self.measurement)
         return float(np.sqrt(np.mean(share**2)))
 
     @cached_property

@@ -179,6 +179,7 @@ def _expected(parameter: Parameter, scale: float, time: float, reach: float) -> 
 
 def rounded_up(value: float) -> float:
     """`value` rounded up to 1, 2 or 5 times a power of ten."""
+    # A power of ten comes out of the logarithm with rounding: 1000 must not become 2000.
     power = 10.0 ** np.floor(np.log10(value))
     return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1 - 1e-12)))
 

@@ -123,6 +123,7 @@ class Shapes:
         # By the size of the data, so that the misfit is a share of them.
         right /= np.sqrt(total)[:, None, None]
         x = non_negative(matrix, right)[0]
+        # From the Gram matrix alone: the residuals of every shape at every point need not be formed.
         bent = np.matmul(matrix, x[..., None])[..., 0]
         misfit = 1.0 + (x * (bent - 2.0 * right)).sum(axis=-1)
         chosen = _ranked(np.where(np.isfinite(misfit), misfit, np.inf), self.neighbours, keep)
@@ -173,6 +174,7 @@ class Grid:
         self.points = points
         self.coordinates = coordinates
         columns = (points.log_omega, points.amplitude, points.temperature, *points.columns.values())
+        # By their bytes, as arrays neither have a hash nor compare as a whole.
         self._key = (
             *(None if column is None else column.tobytes() for column in columns),
             points.reference_temperature,

@@ -21,6 +21,8 @@ ROUNDING = 1e-28
 """Objective, relative to that of the data, at which only rounding is left."""
 NEARLY = 1e-20
 """The same at which the search for shapes hands over."""
+FLAT_SHAPES = 1e-10
+"""Predicted drop, over the objective, at which it does so too: the last digits are left to all parameters."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +69,14 @@ class Task:
     def scale(self) -> Real:
         """Typical |K| of each data set, shape (B,)."""
         size = np.abs(self.stiffness)
+        # A point without stiffness has no logarithm.
         scale: Real = np.exp(np.mean(np.log(np.maximum(size, 1e-12 * size.max())), axis=1))
         return scale
 
     @cached_property
     def floor(self) -> Real:
         """Objective (B,) at which nothing but rounding is left."""
+        # Differences of logarithms do not grow with the data.
         if self.logarithmic:
             return np.asarray(ROUNDING * np.sum(np.abs(self.weights) ** 2, axis=1))
         size = interleaved(self.weights) * interleaved(self.stiffness)
@@ -158,6 +162,8 @@ class Task:
             response = network.respond(theta, self.points, GRADIENT)
             by_theta = response.by_theta
             if self.logarithmic:
+                # The logarithm of the ratio, not a difference of two: this would jump by a turn where one phase
+                # passes 180 degrees.
                 residual = interleaved(np.log(response.value / self.stiffness[which]))
                 by_theta = by_theta / response.value[:, None, :]
             else:
@@ -182,8 +188,10 @@ class Task:
             gains, residual, inverse = project(basis, target[which])
             slopes = by_theta * self._by_owner(gains, shares)
             if branches.compliance:
+                # d(1/K) = -dK / K^2.
                 slopes /= -(value * value)[:, None, :]
             jacobian = coordinates.carry(interleaved(slopes) * scale, theta, size)[:, branches.free]
+            # What the gains make up for is no slope of the shapes.
             inside = np.matmul(np.matmul(jacobian, basis.transpose(0, 2, 1)), inverse)
             jacobian -= np.matmul(inside, basis)
             return residual, jacobian
@@ -202,6 +210,7 @@ class Task:
         factor: Real = gains[:, owner][:, :, None]
         if owner.min() >= 0:
             return factor
+        # What stands outside the branches, such as a delay, acts on their sum: it grows as that sum does.
         common = np.matmul(gains[:, None, :], shares) / np.sum(shares, axis=1, keepdims=True)
         return np.where(owner[:, None] < 0, common, factor)
 
@@ -227,7 +236,7 @@ class Task:
             log_gain = -log_gain
         return log_gain
 
-    def solve_shapes(self, v: Real, iterations: int = 60, flat: float = 1e-10) -> Solution:
+    def solve_shapes(self, v: Real, iterations: int = 60, flat: float = FLAT_SHAPES) -> Solution:
         """Descend from shapes (B, s, d) with the gains projected out; rows run over data sets, then starts."""
         count, starts, d = v.shape
         owner = np.repeat(np.arange(count), starts)
@@ -265,6 +274,7 @@ class Task:
         thin = self.thin(SCAN_POINTS)
         shapes = shapes_of(self.model, Grid(thin.points, self.coordinates), offset)
         v, gains = shapes.best(thin.stiffness, thin._plane_weights, keep)
+        # The scan's gains are in the unit of the data, search coordinates relative to their size.
         log_gain = self._log_gain(gains) - np.log(self.scale)[:, None, None]
         return v, self._scaled(v, log_gain)
 

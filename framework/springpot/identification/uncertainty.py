@@ -20,6 +20,12 @@ LEVEL = 0.95
 """Probability of an interval, where no other is asked for."""
 RANK = 1e-10
 """Directions whose singular value is this small a fraction of the largest are not determined by the data."""
+PART = 1e-3
+"""Part in such a direction from which a parameter is lost with it: rounding mixes directions by 1e-16 / RANK."""
+TRACELESS = 1e-6
+"""Change of the data, over their size, by a factor e of a parameter that has left no trace: no instrument sees it."""
+PROFILED = 1e-4
+"""Relative error of the ends of a profile's interval: below the four digits that are printed."""
 NUMBERS = 4_000_000
 """Simulated numbers held at once."""
 
@@ -99,7 +105,7 @@ class Uncertainty:
         linear = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
         # Zero is infinitely far from a logarithm: one that has left no trace in the data is as good as there.
         free = log & (np.abs(np.where(np.isfinite(low), low, -WIDEST)) >= WIDEST)
-        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= 1e-6 * np.linalg.norm(self._data_size)
+        traceless = np.linalg.norm(self.fit.jacobian_u, axis=0) <= TRACELESS * np.linalg.norm(self._data_size)
         below = (u <= low + np.where(log, _slack(low), linear)) | (free & traceless & (u < 0))
         above = (u >= high - np.where(log, _slack(high), linear)) | (log & traceless & (u > 0))
         return np.where(below, -1, np.where(above, 1, 0))
@@ -127,7 +133,7 @@ class Uncertainty:
         with np.errstate(invalid="ignore"):
             covariance[np.ix_(free, free)] = self.scale**2 * (spread.T @ spread)
         # A direction without a trace in the data takes all parameters along that have a part in it.
-        lost = free[np.any(np.abs(directions[~known]) > 1e-3, axis=0)]
+        lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
         covariance[lost, lost] = np.inf
         return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
 
@@ -203,11 +209,16 @@ def uses_sd(fit: Fit) -> bool:
     return bool(np.allclose(weights.real * sd.real, 1.0) and np.allclose(weights.imag * sd.imag, 1.0))
 
 
+def lost_and_known(covariance: Real) -> tuple[NDArray[np.bool_], Real]:
+    """Which search coordinates (p,) the data do not determine, and the covariance (p, p) of the others."""
+    lost = np.isinf(np.diag(covariance))
+    # Zero times infinity is no number: what is lost counts as certain here, and whoever asks puts it back.
+    return lost, np.where(lost[:, None] | lost[None, :], 0.0, covariance)
+
+
 def spread_of(turn: Real, covariance: Real) -> Real:
     """Standard deviations (q,) of what depends on u by `turn` (q, p); infinite where undetermined."""
-    lost = np.isinf(np.diag(covariance))
-    # Zero times infinity is no number: what is lost is taken out here and put back below.
-    known = np.where(lost[:, None] | lost[None, :], 0.0, covariance)
+    lost, known = lost_and_known(covariance)
     spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", turn, known, turn), 0.0))
     touched = np.any((np.abs(turn) > 1e-9) & lost, axis=1) | ~np.all(np.isfinite(turn), axis=1)
     return np.where(touched, np.inf, spread)
@@ -289,6 +300,7 @@ def _allowed_cost(known: Uncertainty) -> float:
     # Nothing is left over from which the scatter could be known: no rise is too much for it.
     if fit.dof <= 0:
         return float("inf")
+    # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
     return fit.cost + known.quantile**2 * (fit.cost / fit.dof)
 
 
@@ -362,6 +374,7 @@ class _Path:
             steps = np.zeros(1)
             if room > 0.0:
                 steps = np.geomspace(min(0.5 * sd, room), room, 16)
+        # The coarse way first, then in nine pieces a round.
         for _ in range(4):
             over = np.flatnonzero(self.costs(start + sign * steps) > allowed)
             if not len(over):
@@ -370,7 +383,7 @@ class _Path:
             outer = float(steps[first])
             if first:
                 inner = float(steps[first - 1])
-            if outer - inner <= 1e-4 * outer:
+            if outer - inner <= PROFILED * outer:
                 break
             steps = np.linspace(inner, outer, 10)[1:]
         end, size = start + sign * outer, float(self.coordinates.size[0, self.i])
@@ -435,10 +448,13 @@ def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Com
 def _refitted(fit: Fit, errors: Complex) -> Real:
     weights = fit.task.weights[0]
     shift = errors.real / weights.real + 1j * (errors.imag / weights.imag)
+    # In the middle of the box the objective has the size of the data, whatever a search has come to.
     base = fit.model.stiffness(fit.theta, fit.measurement.points)
     data = base + shift
     if fit.objective.logarithmic:
         data = base * np.exp(shift)
+    # Begun at the fit that they come from, and at two places of their own, should noise have made another valley
+    # deeper.
     seeds = np.broadcast_to(fit.theta, (len(data), 1, len(fit.theta)))
     points = fit.measurement.points
     return fit_batch(

@@ -102,6 +102,7 @@ class InTime:
             force, slopes = effect.element.in_time(t, x, velocity, *self.theta[own])  # type: ignore[attr-defined]
             value = value + force
             by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
+        # One table, as what the signals go through acts on the force and on each of its derivatives alike.
         columns = np.column_stack([value, by_theta])
         for effect, _, own in signals:
             columns, slopes = effect.element.in_time(t, columns, *self.theta[own])  # type: ignore[attr-defined]

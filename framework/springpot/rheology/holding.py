@@ -42,7 +42,8 @@ class Inserted:
     def __call__(self, theta: Real) -> Real:
         """All parameters (..., p) of the free ones (..., q)."""
         full: Real = np.empty((*theta.shape[:-1], len(self.values)), dtype=theta.dtype)
-        full[...] = [0.0 if value is None else value for value in self.values]
+        # Those that are free are no numbers here, until theta takes their places.
+        full[...] = np.array(self.values, dtype=float)
         full[..., self.free] = theta
         return full
 

@@ -139,6 +139,7 @@ def _integrands(depth: Any, n: Any, turn: Any) -> tuple[Any, Any, Any]:
 def _depth(reach: Any, n: Any, turn: Any) -> Any:
     """How far the tip has yielded: Newton's method in the logarithms of both sides, which are nearly straight."""
     log_goal = np.log(2.0 * reach)
+    # Of a tip that hardly yields, and of one that slides nearly all the way.
     log_depth = np.minimum(n * np.log(reach) - np.log(n), log_goal)
     for _ in range(NEWTON_STEPS):
         depth = np.exp(log_depth)

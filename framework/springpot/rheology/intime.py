@@ -18,6 +18,7 @@ from .elements import HALF_PI
 from .nodes import FULL, Node
 from .points import Points, Real
 from .recursion import Modes, driven
+from .roots import inside, settled
 from .spectrum import Slopes, Spectrum, Sum, summed
 
 FAR = 300.0
@@ -100,10 +101,12 @@ class Passive:
 
     def limit(self, log_omega: float) -> tuple[float, Real]:
         """K where it has levelled off, far above or below all frequencies: 0 or infinite if it never does."""
+        # At real s, where K is real.
         where = np.array([log_omega]) - HALF_PI
         own, grown = self.parts.classical, np.zeros(len(self.theta))
         value, slopes = float(own.ends[0]), own.end_slopes[0].copy()
         if log_omega > 0:
+            # Far above all rates each mode is a spring of its weight, and a dashpot is rigid.
             value, slopes = value + float(own.weights.sum()), slopes + own.weight_slopes.sum(axis=0)
             if own.ends[1] > 0.0:
                 return np.inf, grown
@@ -142,6 +145,7 @@ class Passive:
             value[later] = modes.glass + modes.fluidity * at + (grown @ modes.weights).real
             by_theta[later] = slopes.equilibrium + np.outer(at, slopes.viscosity) + (grown @ slopes.weights).real
             by_theta[later] += (((1.0 - grown) * modes.weights * at[:, None]) @ slopes.rates).real
+        # A mass does not move at once: zero, as it stands.
         if not later.all() and not self.inertial:
             glass, glass_slopes = self.limit(FAR)
             value[~later] = 1.0 / glass
@@ -333,11 +337,8 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
         value, slope = _value(modes, -np.exp(u))
         before = np.sign(value) == sign
         low, high = np.where(before, u, low), np.where(before, high, u)
-        # Newton where it stays inside, as it ends in few steps; half the interval where it does not, as that always
-        # ends.
-        newton = u + value / slope * np.exp(-u)
-        moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
-        if np.all(np.abs(moved - u) <= 4e-16 * (1.0 + np.abs(u))):
+        moved = inside(u + value / slope * np.exp(-u), low, high)
+        if settled(moved, u, 4e-16):
             break
         u = moved
     return np.exp(u)

@@ -110,6 +110,7 @@ class Levels(Node):
         means = np.bincount(number, column) / count
         target = at.reference_temperature
         if self.column != "temperature":
+            # The lower median, as the mean of two levels would be none.
             target = float(np.sort(column)[(len(column) - 1) // 2])
         reference = int(np.argmin(np.abs(means - target)))
         return replace(self, values=tuple(means.tolist()), reference=reference)
@@ -134,6 +135,7 @@ class Levels(Node):
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
         shown = self.shown
+        # One decimal where it tells the levels apart: settings are round, what a rig held is not.
         words = [level_word(round(value, 1)) for value in shown]
         if len(set(words)) < len(words):
             words = [level_word(value) for value in shown]
@@ -156,6 +158,7 @@ class Levels(Node):
         """Share of each free level (q, n) in the logarithm of the factor at the points."""
         column, values = at.need(self.column), np.array(self.values)
         nearest = np.argmin(np.abs(column[None, :] - values[:, None]), axis=0)
+        # Within what a rig holds a value is its level, not a place between two.
         settled = np.abs(column - values[nearest]) <= held(self.column, values)[nearest]
         place = np.where(settled, values[nearest], column)
         return np.array([np.interp(place, values, unit) for unit in np.eye(len(values))[list(self.free)]])

@@ -308,10 +308,15 @@ class Shift(Composition):
         base_theta, shift_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
         log_shift = self.children[1].respond(shift_theta, at, depth)
         # A real ln a_T keeps powers of s cheap; a complex theta (tests of derivatives) must pass through.
-        exact: Real = log_shift.value if np.iscomplexobj(theta) else log_shift.value.real  # type: ignore[assignment]
+        exact = log_shift.value.real
+        if np.iscomplexobj(theta):
+            exact = log_shift.value  # type: ignore[assignment]
         moved = at.shifted(exact)
         # The derivative by a shift is that by ln omega: the base gives it even where only a gradient is asked for.
-        base = self.children[0].respond(base_theta, moved, VALUE if depth == VALUE else FULL)
+        asked = FULL
+        if depth == VALUE:
+            asked = VALUE
+        base = self.children[0].respond(base_theta, moved, asked)
         if depth == VALUE:
             return Response(base.value)
         slope = base.by_log_omega

@@ -71,6 +71,7 @@ def _jenkins(at: Points, k: Any, force: Any) -> Any:
 
 
 def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
+    # Where it sticks there is no loop: at rho = 1 the formula is zero.
     rho = np.minimum(force / (k * at.need("amplitude")), 1.0)
     turn = np.exp(-2j * np.arccos(1.0 - 2.0 * rho))
     return 1j * k * (turn - 0.5 * (1.0 + turn**2)) / (6.0 * np.pi)
@@ -157,6 +158,7 @@ def _dead_zone(at: Points, k: Any, b: Any) -> Any:
 
 def _dead_zone_third(at: Points, k: Any, b: Any) -> Any:
     ratio, open_ = _gap(at, b)
+    # Where the gap stays open: at one the formula is zero.
     inside = np.where(open_, 1.0, ratio)
     return k * FOUR_OVER_PI / 3.0 * inside * (1.0 - inside**2) ** 1.5
 

@@ -15,6 +15,7 @@ from .branches import Branch
 from .elements import HALF_PI
 from .nodes import FULL, GRADIENT
 from .points import Complex, Real
+from .roots import inside, settled
 
 STEP = 0.05
 """Step in ln r of the search: two lines nearer than 5 % count as one, which the error estimate then shows."""
@@ -125,10 +126,8 @@ def _root(branch: Branch, low: Real, power: int) -> Real:
             positive = value > 0.0
         low, high = np.where(positive, low, u), np.where(positive, u, high)
         slope = power * found.by_log_omega.real / found.value.real
-        newton = u - 1.0 / slope
-        inside = (newton > low) & (newton < high)
-        moved = np.where(inside, newton, 0.5 * (low + high))
-        if np.all(np.abs(moved - u) <= 1e-15 * (1.0 + np.abs(u))):
+        moved = inside(u - 1.0 / slope, low, high)
+        if settled(moved, u, 1e-15):
             return moved
         u = moved
     return u
@@ -150,12 +149,14 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
         found = branch.respond(u + HALF_PI, FULL)
         # At the pole itself, to the last digit, K is infinite: there is nothing left to change.
         change = np.nan_to_num(found.value / found.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)
+        # By no more than half a factor e at a time, lest it run on to another peak.
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
         if np.all(np.abs(change) < ROUNDED):
             break
-    settled = (np.abs(change) < 1e-9) & (u.imag > 0.0) & (u.imag < NARROW)
-    inside = settled & (u.real > edge.u[0]) & (u.real < edge.u[-1])
-    return np.unique(np.round(u[inside], 9))
+    ended = (np.abs(change) < 1e-9) & (u.imag > 0.0) & (u.imag < NARROW)
+    within = ended & (u.real > edge.u[0]) & (u.real < edge.u[-1])
+    # Neighbouring starts end at one peak, and it must count once.
+    return np.unique(np.round(u[within], 9))
 
 
 def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
@@ -175,5 +176,6 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()
-    inside = (u.imag > 1e-9) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
-    return np.unique(np.round(u[inside], 9))
+    within = (u.imag > 1e-9) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
+    # One pole may be found twice, apart by rounding.
+    return np.unique(np.round(u[within], 9))

@@ -151,6 +151,7 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
     for _ in range(ROUNDS):
         share = np.sqrt(lawson) / np.abs(target)
 
+        # Its share is bound here, as the next round has another.
         def off(u: Real, share: Real = share) -> Real:
             amounts = _weights(s, u, target, share, dashpot)
             missed = share * (_columns(s, u, dashpot) @ amounts - target)
@@ -173,6 +174,7 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
         # No point is let go altogether, or its error would grow unseen.
         lawson = np.maximum(lawson / lawson.mean(), 1e-3)
     assert best is not None
+    # A solver would carry a term without weight through all its steps for nothing.
     kept = best.weights > 0.0
     return Prony(best.equilibrium, best.viscosity, best.weights[kept], best.times[kept], band, best.error)
 

@@ -14,6 +14,7 @@ from .continuum import Continuum
 from .elements import FixedPower
 from .nodes import GRADIENT, Chain, Mapped, Node, Parallel, Renamed, Scaled, Series, Shift
 from .points import Points, Real
+from .roots import inside, settled
 
 SAME = 1e-14
 """Relative distance below which two rates are one."""
@@ -109,6 +110,7 @@ class Rational:
         """Instantaneous compliance and fluidity, where there are any."""
         ends, slopes = np.zeros(2), np.zeros_like(self.end_slopes)
         spring, dashpot = self.ends
+        # Beside a dashpot nothing gives way at once, beside a spring nothing flows.
         if dashpot == 0.0:
             glass = spring + self.weights.sum()
             ends[0] = 1.0 / glass
@@ -136,6 +138,7 @@ class Rational:
         height = spring + 2.0 * self.weights.sum()
         if spring > 0.0:
             # K(-r) is positive there: up to half the first rate it is no less than spring - slope r.
+            # A hundredth further out than need be: rounding must not leave the zero outside.
             low, high = np.append(0.99 * min(0.5 * first, spring / slope), low), np.append(first, high)
         if dashpot > 0.0:
             # And negative there: from twice the last rate on it is no more than height - dashpot r.
@@ -154,9 +157,8 @@ class Rational:
             value = spring - dashpot * r[:, 0] + (r * away) @ self.weights
             slope = -dashpot * r[:, 0] - (r * away**2) @ (self.weights * self.rates)
             low, high = np.where(value > 0.0, u, low), np.where(value > 0.0, high, u)
-            newton = u - value / slope
-            moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
-            if np.all(np.abs(moved - u) <= 2e-16 * (1.0 + np.abs(u))):
+            moved = inside(u - value / slope, low, high)
+            if settled(moved, u, 2e-16):
                 break
             u = moved
         return np.exp(u)

@@ -60,10 +60,14 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
     even = n > BLOCK and bool(np.ptp(inner.real) <= EVEN * np.max(inner.real)) and not np.iscomplexobj(inner)
     for start in range(0, n, BLOCK):
         part = slice(start, min(start + BLOCK, n))
-        step = np.mean(inner, keepdims=True) if even else steps[part]
+        one, step = changes[part], steps[part]
+        if even:
+            step = np.mean(inner, keepdims=True)
         decay, gain = _step(rates, step[:, None])
-        one = changes[part]
-        q = _filtered(decay[0], gain[0], one, last) if even else _scan(decay, gain * one[:, None], last)
+        if even:
+            q = _filtered(decay[0], gain[0], one, last)
+        else:
+            q = _scan(decay, gain * one[:, None], last)
         if len(moving):
             before = np.vstack([last[moving], q[:-1, moving]])
             kicks = _gain_slope(rates[moving], step[:, None]) * one[:, None]

@@ -190,6 +190,7 @@ def _guilty(model: NamedNetwork, theta: Real, conditions: Points, fault: str) ->
     parts = [model.base, *(effect.name for effect in linear)]
     guilty = parts[-1]
     for count in range(len(linear)):
+        # Coarsely and at the first attempt: that there is no spectrum shows at once.
         smaller = replace(model, effects=linear[:count])
         try:
             _spectrum(
@@ -253,6 +254,7 @@ def summed(
         finder = all_peaks_of
         if best.error < NEARLY * tolerance:
             finder = peaks_of
+        # Half as many digits again.
         wanted = wanted**1.5
         best = min(best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
     if not best.error < REFUSED:
@@ -292,6 +294,7 @@ class Sum:
         classical = Rational.power(0, 0.0, nothing)
         for branch in branches(network, theta, conditions, compliance=compliance):
             modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
+            # What has no stiffness at all has no compliance that could be inverted.
             if modes is not None and not (compliance and not modes.ends.any() and not modes.weights.any()):
                 if compliance:
                     modes = modes.inverse()
@@ -389,6 +392,7 @@ class Sum:
             if not signed and np.any(height < -NEGATIVE * np.abs(value) - ROUNDING * max(sizes)):
                 raise _NoSpectrumError("is no passive material: weights of its relaxation would be negative")
             if not signed:
+                # What is left below zero is rounding: a passive material has no such weights.
                 height = np.maximum(height, 0.0)
             fixed = np.zeros((len(u), len(self.mass_slopes)))
             modes = Lines(np.exp(u), share * height, fixed, (share * by_theta.imag / np.pi).T)
@@ -432,6 +436,7 @@ class Sum:
         exact = self._whole(grid)
         if not np.all(np.isfinite(exact)):
             raise _NoSpectrumError("is not finite on the band")
+        # Without the mass, which is exact, and far up so large that it would hide any error of the rest.
         own = found.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))
@@ -452,6 +457,7 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
         return x, 1.0 + (1.0 / np.sqrt(1.0 + away**2)) @ (strengths / widths)
 
     table = [np.arange(low - step, high + step, 0.25 * step)]
+    # Evenly in arcsinh, as the narrowest peak must be seen by the table too.
     table += [p.real + d * np.sinh(np.arange(-30.0, 30.0, 0.1)) for p, d in zip(peaks, widths, strict=True)]
     coarse = np.unique(np.concatenate(table))
     coarse = coarse[(coarse >= low - step) & (coarse <= high + step)]

@@ -206,6 +206,7 @@ def _no_worse(each: Tried, before: Left) -> Tried:
 def _leading(promises: dict[str, list[Promise]], before: Left) -> list[list[Promise]]:
     """The promises of the effects that are worth a fit."""
     scatter = before.scatters[0]
+    # Of noise whose neighbours are alike so many samples are one independent number.
     unit = scatter.size**2 * (1.0 + scatter.memory) / (1.0 - scatter.memory)
     count = np.log(independent(before.residuals, before.scatters))
 
@@ -453,6 +454,7 @@ def _chances(tried: Sequence[Tried]) -> list[float]:
     """Probability of each effect, against nothing missing too."""
     if not tried:
         return []
+    # Nought is the model as it is: nothing missing is a candidate too.
     logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
     # Less the largest, or evidence of some thousand would overflow.
     weights = np.exp(logs - logs.max())

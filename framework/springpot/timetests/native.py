@@ -239,6 +239,7 @@ class Search:
             with np.errstate(all="ignore"):
                 value, slopes = self.residual(parts, u, coarse)
         except SpringpotError:
+            # Nothing was ever followed: the fault is the model's, not that of these parameters.
             if not self._followed:
                 raise
             count = sum(part.count(coarse) for part in parts)

@@ -110,6 +110,7 @@ class Known:
     def read(cls, answer: dict[str, Any], model: Model) -> Known:
         """From the JSON of an identification from tests in time."""
         kept, count = answer["kept"], len(model.parameters)
+        # Lines of a spectrum lie where the tests put them: the name of the model does not tell them.
         if "rates" in kept:
             model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
             count = len(model.parameters)
@@ -454,5 +455,6 @@ def _at_frequencies(test: Measurement, known: Known, theta: Real) -> _Compared:
         np.concatenate([slopes.real, slopes.imag]),
         np.concatenate([test.storage, test.loss]),
         np.concatenate([sd.real, sd.imag]),
+        # So that K' and K'' of a point together weigh as one relative error of K.
         np.tile(test.magnitude, 2) / np.sqrt(2.0),
     )

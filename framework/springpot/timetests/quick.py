@@ -167,6 +167,7 @@ class QuickPart(InTimePart):
         size = np.linalg.norm(basis, axis=0)
         # Dashpot and mass have no column here: they are taken off before.
         size[size == 0.0] = 1.0
+        # Neighbouring exponentials are alike: without a limit their amounts would grow against one another.
         return basis, np.linalg.pinv(basis / size, rcond=1e-7) / size[:, None]
 
     def followed(self, change: Complex) -> Real:
@@ -192,6 +193,8 @@ class QuickPart(InTimePart):
         if self.test.control == "displacement":
             far, omega = change[:, -2:], self.omega[-2:]
             with np.errstate(all="ignore"):
+                # At ten times the frequency the force of a dashpot is ten times as large, that of a mass a hundred
+                # times.
                 pace = np.stack([far[:, 1].imag / far[:, 0].imag / 10.0, far[:, 1].real / far[:, 0].real / 100.0])
             dashpot_and_mass = np.stack([far[:, 0].imag / omega[0], -far[:, 0].real / omega[0] ** 2])
             ends = np.where(np.abs(pace - 1.0) < CLOSE, dashpot_and_mass, 0.0)

@@ -177,6 +177,7 @@ def dense(loading: Loading, t: Real) -> Loading:
     """The same loading with a knot at each of the times t, so that a law may bend it between its own knots."""
     smooth = loading.smooth
     if smooth is None:
+        # Of steps alone: between its knots there is nothing that a law could bend.
         return loading
     times = np.union1d(smooth.time, t)
     return with_jumps(times, np.interp(times, smooth.time, smooth.value), *loading.jumps)
@@ -191,6 +192,7 @@ def with_jumps(time: Real, value: Real, when: Real, sizes: Real) -> Loading:
     before = followed + (knots[:, None] > when).astype(float) @ sizes
     after = followed + (knots[:, None] >= when).astype(float) @ sizes
     jumping = np.isin(knots, when)
+    # Stable, so that what was before a jump stays before it.
     order = np.argsort(np.concatenate([knots, knots[jumping]]), kind="stable")
     return Loading(np.concatenate([knots, knots[jumping]])[order], np.concatenate([before, after[jumping]])[order])
 
@@ -250,6 +252,7 @@ def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: 
     """Derivatives (n, q) of the response by the parameters of the clock."""
     here, moves = clock.with_slopes(t)
     derivatives = np.zeros(moves.shape)
+    # A clock that is turned brings the answer to a jump sooner, by its rate there.
     for when, size in zip(*loading.jumps, strict=True):
         there, moved = clock.with_slopes(np.array([when]))
         since = here - there
