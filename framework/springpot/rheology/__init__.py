@@ -10,7 +10,7 @@ from .formula import (
     Formula,
 )
 from .handoff import Handoff, Writer
-from .history import InTime, Placed, network_of, sorted_out
+from .history import InTime, Placed, network_of, sorted_out, with_laws
 from .hysteresis import smooth_hysteresis
 from .intime import Traced
 from .levels import HELD, Levels, free_factors, free_vertical_factors, levels_of
@@ -106,6 +106,7 @@ __all__ = [
     "Placed",
     "network_of",
     "sorted_out",
+    "with_laws",
     "Formula",
     "basset",
     "diffusion",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -95,19 +95,7 @@ class InTime:
         inside, beside, signals = sorted_out(self.model)
         with self._blaming():
             found = self._materials(inside, t, x)
-        value, by_theta = found.value, found.by_theta
-        # Laws that are not linear need the speed, which a record does not have.
-        velocity = np.gradient(x, t)
-        for effect, _, own in beside:
-            force, slopes = effect.element.in_time(t, x, velocity, *self.theta[own])  # type: ignore[attr-defined]
-            value = value + force
-            by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
-        # One table, as what the signals go through acts on the force and on each of its derivatives alike.
-        columns = np.column_stack([value, by_theta])
-        for effect, _, own in signals:
-            columns, slopes = effect.element.in_time(t, columns, *self.theta[own])  # type: ignore[attr-defined]
-            columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
-        return Traced(columns[:, 0], columns[:, 1:])
+        return with_laws(found, beside, signals, self.theta, t, x)
 
     def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
         """How the answer changes where the material's clock does.
@@ -244,6 +232,37 @@ def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
     if control == "displacement":
         return passive.respond
     return passive.respond_force
+
+
+def with_laws(
+    found: Traced, beside: Sequence[Placed], signals: Sequence[Placed], theta: Real, t: Real, x: Real
+) -> Traced:
+    """The force (n,) of a material with the forces beside it, as the measurement chain shows it.
+
+    Parameters
+    ----------
+    found : Traced
+        Force of the material for the displacement, and its derivatives, which are changed.
+    beside, signals : sequence of Placed
+        Effects that are not linear, and those of the measurement chain; see `sorted_out`.
+    theta : ndarray, shape (p,)
+        Parameters of the whole model.
+    t, x : ndarray, shape (n,)
+        Times in s and displacements.
+    """
+    value, by_theta = found
+    # Laws that are not linear need the speed, which a record does not have.
+    velocity = np.gradient(x, t)
+    for effect, _, own in beside:
+        force, slopes = effect.element.in_time(t, x, velocity, *theta[own])  # type: ignore[attr-defined]
+        value = value + force
+        by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
+    # One table, as what the signals go through acts on the force and on each of its derivatives alike.
+    columns = np.column_stack([value, by_theta])
+    for effect, _, own in signals:
+        columns, slopes = effect.element.in_time(t, columns, *theta[own])  # type: ignore[attr-defined]
+        columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
+    return Traced(columns[:, 0], columns[:, 1:])
 
 
 def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Placed]]:

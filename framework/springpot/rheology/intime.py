@@ -167,16 +167,16 @@ class Passive:
         moved = displacement - displacement[0]
         resting, resting_slopes = self.limit(-FAR)
         velocity = np.gradient(displacement, t)
-        acceleration = _second(t, displacement)
+        pushed = acceleration(t, displacement)
         value = resting * displacement[0] + modes.equilibrium * moved
-        value = value + modes.viscosity * velocity + modes.mass * acceleration
+        value = value + modes.viscosity * velocity + modes.mass * pushed
         if not slopes:
             alone = modes.weights[:, None]
             return Traced(
                 value + driven(modes.rates, steps, changes, alone, 0.0 * alone)[:, 0], np.zeros((len(t), 0))
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
-        by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(acceleration, by.mass)
+        by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(pushed, by.mass)
         mix = np.column_stack([modes.weights, by.weights])
         rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])
         both = driven(modes.rates, steps, changes, mix, rate_mix)
@@ -364,8 +364,8 @@ def _times(t: Real) -> tuple[float, float]:
     return float(np.min(np.diff(t))) / np.pi, float(t[-1] - t[0])
 
 
-def _second(t: Any, x: Real) -> Any:
-    """Acceleration from second differences; at the ends that of the next sample."""
+def acceleration(t: Any, x: Real) -> Any:
+    """Second derivative (n,) from differences, as a mass feels it; at the ends that of the next sample."""
     if len(t) < 3:
         return np.zeros(len(t))
     slope, step = np.diff(x) / np.diff(t), np.diff(t)

@@ -15,6 +15,7 @@ from .judging import PLAINLY, Left
 from .parts import InTimePart, Part
 from .result import TimeIdentification
 from .scatter import Scatter, times_noise
+from .sizes import rms
 from .where import Place
 
 if TYPE_CHECKING:
@@ -55,15 +56,17 @@ class TimeError:
             sd, size = np.ones(len(residual)), 1.0
             if isinstance(part, InTimePart):
                 sd = np.asarray(part.sd, dtype=float)
-                size = float(np.sqrt(np.mean(part.test.response**2)))
-            error = float(np.sqrt(np.mean((residual * sd) ** 2))) / size
+                size = rms(part.test.response)
+            error = rms(residual * sd) / size
             ratio = times_noise(residual, scatter.size)
             floor = 0.0
             # A fit that leaves nothing at all says nothing of the noise.
             if ratio:
                 floor = error / ratio
             # Of few samples the presumed noise is believed as it is: its size is one, to the last bit.
-            source = "signal" if scatter.size == 1.0 else "residual"
+            source = "residual"
+            if scatter.size == 1.0:
+                source = "signal"
             errors.append(cls(error, floor, ratio, scatter.memory, source))
         # A model is as good as it is for the test that it misses most.
         return max(errors, key=lambda each: each.over_floor)

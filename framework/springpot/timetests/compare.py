@@ -97,7 +97,7 @@ def compare(
     fits: list[TimeIdentification] = []
     left_out: dict[str, str] = {}
     # All expressions first: one that is mistyped is told before minutes are spent on the others.
-    parsed = [parse_timed(each) if isinstance(each, str) else each for each in models]
+    parsed = [_parsed(each) for each in models]
     for model in parsed:
         if progress is not None:
             progress(f"fitting {model.name}")
@@ -116,3 +116,9 @@ def compare(
     ranked = sorted(zip(criteria, fits, strict=True), key=lambda pair: pair[0])
     deltas = tuple(float(criterion - least) for criterion, _ in ranked)
     return TimeComparison(tuple(fit for _, fit in ranked), deltas, left_out)
+
+
+def _parsed(model: Model | Timed | str) -> Model | Timed:
+    if isinstance(model, str):
+        return parse_timed(model)
+    return model

@@ -125,7 +125,9 @@ def diagnose(
     given = _listed(tests)
     if isinstance(model, str):
         model = parse_timed(model)
-    library = library_in_time() if effects is None else list(effects)
+    if effects is None:
+        effects = library_in_time()
+    library = list(effects)
     diagnosis = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), diagnosis)
     if noise is None:
@@ -388,7 +390,9 @@ def _verdict(before: Left, tried: Sequence[Tried]) -> str:
     """What the tests say of the model, `tried` best first."""
     if _is_plain(tried):
         # An effect that helps and leaves more than noise is not all that is missing.
-        return "unexplained" if tried[0].left.misfit else "effect-missing"
+        if tried[0].left.misfit:
+            return "unexplained"
+        return "effect-missing"
     if before.misfit:
         return "unexplained"
     if tried and tried[0].delta > HINT:

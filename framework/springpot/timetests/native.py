@@ -17,6 +17,7 @@ from springpot.rheology import Model, Real
 from .parts import InTimePart, Part, runs_against
 from .quick import QuickPart, UnfollowedError
 from .result import PartResult, TimeIdentification, sampled_scatter
+from .sizes import rms
 from .start import start_of
 from .tries import Scales, test_with, tries_of
 
@@ -40,6 +41,8 @@ TRIED = 6
 """Places in the parameters of effects of time tests from which a search begins."""
 WRONG = 0.5
 """Relative error from which the signs of a test are doubted: below, the model follows it, whatever they are."""
+AFAR, NEAR = 1e-3, 1e-6
+"""Damping at a start, and at one beside its end: there a step of Gauss and Newton is right."""
 FLAT = 1e-10
 """A search ends once the drop foretold is this share of its objective: the figure that is printed has six digits."""
 ROUGHLY = 1e-5
@@ -178,12 +181,12 @@ class Search:
 
     def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
         """The same from a point near the best one, where `spent` evaluations have led."""
-        last = self._descend(parts, near[None], False, LAST, 1e-6)
+        last = self._descend(parts, near[None], False, LAST, NEAR)
         return last.u[0], spent + last.evaluations, bool(last.converged[0])
 
     def near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int]:
         """A search point (p,) near the best one, and evaluations spent: by fixed exponentials where they will do."""
-        quick = [QuickPart.of(part) if type(part) is InTimePart else part for part in parts]
+        quick = [_quick(part) for part in parts]
         try:
             further: list[Real] = []
             # With these a start costs next to nothing.
@@ -193,7 +196,7 @@ class Search:
             u, spent, rests = self._near(quick, [*starts, *further])
             if rests:
                 return u, spent
-            last = self._descend(quick, u[None], True, AT_LEISURE, 1e-3)
+            last = self._descend(quick, u[None], True, AT_LEISURE, AFAR)
             return last.u[0], spent + last.evaluations
         # A mass that swings or a loss that is not causal is no sum of exponentials.
         except UnfollowedError:
@@ -202,13 +205,13 @@ class Search:
             return self._near(parts, starts)[:2]
 
     def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
-        quick = self._descend(parts, np.stack(starts), True, QUICK, 1e-3)
+        quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
         best = int(np.argmin(quick.cost))
         found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
-            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, 1e-3)
+            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, AFAR)
             best = int(np.argmin(more.cost))
             found, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
         return found, spent, rests
@@ -222,7 +225,9 @@ class Search:
             return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
         low, high = self.coordinates.bounds()
-        shape = starts.shape
+        shape, flat = starts.shape, FLAT
+        if coarse:
+            flat = ROUGHLY
         return levenberg_marquardt(
             evaluate,
             starts,
@@ -230,7 +235,7 @@ class Search:
             np.broadcast_to(high, shape),
             iterations=iterations,
             damping=damping,
-            flat=ROUGHLY if coarse else FLAT,
+            flat=flat,
         )
 
     def _guarded(self, parts: Sequence[Part], u: Real, coarse: bool) -> tuple[Real, Real]:
@@ -250,7 +255,7 @@ class Search:
     def ratio(self, part: Part, u: Real) -> float:
         """Root mean square of a part's residuals over its noise."""
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
-        return float(np.sqrt(np.mean(value**2)))
+        return rms(value)
 
     def scale(self, part: Part, u: Real) -> float:
         """By how much the misfit of a part exceeds its noise, samples that repeat one another counted once."""
@@ -293,6 +298,13 @@ class Search:
         scaled = information / np.outer(scale, scale) + 1e-12 * np.eye(len(u))
         covariance: Real = np.linalg.inv(scaled) / np.outer(scale, scale)
         return covariance
+
+
+def _quick(part: Part) -> Part:
+    # One that is quick already is a part in time too, by inheritance: it stays as it is.
+    if type(part) is InTimePart:
+        return QuickPart.of(part)
+    return part
 
 
 def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...]:

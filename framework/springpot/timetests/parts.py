@@ -86,7 +86,9 @@ class InTimePart:
 
     def residual(self, model: Model | Timed, theta: Real, reference: float, coarse: bool = False) -> Residual:
         """Predicted less measured, over the noise; of some samples only if `coarse`."""
-        rows = self._thin() if coarse else np.arange(len(self.test))
+        rows = np.arange(len(self.test))
+        if coarse:
+            rows = self._thin()
         answer = recorded(model, theta, self.test, reference, self.test.time[rows], TOLERANCE)
         weight = 1.0 / (self.scale * self.sd[rows])
         # At the very instant of a step the answer may be endless, and no instrument reads it.

@@ -27,6 +27,7 @@ from springpot.rheology import Continuum, Model, Points, Real
 from .parts import SweepPart, Test
 from .predicted import predicted
 from .result import TimeIdentification
+from .sizes import rms
 
 SCHEMA = "springpot.prediction-in-time/1"
 ENDLESS = 1e12
@@ -243,7 +244,7 @@ class TestPrediction:
     def says(self) -> str:
         """One sentence."""
         if not self.judged:
-            wide = _rms(0.5 * (self.high - self.low)) / max(_rms(self.value), 1e-300)
+            wide = rms(0.5 * (self.high - self.low)) / max(rms(self.value), 1e-300)
             return f"{self.test} is predicted to within {100 * wide:.2g} % by the uncertainty of the parameters"
         size = f"{100 * self.error:.2g} % off, where {100 * self.expected:.2g} % was to be expected"
         beyond = ""
@@ -255,15 +256,20 @@ class TestPrediction:
             return f"the fit hardly says anything of {self.test}: {size}{beyond}"
         if self.holds:
             return f"the prediction of {self.test} holds: {size}{beyond}"
-        way = "too much" if self.bias > 0 else "too little"
+        way, unit = "too little", "s"
+        if self.bias > 0:
+            way = "too much"
+        if self.kind == "sweep":
+            unit = "Hz"
         worst = int(np.argmax(np.abs(self.value - self.measured)))
-        unit = "Hz" if self.kind == "sweep" else "s"
         mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {self.at[worst]:.3g} {unit}"
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.prediction-in-time/1``."""
-        clock = "frequency" if self.kind == "sweep" else "time"
+        clock = "time"
+        if self.kind == "sweep":
+            clock = "frequency"
         columns = (self.at, self.value, self.low, self.high, self.measured)
         names = (clock, "value", "low", "high", "measured")
         rows = zip(*(column.tolist() for column in columns), strict=True)
@@ -345,7 +351,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
     error_inside = float("nan")
     if inside.any():
-        error_inside = _rms(share[inside])
+        error_inside = rms(share[inside])
     return TestPrediction(
         known.model.name,
         test.name,
@@ -355,8 +361,8 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         compared.value - wide,
         compared.value + wide,
         compared.measured,
-        _rms(share),
-        float(np.hypot(_rms(known_error), known.misfit)),
+        rms(share),
+        float(np.hypot(rms(known_error), known.misfit)),
         # "Too much" is larger in size, whatever the sign of the response.
         float(np.mean(share * np.sign(compared.measured))),
         float(np.mean(inside)),
@@ -364,10 +370,6 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         unit,
         judged,
     )
-
-
-def _rms(values: Real) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
@@ -439,7 +441,7 @@ def _in_time(test: TimeTest, known: Known, theta: Real) -> _Compared:
         rate = 1.0 / np.maximum(time - test.start, 1e-300)
     else:
         rate = np.full(len(time), float(np.sqrt(np.prod(test.seen))))
-    size = np.full(len(time), _rms(measured))
+    size = np.full(len(time), rms(measured))
     return _Compared(time, rate, value, answer.by_theta[seen], measured, noise, size)
 
 

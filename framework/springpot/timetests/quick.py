@@ -21,13 +21,13 @@ from springpot.rheology import (
     GRADIENT,
     Complex,
     Model,
-    Placed,
     Points,
     Real,
     Response,
     Traced,
     network_of,
     sorted_out,
+    with_laws,
 )
 
 from .parts import InTimePart, Part, Residual, SweepPart
@@ -253,7 +253,10 @@ class QuickPart(InTimePart):
         if self.test.warmth is not None and "temperature" in model.needs:
             raise UnfollowedError("the temperature moves")
         material = material_of(model)
-        own, placed = model.parts(theta) if isinstance(model, Timed) else (theta, [])
+        own: Real = theta
+        placed: list[tuple[TimeEffect, slice]] = []
+        if isinstance(model, Timed):
+            own, placed = model.parts(theta)
         mine = [(effect, place) for effect, place in placed if effect.is_for(self.test)]
         inside, beside, signals = sorted_out(material)
         network, places = network_of(material, inside)
@@ -267,7 +270,10 @@ class QuickPart(InTimePart):
         if moved:
             by_theta[:, moved] = columns
         if beside or signals:
-            value, by_theta = self._with_laws(material, own, beside, signals, value, by_theta)
+            # Steps have no speed, and laws of a force ask for displacements.
+            if self.test.control != "displacement" or len(self.test.loading.jumps[0]):
+                raise ModelError(f"{material.name} has no answer to a step or a force")
+            value, by_theta = with_laws(Traced(value, by_theta), beside, signals, own, self.t, self.record.imposed)
         return shown(mine, theta, self.record, value, by_theta)
 
     def _points(self, reference: float) -> Points:
@@ -311,31 +317,13 @@ class QuickPart(InTimePart):
             columns.append((more - less) / (2.0 * step))
         return by(loading, theta, mix), np.column_stack(columns)
 
-    def _with_laws(
-        self,
-        material: Model,
-        theta: Real,
-        beside: Sequence[Placed],
-        signals: Sequence[Placed],
-        value: Real,
-        by_theta: Real,
-    ) -> tuple[Real, Real]:
-        """With forces beside the material, and what the measurement chain does."""
-        if self.test.control != "displacement" or len(self.test.loading.jumps[0]):
-            raise ModelError(f"{material.name} has no answer to a step or a force")
-        velocity = np.gradient(self.record.imposed, self.t)
-        for effect, _, own in beside:
-            law = effect.element.in_time  # type: ignore[attr-defined]
-            force, slopes = law(self.t, self.record.imposed, velocity, *theta[own])
-            value = value + force
-            by_theta[:, own] += np.stack(np.broadcast_arrays(*slopes), axis=-1)
-        columns = np.column_stack([value, by_theta])
-        for effect, _, own in signals:
-            columns, slopes = effect.element.in_time(self.t, columns, *theta[own])  # type: ignore[attr-defined]
-            columns[:, [1 + i for i in own]] += np.stack(slopes, axis=-1)
-        return columns[:, 0], columns[:, 1:]
-
 
 def quick_parts(parts: Sequence[Part]) -> list[QuickPart | SweepPart]:
     """All tests as a search sees them; at frequencies the exact answer is a formula already."""
-    return [part if isinstance(part, SweepPart) else QuickPart.of(part) for part in parts]
+    quick: list[QuickPart | SweepPart] = []
+    for part in parts:
+        if isinstance(part, SweepPart):
+            quick.append(part)
+        else:
+            quick.append(QuickPart.of(part))
+    return quick

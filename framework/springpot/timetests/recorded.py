@@ -51,7 +51,9 @@ def recorded(
     """
     if not isinstance(model, Timed):
         return predicted(model, theta, test, reference, at, tolerance)
-    t = test.time if at is None else at
+    t = at
+    if t is None:
+        t = test.time
     own, placed = model.parts(theta)
     mine = [(effect, place) for effect, place in placed if effect.is_for(test)]
     if test.warmth is not None and "temperature" in model.needs:

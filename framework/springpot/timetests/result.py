@@ -13,6 +13,8 @@ from springpot.identification.uncertainty import ends, spread_of, student
 from springpot.measurement import Timed, TimeTest, Units, material_of
 from springpot.rheology import Continuum, Model, Real
 
+from .sizes import rms
+
 if TYPE_CHECKING:
     from .parts import Part
 
@@ -79,13 +81,13 @@ class PartResult:
         """Judge one part at theta."""
         plain = part.with_scale(1.0)
         weighted = plain.residual(model, theta, reference).value
-        ratio = float(np.sqrt(np.mean(weighted**2)))
+        ratio = rms(weighted)
         test = part.test
         if isinstance(test, TimeTest):
-            size = float(np.sqrt(np.mean(test.response**2)))
+            size = rms(test.response)
             sd = np.asarray(part.sd, dtype=float)
-            error = float(np.sqrt(np.mean((weighted * sd) ** 2))) / size
-            floor = float(np.sqrt(np.mean(sd**2))) / size
+            error = rms(weighted * sd) / size
+            floor = rms(sd) / size
             return cls(test.name, test.kind, len(test), error, floor, ratio, alone, test.seen)
         sd = np.concatenate([part.sd.real, part.sd.imag])
         size_of_each = np.tile(test.magnitude, 2)
@@ -238,7 +240,9 @@ class TimeIdentification:
         """How the search ended, in a word."""
         if self.status:
             return self.status
-        return "converged" if self.converged else "not converged"
+        if self.converged:
+            return "converged"
+        return "not converged"
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

@@ -109,7 +109,9 @@ def scatter_of(residual: Real) -> Scatter:
             likely += _log_likelihood(power[band], factor * noise[band])
     excess = 2.0 * (likely - _log_likelihood(power, _spectrum(omega, *alone)))
     local = _local(residual, above[1])
-    size, memory = above if excess > PLAIN or local < LOCAL else alone
+    size, memory = alone
+    if excess > PLAIN or local < LOCAL:
+        size, memory = above
     return Scatter(size, memory, float(excess), local)
 
 

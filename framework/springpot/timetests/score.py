@@ -149,7 +149,7 @@ class Scan:
             # By 1/size, of which such an effect has next to nothing: d/d(1/s) = -s^2 d/ds.
             scale = -(little**2)
         values = np.array([[little, *place] for place in places])
-        change = _change(material_of(self.model), self.theta, effect, values)
+        change = _Change(material_of(self.model), self.theta, effect, values)
         # A specimen that swings answers a small mass by a large ringing: no linear step leads there.
         if any(view.swings(change) for view in self.views):
             return self._swinging(effect, places)
@@ -171,7 +171,7 @@ class Scan:
         stiffness = np.abs(linear_stiffness(self.base, at))
         atoms = []
         for place in places:
-            slope = _change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]]))(at)[0]
+            slope = _Change(model, self.theta, effect, np.array([[NEXT_TO_NOTHING, *place]]))(at)[0]
             for size in stiffness / np.abs(slope):
                 values = np.array([size, *place])
                 atoms.append(Atom(effect, values, np.zeros(len(values)), self._as_it_is(effect, values), False))
@@ -179,10 +179,7 @@ class Scan:
 
     def _as_it_is(self, effect: AnyEffect, values: Real) -> Real:
         """The change of all residuals for an effect of that size."""
-        model = grown(self.model, effect)
-        known = dict(zip(self.model.names, self.theta.tolist(), strict=True))
-        new = [name for name in model.names if name not in known]
-        theta = model.vector(known | dict(zip(new, values.tolist(), strict=True)))
+        model, theta = _with_effect(self.base, effect, values)
         return np.concatenate([view.with_model(model, theta) for view in self.views])
 
     # --- effects with a law of their own ------------------------------------------------------------------------
@@ -230,6 +227,14 @@ class Scan:
         return atoms
 
 
+def _with_effect(base: TimeIdentification, effect: AnyEffect, values: Real) -> tuple[Model | Timed, Real]:
+    """A fitted model with an effect, and its parameters: those of the fit, and `values` (q,) of the effect."""
+    model = grown(base.model, effect)
+    known = dict(zip(base.model.names, base.theta.tolist(), strict=True))
+    new = [name for name in model.names if name not in known]
+    return model, model.vector(known | dict(zip(new, values.tolist(), strict=True)))
+
+
 def _as_tried(atom: Atom, amount: float) -> float:
     """The amount of what goes by its size alone is always its own."""
     if atom.powers.any():
@@ -272,9 +277,6 @@ class _Change:
 
     def __call__(self, at: Points) -> Complex:
         return self.network.respond(self.theta, at, GRADIENT).by_theta[:, self.index, :]
-
-
-_change = _Change
 
 
 def linear_stiffness(base: TimeIdentification, at: Points) -> Complex:
@@ -412,13 +414,9 @@ class SweepView:
         """The column of an effect that is not linear: its first harmonic."""
         values = values.copy()
         if of_signal:
-            change = _change(material_of(self.base.model), self.base.theta, effect, values[None] + NEXT_TO_NOTHING)
+            change = _Change(material_of(self.base.model), self.base.theta, effect, values[None] + NEXT_TO_NOTHING)
             return self.of_change(change, 1.0)[:, 0]
-        model = grown(self.base.model, effect)
-        known = dict(zip(self.base.model.names, self.base.theta.tolist(), strict=True))
-        new = [name for name in model.names if name not in known]
-        theta = model.vector(known | dict(zip(new, values.tolist(), strict=True)))
-        return self.with_model(model, theta)
+        return self.with_model(*_with_effect(self.base, effect, values))
 
     def of_record(self, effect: TimeEffect, values: Real) -> tuple[Real, bool]:
         """Nothing: what a test in time did is not in a sweep."""

@@ -11,6 +11,7 @@ from springpot.errors import SpringpotError
 from springpot.identification import fit
 from springpot.measurement import Loading, Measurement, TimeTest
 from springpot.rheology import Complex, Model, Real
+from springpot.rheology.intime import acceleration
 from springpot.rheology.recursion import Modes, driven
 
 PER_DECADE = 2
@@ -77,7 +78,9 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     good = np.isfinite(stiffness) & (np.abs(stiffness) > 0.0)
     if np.count_nonzero(good) < 2:
         return None
-    moved = test.loading.value if test.control == "displacement" else test.response
+    moved = test.response
+    if test.control == "displacement":
+        moved = test.loading.value
     amplitude = max(float(np.abs(moved).max()), 1e-300)
     conditions = {"amplitude": np.full(int(good.sum()), amplitude)}
     if test.temperature is not None:
@@ -118,22 +121,13 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
             moving += np.concatenate([[0.0], np.cumsum(mean * steps[1:])])[place]
         else:
             moving += np.gradient(imposed, grid)[place]
-            pushed += _bent(imposed, grid)[place]
+            pushed += acceleration(grid, imposed)[place]
     modes = faded
     # A Kelvin element under a force has moved by what its Maxwell twin has forgotten.
     if control != "displacement":
         modes = np.outer(followed, one.sum(axis=0)) - faded
     answers: Real = np.column_stack([followed, moving, pushed]) @ mix[:3] + modes.real
     return answers
-
-
-def _bent(x: Real, t: Real) -> Real:
-    """Second derivative, as a mass feels it; at the ends that of the next sample."""
-    if len(t) < 3:
-        return np.zeros(len(t))
-    slope, step = np.diff(x) / np.diff(t), np.diff(t)
-    inner = 2.0 * np.diff(slope) / (step[1:] + step[:-1])
-    return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
 def _sum_at(omega: Real, times: Real, amounts: Real, control: str) -> Complex:

@@ -62,7 +62,9 @@ class Scales:
         """The natural size of a parameter here."""
         unit = parameter.unit
         # A power of s that another parameter tells is not known here.
-        time = 0.0 if isinstance(unit.time, str) else float(unit.time)
+        time = 0.0
+        if not isinstance(unit.time, str):
+            time = float(unit.time)
         middle = float(np.sqrt(self.shortest * self.longest))
         size = parameter.typical * self.stiffness**unit.stiffness * self.reach**unit.amplitude * middle**time
         return float(np.clip(size, parameter.lower, parameter.upper))

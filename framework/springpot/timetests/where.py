@@ -11,6 +11,8 @@ import numpy as np
 from springpot.measurement import TimeTest
 from springpot.rheology import Real
 
+from .sizes import rms
+
 PIECES = 12
 """Parts of a record among which the place of the largest misfit is sought."""
 NOTABLE = 1.5
@@ -22,6 +24,10 @@ FEWEST = 3
 """Samples of a part of the loop below which it is left out."""
 ONE_SIDED = 3.0
 """Times by which one side of a loop must be missed more than its mirror image to be told alone."""
+SLOW = 0.3
+"""Share of the highest speed, single peaks apart, below which a motion turns."""
+PLAINLY_MORE = 2.0
+"""Times by which the squared misfit where a motion turns differs from that elsewhere for either to be told."""
 AFTER_TURN = 0.25
 """Share of a half cycle that is just after a turn."""
 FLAT = 1e-3
@@ -82,20 +88,18 @@ def places(test: TimeTest, residual: Real) -> list[Place]:
     return [place for place in candidates if place is not None and place.size > NOTABLE]
 
 
-def _rms(values: Real) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def _in_time(test: TimeTest, residual: Real) -> Place | None:
     # Of few samples some parts have none.
     rows = [piece for piece in np.array_split(np.arange(len(residual)), PIECES) if len(piece)]
-    sizes = [_rms(residual[piece]) for piece in rows]
+    sizes = [rms(residual[piece]) for piece in rows]
     worst = rows[int(np.argmax(sizes))]
     first, last = float(test.time[worst[0]]), float(test.time[worst[-1]])
     size = max(sizes)
     # Larger is further from nothing, whatever the sign of the response.
     way = float(np.mean(np.sign(test.response[worst]) * residual[worst]))
-    side = "larger" if way > 0.0 else "smaller"
+    side = "smaller"
+    if way > 0.0:
+        side = "larger"
     says = (
         f"{test.name} is missed most from {first:.3g} to {last:.3g} s, by {size:.2g} x the noise: "
         f"the model's {test.answered} is {side} there{_manner(test, residual)}"
@@ -108,13 +112,13 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if test.kind != "history":
         return ""
     rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
-    slow = rate < 0.3 * np.percentile(rate, 95)
+    slow = rate < SLOW * np.percentile(rate, 95)
     if not slow.any() or slow.all():
         return ""
     turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
-    if turning > 2.0 * moving:
+    if turning > PLAINLY_MORE * moving:
         return "; all along, where the motion turns"
-    if moving > 2.0 * turning:
+    if moving > PLAINLY_MORE * turning:
         return "; all along, where the motion is fast"
     return ""
 
@@ -132,7 +136,7 @@ def _in_loop(test: TimeTest, residual: Real) -> Place | None:
             rows = (sector == i) & (rising == way)
             counts[i, j] = int(rows.sum())
             if counts[i, j] >= FEWEST:
-                sizes[i, j], means[i, j] = _rms(residual[rows]), float(np.mean(residual[rows]))
+                sizes[i, j], means[i, j] = rms(residual[rows]), float(np.mean(residual[rows]))
     if not np.any(counts >= FEWEST):
         return None
     i, j = divmod(int(np.argmax(sizes)), 2)
@@ -160,7 +164,7 @@ def _after_turn(imposed: Real, residual: Real) -> str:
         fresh[first : first + max(2, int(AFTER_TURN * (last - first)))] = True
     if not fresh.any() or fresh.all():
         return ""
-    if _rms(residual[fresh]) > 1.5 * _rms(residual[~fresh]):
+    if rms(residual[fresh]) > 1.5 * rms(residual[~fresh]):
         return "; just after each turn"
     return ""
 
