@@ -150,10 +150,6 @@ SCREEN = 50
 """Lines of code of a function that can be seen at once; its docstring is read before, not with it."""
 LONGEST = 500
 """Lines of a file that one finds one's way in."""
-LONGER = {
-    "framework/springpot/diagnosis/policy.py": "a list of levels, each with its reason: nothing to split",
-}
-"""Files that may be longer, and why."""
 
 
 def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
@@ -169,8 +165,7 @@ def code_lines(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
 @pytest.mark.parametrize(("path", "package"), [*FILES, *OWN], ids=name_of)
 def test_a_file_can_be_read(path: Path, package: str):
     text = path.read_text(encoding="utf-8")
-    if name_of(path) not in LONGER:
-        assert len(text.splitlines()) <= LONGEST
+    assert len(text.splitlines()) <= LONGEST
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             assert code_lines(node) <= SCREEN, f"{node.name} does not fit a screen: name its steps"

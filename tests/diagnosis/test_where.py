@@ -5,8 +5,7 @@ import pytest
 
 from soaked import soaked
 from springpot.diagnosis.frame import Frame
-from springpot.diagnosis.policy import WHERE
-from springpot.diagnosis.where import condition_axes, periodic, where
+from springpot.diagnosis.where import MOST, condition_axes, periodic, where
 from springpot.measurement import Measurement, Units
 
 LEVEL = 0.01
@@ -100,7 +99,7 @@ def test_a_notch_is_no_ripple():
 def test_few_sentences_however_ragged_the_misfit():
     ragged = np.random.default_rng(3).normal(size=(24, 5))
     fit = frame(frequencies=24, temperatures=(0.0, 10.0, 20.0, 30.0, 40.0), off=lambda f, t, x: 0.3 * ragged.ravel())
-    assert 1 <= len(where(fit)) <= WHERE.most
+    assert 1 <= len(where(fit)) <= MOST
 
 
 @pytest.mark.parametrize("step", [5.0, 0.5, 0.3])
@@ -174,7 +173,7 @@ def test_a_ripple_counts_among_the_places():
         return 0.04j * steps + 0.05 * np.sin(2 * np.pi * 4.0 * np.log10(f))
 
     found = where(frame(frequencies=60, temperatures=(0.0, 10.0, 20.0, 30.0, 40.0, 50.0), off=off))
-    assert len(found) == WHERE.most
+    assert len(found) == MOST
     assert sum("swings" in place.says for place in found) == 1
 
 

@@ -23,6 +23,23 @@ from .policy import EXPERIMENT
 from .refit import Refit
 from .result import NextExperiment, plain
 
+POINTS = 20
+"""Points of a new sweep."""
+DENSER = 4
+"""How many times as many frequencies, or repeats, an action takes as there were."""
+MOST_POINTS = 400
+"""Points of a denser sweep at most."""
+STEPS = (20.0, 40.0)
+"""Kelvin by which the range of temperatures is widened at least and at most."""
+COLDEST = -180.0
+"""Temperature in degC that liquid nitrogen reaches in a test chamber."""
+EVALUATIONS = 40
+"""Evaluations of a fit of one explanation to the other."""
+FAR = 1000000000.0
+"""Stands for a difference beyond all numbers."""
+TRIED = 3
+"""Actions that are fitted in earnest at most."""
+
 
 @dataclass(frozen=True, eq=False)
 class Action:
@@ -63,7 +80,7 @@ def actions(measurement: Measurement) -> Iterator[Action]:
         measurement.points,
         2.0,
         1.0,
-        EXPERIMENT.denser,
+        DENSER,
         action={"repeats": [4.0]},
     )
     yield from _frequencies(measurement)
@@ -74,7 +91,7 @@ def actions(measurement: Measurement) -> Iterator[Action]:
 
 def _usual(measurement: Measurement) -> Real:
     """A sweep over the range of the data, in rad/s."""
-    return np.geomspace(measurement.omega.min(), measurement.omega.max(), EXPERIMENT.points)
+    return np.geomspace(measurement.omega.min(), measurement.omega.max(), POINTS)
 
 
 def _frequencies(measurement: Measurement) -> Iterator[Action]:
@@ -82,23 +99,21 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
     clock, distinct = measurement.units, len(distinct_log_omega(measurement))
     hertz = omega / (2.0 * np.pi)
     if distinct == 1:
-        new = np.geomspace(0.1, 10.0, EXPERIMENT.points) * omega[0]
+        new = np.geomspace(0.1, 10.0, POINTS) * omega[0]
         band = _range(0.1 * hertz[0], 10.0 * hertz[0], clock)
-        says = f"measure a sweep of frequencies: {EXPERIMENT.points} points {band}"
+        says = f"measure a sweep of frequencies: {POINTS} points {band}"
         yield Action(says, _at(new, typical), 1.5, action=_omega(new))
         return
     for factor, word in ((10.0, "up"), (0.1, "down")):
         band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
-        says = f"extend the frequencies {word}wards: {EXPERIMENT.points} points {band}"
+        says = f"extend the frequencies {word}wards: {POINTS} points {band}"
         yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
-    count = min(EXPERIMENT.denser * distinct, EXPERIMENT.most_points)
+    count = min(DENSER * distinct, MOST_POINTS)
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
     says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1], clock)}"
-    yield Action(
-        says, _at(dense, typical), 1.0 + count / (EXPERIMENT.denser * EXPERIMENT.points), action=_omega(dense)
-    )
+    yield Action(says, _at(dense, typical), 1.0 + count / (DENSER * POINTS), action=_omega(dense))
 
 
 def _amplitudes(measurement: Measurement) -> Iterator[Action]:
@@ -111,8 +126,8 @@ def _amplitudes(measurement: Measurement) -> Iterator[Action]:
         unit = f" {measurement.units.amplitude}"
     # Three times beyond what was measured: nonlinear effects go with a power of the amplitude, and show there.
     for new in (3.0 * largest, least / 3.0):
-        where = replace(_at(omega, _typical(measurement)), amplitude=np.full(EXPERIMENT.points, new))
-        says = f"measure {EXPERIMENT.points} points at the amplitude {new:.3g}{unit}"
+        where = replace(_at(omega, _typical(measurement)), amplitude=np.full(POINTS, new))
+        says = f"measure {POINTS} points at the amplitude {new:.3g}{unit}"
         yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
 
 
@@ -120,19 +135,19 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
     temperature, omega = measurement.conditions.get("temperature"), _usual(measurement)
     if temperature is None:
         return
-    step = float(np.clip(0.5 * np.ptp(temperature), *EXPERIMENT.steps))
-    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, EXPERIMENT.coldest)):
-        where = replace(_at(omega, _typical(measurement)), temperature=np.full(EXPERIMENT.points, new + KELVIN))
-        says = f"measure {EXPERIMENT.points} points at {new:.3g} degC"
+    step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
+    for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
+        where = replace(_at(omega, _typical(measurement)), temperature=np.full(POINTS, new + KELVIN))
+        says = f"measure {POINTS} points at {new:.3g} degC"
         yield Action(says, where, 1.5, action=_omega(omega) | {"temperature": [new]})
 
 
 def _specimens(measurement: Measurement) -> Iterator[Action]:
     omega = _usual(measurement)
     at = _at(omega, _typical(measurement))
-    says = f"measure a specimen of twice the area, in the same rig, at {EXPERIMENT.points} points"
+    says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
     yield Action(says, at, 2.0, 2.0, action=_omega(omega) | {"specimen": [2.0]})
-    says = f"measure the rig without a specimen, at {EXPERIMENT.points} points"
+    says = f"measure the rig without a specimen, at {POINTS} points"
     yield Action(says, at, 1.5, 0.0, action=_omega(omega) | {"specimen": [0.0]})
     factor, unit = measurement.units.of(INERTANCE)
     if unit != "kg":  # a mass cannot take the place of a modulus or of a torsional stiffness
@@ -140,7 +155,7 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     # Heavy enough to be as stiff as the specimen at the highest frequency.
     mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
     about = f"a known mass of about {factor * mass:.2g} kg"
-    says = f"measure {about} in place of the specimen, at {EXPERIMENT.points} points"
+    says = f"measure {about} in place of the specimen, at {POINTS} points"
     known = {"specimen": [0.0], "mass": [factor * mass]}
     yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
 
@@ -207,20 +222,16 @@ class Clash:
             return np.where(logs, np.exp(np.minimum(x, 700.0)), x)
 
         def residual(x: Real) -> Real:
-            return np.clip(
-                np.nan_to_num(self._seen(theta(x))[0], nan=EXPERIMENT.far), -EXPERIMENT.far, EXPERIMENT.far
-            )
+            return np.clip(np.nan_to_num(self._seen(theta(x))[0], nan=FAR), -FAR, FAR)
 
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
-            slopes: Real = np.clip(
-                -np.nan_to_num(self._seen(theta(x))[1] * scale[:, None], nan=0.0), -EXPERIMENT.far, EXPERIMENT.far
-            ).T
+            slopes: Real = np.clip(-np.nan_to_num(self._seen(theta(x))[1] * scale[:, None], nan=0.0), -FAR, FAR).T
             return slopes
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
         found = least_squares(
-            residual, inside, jacobian, (limits[:, 0], limits[:, 1]), x_scale="jac", max_nfev=EXPERIMENT.evaluations
+            residual, inside, jacobian, (limits[:, 0], limits[:, 1]), x_scale="jac", max_nfev=EVALUATIONS
         )
         return float(np.sqrt(2.0 * found.cost))
 
@@ -293,7 +304,7 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
         return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
     linear = {action: _both(clashes(action), "linear") for action in actions(first.fit.measurement)}
-    tried = sorted(linear, key=lambda action: -worth(linear[action], action))[: EXPERIMENT.tried]
+    tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
     fitted = {action: _both(clashes(action), "fitted") for action in tried}
     telling = [action for action in tried if max(fitted[action]) >= EXPERIMENT.telling]
     if not telling:

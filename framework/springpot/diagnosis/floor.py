@@ -30,9 +30,31 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex, Model, Real
 
-from .frame import Frame, drift_shapes, orthonormal, spectrum, waves
+from .frame import LEAST_SEEN, Frame, drift_shapes, orthonormal, spectrum, waves
 from .policy import SCATTER
 from .refit import Refit, refit
+
+MOST_RIPPLES = 2
+"""Periods that are taken out of the scatter; a third could follow noise."""
+SLOWEST_RIPPLE = 16.0
+"""Points of the longest period: longer waves are slow structure already."""
+SLOW_WAVES = 2
+"""Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
+FEWEST_FREE = 20.0
+"""Degrees of freedom below which a period would take too many of them."""
+LEAST_KEPT = 0.7
+"""Share of the data below which what is left out is no few frequencies any more."""
+ROUNDS = 2
+"""Times that the noise is estimated anew about the fit that it gave."""
+TRIMMED_FITS = 6
+"""Fits without what stands out, each beside the last: of the notches tried nearly all settle in three."""
+DIFFERENCES = (2, 3, 4, 5)
+"""Orders of the differences: of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size. Those of
+order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points."""
+ENOUGH_NEIGHBOURS = 10
+"""Degrees of freedom below which second differences say too little."""
+FEWEST_ABOUT_MODEL = 4
+"""Degrees of freedom from which the scatter about a model says how large the noise is."""
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -83,7 +105,7 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
     free, inside = found, np.ones(len(data.mean), dtype=bool)
-    for _ in range(SCATTER.rounds):
+    for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside)]
         found, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
@@ -109,7 +131,7 @@ def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
     n = len(fitted.fit.measurement)
     free, followed = fitted, np.ones(n, dtype=bool)
     inside = trimmed(fitted.frame()).kept[:n]
-    for _ in range(SCATTER.trimmed_fits):
+    for _ in range(TRIMMED_FITS):
         if np.array_equal(inside, followed):
             break
         free, followed = fitted.without(~inside), inside
@@ -136,7 +158,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     """
     frame = best.frame()
     dof = frame.size - int(frame.absorbed.shape[1])
-    if base.noise.source != "estimated" or dof < SCATTER.fewest_about_model:
+    if base.noise.source != "estimated" or dof < FEWEST_ABOUT_MODEL:
         return None
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
@@ -217,11 +239,11 @@ def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
     followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
     found = trimmed_residual(frame.residual, followed, omega, kept)
     drift = frame.relative(drift_shapes(len(frame.measurement)))
-    if found.dof >= SCATTER.fewest_free and _explains(drift, followed, found):
+    if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
         followed = np.concatenate([followed, drift], axis=1)
         found = trimmed_residual(frame.residual, followed, omega)
-    for _ in range(SCATTER.most_ripples):
-        if found.dof < SCATTER.fewest_free or (period := _ripple(frame, found)) == 0.0:
+    for _ in range(MOST_RIPPLES):
+        if found.dof < FEWEST_FREE or (period := _ripple(frame, found)) == 0.0:
             break
         ripple = frame.relative(waves(frame.measurement, period))
         followed = np.concatenate([followed, ripple], axis=1)
@@ -233,7 +255,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
     rows = scatter.kept
     inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
-    kept = np.linalg.norm(inner, axis=0) > SCATTER.least_new * np.linalg.norm(columns[rows], axis=0)
+    kept = np.linalg.norm(inner, axis=0) > LEAST_SEEN * np.linalg.norm(columns[rows], axis=0)
     basis = orthonormal(inner[:, kept])
     spent = float(basis.shape[1])
     if spent == 0.0 or scatter.dof <= spent:
@@ -257,7 +279,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     longest = len(power) - 1
     # Slow waves are structure, and told of elsewhere.
     # The spectrum counts in half waves along a sweep.
-    first = min(int(np.ceil(2.0 * longest / SCATTER.slowest_ripple)), 2 * SCATTER.slow_waves)
+    first = min(int(np.ceil(2.0 * longest / SLOWEST_RIPPLE)), 2 * SLOW_WAVES)
     if first + 1 >= len(power):
         return 0.0
     peak = first + int(np.argmax(power[first:]))
@@ -307,7 +329,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         if turn == 0 and first is None:
             variance = float(np.median(squares / middle))
         within = squares <= usual * variance
-        too_many = np.sum(count[within]) < SCATTER.least_kept * len(residual)
+        too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
         if too_many or (turn > 0 and np.array_equal(within, kept)):
             return found
         kept = within
@@ -327,11 +349,11 @@ def scatter_about(frame: Frame) -> tuple[float, float]:
     along_sweeps = [sweep.rows for sweep in sweeps_of(frame.measurement)]
     for lines in (along_sweeps, [np.arange(len(frame.measurement))]):
         parts = [frame.rest[rows + k] for rows in lines for k in (0, len(frame.measurement))]
-        for order in SCATTER.differences:
+        for order in DIFFERENCES:
             left = np.concatenate([np.zeros(0), *(np.diff(part, order) for part in parts)])
             power = comb(2 * order, order)
             efficient = len(left) * power**2 / comb(4 * order, 2 * order)
-            if efficient < SCATTER.enough_neighbours:
+            if efficient < ENOUGH_NEIGHBOURS:
                 continue
             near = float(np.mean(left**2)) / power / kept
             if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):

@@ -25,8 +25,32 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex, Real
 
-from .policy import BATTERY, SCATTER, SWEEPS
+from .policy import BATTERY
 
+SMOOTH_DEGREE = 5
+"""Highest degree of the slow polynomials along a sweep that count as structure rather than as noise."""
+FEWEST_ALIKE = 3
+"""Sweeps in which a residual must be alike to count as structure rather than as noise."""
+MOST_SHARED = 60
+"""Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
+DRIFT_DEGREE = 3
+"""Degree of the polynomials by which a gain or a phase may creep from row to row."""
+DEALT_ALONE = 8
+"""Points of a sweep from which its scatter is dealt out anew by itself."""
+FEWEST_ROUGH = 8
+"""Degrees of freedom that slow curves leave to the scatter at least: its size is then known to a quarter."""
+FEWEST_OWN = 20.0
+"""Degrees of freedom below which a scatter says too little of itself."""
+LEAST_LOCAL = 0.1
+"""Share of a narrow shape that the parameters must leave: less of a single point is their own noise."""
+MOST_LOCAL = 600
+"""Narrow shapes looked at; more points than these have slow structure enough."""
+SURE = 3.5
+"""Standard errors of a chance beyond the edge of the alarms from which no more draws are needed."""
+LEAST_SEEN = 1e-3
+"""Share of a shape that fitted curves must leave for it to be seen: of less the rest is theirs."""
+LEAST_SPREAD = 1e-3
+"""Relative spread of a condition below which it was held."""
 DRAWN = np.float32
 """Precision of simulated residuals: seven digits of a chance that is known to one."""
 Drawn: TypeAlias = NDArray[np.floating]
@@ -48,7 +72,7 @@ def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     return u[:, s > tolerance * s[0]]
 
 
-def slow_shapes(measurement: Measurement, highest: int = SWEEPS.smooth_degree) -> Real:
+def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
     """Legendre polynomials along each sweep, up to a degree, shape (m, n), zero outside their sweep."""
     shapes: list[Real] = []
     for rows, x in sweeps_of(measurement):
@@ -70,10 +94,10 @@ def shared_shapes(measurement: Measurement) -> Real:
     """
     which = frequency_numbers(measurement)
     count = int(which.max()) + 1
-    if count > SWEEPS.most_shared or len(sweeps_of(measurement)) < SWEEPS.fewest_alike:
+    if count > MOST_SHARED or len(sweeps_of(measurement)) < FEWEST_ALIKE:
         return np.zeros((0, len(measurement)))
     together = which == np.arange(count)[:, None]
-    shared: Real = together[together.sum(axis=1) >= SWEEPS.fewest_alike].astype(np.float64)
+    shared: Real = together[together.sum(axis=1) >= FEWEST_ALIKE].astype(np.float64)
     return shared
 
 
@@ -109,7 +133,7 @@ def waves(measurement: Measurement, period: float) -> Real:
 
 def drift_curves(count: int) -> Real:
     """Slow curves from row to row with their constant, columns (n, q): what creeps while a measurement is made."""
-    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), SWEEPS.drift_degree)
+    curves = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), DRIFT_DEGREE)
     return np.asarray(curves, dtype=np.float64)
 
 
@@ -128,7 +152,7 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
 def near_an_alarm(chance: float, draws: int) -> bool:
     """Whether so many draws leave it open on which side of an alarm a chance lies."""
     low, high = BATTERY.edge
-    return low < chance < high + BATTERY.sure * float(np.sqrt(high / draws))
+    return low < chance < high + SURE * float(np.sqrt(high / draws))
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,8 +295,8 @@ class Frame:
         """
         order = np.tile(np.arange(self.size // 2), (count, 1))
         sweeps = [sweep.rows for sweep in sweeps_of(self.measurement)]
-        groups = [rows for rows in sweeps if len(rows) >= SCATTER.dealt_alone]
-        groups.append(np.concatenate([np.zeros(0, np.int64), *(r for r in sweeps if len(r) < SCATTER.dealt_alone)]))
+        groups = [rows for rows in sweeps if len(rows) >= DEALT_ALONE]
+        groups.append(np.concatenate([np.zeros(0, np.int64), *(r for r in sweeps if len(r) < DEALT_ALONE)]))
         for rows in groups:
             order[:, rows] = rng.permuted(order[:, rows], axis=1)
         return order
@@ -280,7 +304,7 @@ class Frame:
     @property
     def _deals_out(self) -> bool:
         """Whether the data's own scatter is the noise, and there is enough of it."""
-        return self.estimated and self.rough_dof >= SCATTER.fewest_own
+        return self.estimated and self.rough_dof >= FEWEST_OWN
 
     @cached_property
     def _relative_sd(self) -> Real:
@@ -326,9 +350,9 @@ class Frame:
         parameters and the polynomials follow all of few points, the noise would seem to be nothing.
         """
         free = self.size - self.absorbed.shape[1]
-        for degree in range(SWEEPS.smooth_degree, -1, -1):
+        for degree in range(SMOOTH_DEGREE, -1, -1):
             basis = self.beyond(self.relative(slow_shapes(self.measurement, degree)))
-            if free - basis.shape[1] >= SCATTER.fewest_rough:
+            if free - basis.shape[1] >= FEWEST_ROUGH:
                 return basis
         return np.zeros((self.size, 0))
 
@@ -352,7 +376,7 @@ class Frame:
         distinct = int(which.max()) + 1
         columns = []
         # Six kinds of columns, of one part and one width each; of very many frequencies evenly placed ones.
-        most = BATTERY.most_local // 6
+        most = MOST_LOCAL // 6
         for width in (1, 2, 3):
             starts = np.arange(distinct - width + 1)
             if len(starts) > most:
@@ -362,7 +386,7 @@ class Frame:
             columns += [np.concatenate([inside, empty]), np.concatenate([empty, inside])]
         left = self.project(np.concatenate(columns, axis=1))
         size = np.sqrt(np.sum(left * left, axis=0))
-        seen = size > BATTERY.least_local
+        seen = size > LEAST_LOCAL
         return np.asarray(left[:, seen] / size[seen], dtype=np.float64)
 
     @cached_property
@@ -373,13 +397,13 @@ class Frame:
             x = self.condition(name)
             bases[name] = np.zeros((self.size, 0))
             if x is not None:
-                bases[name] = self.beyond(self.relative(x[None]), BATTERY.least_trend)
+                bases[name] = self.beyond(self.relative(x[None]), LEAST_SEEN)
         return bases
 
     def condition(self, name: str) -> Real | None:
         """A condition that varies, about its mean and over its range, on the scale of a slow change of K; (n,)."""
         column = self.measurement.conditions.get(name)
-        if column is None or np.ptp(column) < BATTERY.least_trend * np.max(np.abs(column)):
+        if column is None or np.ptp(column) < LEAST_SPREAD * np.max(np.abs(column)):
             return None
         x = column
         if name == "amplitude" and np.all(column > 0):

@@ -16,11 +16,17 @@ from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
 from .diagnose import Case, Progress, examine, printed, silent, within
-from .policy import LADDER
+from .policy import LADDER, SEARCH
 from .refit import Refit, refit
 from .result import Diagnosis, Value, Verdict, percent
 from .search import scan_effects
 from .unseen import prediction_gain
+
+MOST_HIDDEN = 2
+"""Effects that may be accepted from an unexplained rung on, if they complete the model."""
+LONGEST = 6
+"""Effects accepted at most."""
+
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -189,7 +195,7 @@ def _open(steps: Sequence[Step]) -> bool:
     """Whether further rungs could count: see `_explained`."""
     verdicts = [step.case.diagnosis.verdict for step in steps]
     beyond = len(verdicts) - 1 - verdicts.index("unexplained") if "unexplained" in verdicts else 0
-    return len(steps) <= LADDER.longest and beyond < LADDER.hidden
+    return len(steps) <= LONGEST and beyond < MOST_HIDDEN
 
 
 def _grown(
@@ -213,7 +219,7 @@ def _decisive(case: Case) -> Effect | None:
     diagnosis = case.diagnosis
     if diagnosis.verdict not in ("effect-missing", "unexplained") or not diagnosis.candidates:
         return None
-    if case.naming.alarm > LADDER.clear or case.naming.gain < LADDER.decisive:
+    if case.naming.alarm > LADDER.clear or case.naming.gain < SEARCH.decisive:
         return None
     return diagnosis.candidates[0].physics
 
@@ -229,7 +235,7 @@ def _explained(steps: list[Step]) -> list[Step]:
     if "unexplained" not in verdicts:
         return steps
     first = verdicts.index("unexplained")
-    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= LADDER.hidden:
+    if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= MOST_HIDDEN:
         return steps
     kept = first + 1
     while kept < len(steps):

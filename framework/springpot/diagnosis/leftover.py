@@ -18,12 +18,24 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex, Real, Shift
 
-from .frame import Frame, chance_of_squares, orthonormal
-from .policy import LEFTOVER
+from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
+from .policy import LEFTOVER, VERDICT
 from .refit import Refit
 from .result import plain
 from .where import where
 
+LEAST_SHIFT = 0.7
+"""Range of ln a_T below which fixed and moving cannot be told apart."""
+FEWEST = 10
+"""Second differences from which they tell the scatter."""
+NARROW = 8
+"""Narrow resonances that are tried for each point of a sweep."""
+BEYOND = 5.0
+"""Range of ln omega beyond the data in which bumps may lie."""
+MOST_BESIDE = 25
+"""Bumps beyond each end of the data at most."""
+MOST_STEPS = 60
+"""Steps along the frequency at most."""
 Rows: TypeAlias = NDArray[np.int64]
 
 
@@ -72,7 +84,7 @@ def step_of(frame: Frame) -> float:
     distinct = distinct_log_omega(frame.measurement)
     if len(distinct) < 2:
         return 1.0
-    return float(max(np.median(np.diff(distinct)), np.ptp(distinct) / LEFTOVER.most_steps))
+    return float(max(np.median(np.diff(distinct)), np.ptp(distinct) / MOST_STEPS))
 
 
 def _bumps(frame: Frame, x: Real, rows: Rows, width: float) -> Iterator[tuple[str, Real]]:
@@ -93,7 +105,7 @@ def _bumps(frame: Frame, x: Real, rows: Rows, width: float) -> Iterator[tuple[st
 
 def _shapes(x: Real, stiffness: Complex, width: float) -> Iterator[Complex]:
     """Causal relative changes of K: resonances in and beside the band, and what those far away leave in it."""
-    beside = min(LEFTOVER.beyond, LEFTOVER.most_beside * width)
+    beside = min(BEYOND, MOST_BESIDE * width)
     for pole in np.arange(x.min() - beside, x.max() + beside + width, width):
         at = 1j * np.exp(np.clip(x - pole, -300.0, 300.0))
         yield 2.0 * width * at / (1.0 + 2.0 * width * at + at**2)
@@ -151,7 +163,7 @@ def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
         Its ln a_T at the points, see `log_shift_of`; without it nothing is said of temperature.
     """
     places = where(frame)
-    if not places and _seen(frame, np.concatenate([frame.smooth, frame.shared], axis=1)).chance > LEFTOVER.alarm:
+    if not places and _seen(frame, frame.structured).chance > VERDICT.sentence_alarm:
         return []
     place = ""
     if places:
@@ -195,7 +207,7 @@ def _seen(frame: Frame, basis: Real) -> _Seen:
 def _basis_without(basis: Real, other: Real) -> Real:
     """Orthonormal basis of what one basis has beyond another."""
     left = basis - other @ (other.T @ basis)
-    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEFTOVER.resolved], LEFTOVER.resolved)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
 
 
 def _relative(frame: Frame, shapes: Complex) -> Real:
@@ -209,22 +221,27 @@ def _curve(frame: Frame, x: Real) -> Real:
     knots = x.min() + step * np.arange(-3, np.ptp(x) / step + 5.0)
     splines = BSpline.design_matrix(x, knots, 3).toarray().T
     splines = splines[np.sum(splines, axis=1) > 0.1]
-    return frame.beyond(_relative(frame, np.concatenate([splines, 1j * splines])), LEFTOVER.resolved)
+    return frame.beyond(_relative(frame, np.concatenate([splines, 1j * splines])), LEAST_SEEN)
 
 
 def _pattern(frame: Frame, log_shift: Real | None) -> str:
     """Whether the residual is one curve of the frequency (fixed) or of the reduced frequency (moving)."""
-    if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < LEFTOVER.least_shift:
+    if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < LEAST_SHIFT:
         return ""
     x = np.log(frame.measurement.omega)
     fixed, moving = _curve(frame, x), _curve(frame, x + log_shift)
     by_fixed_only = _seen(frame, _basis_without(fixed, moving))
     by_moving_only = _seen(frame, _basis_without(moving, fixed))
-    if by_fixed_only.chance < LEFTOVER.alarm and by_moving_only.excess < LEFTOVER.small * by_fixed_only.excess:
+    if _explains_alone(by_fixed_only, by_moving_only):
         return "fixed"
-    if by_moving_only.chance < LEFTOVER.alarm and by_fixed_only.excess < LEFTOVER.small * by_moving_only.excess:
+    if _explains_alone(by_moving_only, by_fixed_only):
         return "moving"
     return ""
+
+
+def _explains_alone(one: _Seen, other: _Seen) -> bool:
+    """Whether only the first of two rival descriptions explains something, beyond a remainder."""
+    return one.chance < VERDICT.sentence_alarm and other.excess < LEFTOVER.small * one.excess
 
 
 def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
@@ -251,7 +268,7 @@ def _no_rougher(frame: Frame) -> Frame:
     """The frame with noise as large as neighbours differ: scatter beyond the stated one is no breach of causality."""
     n, lines = len(frame.measurement), [sweep.rows for sweep in sweeps_of(frame.measurement)]
     bend = np.concatenate([np.diff(frame.rest[rows + k], 2) for rows in lines for k in (0, n)])
-    if len(bend) < LEFTOVER.fewest:
+    if len(bend) < FEWEST:
         return frame
     scatter = float(np.median(np.abs(bend))) / (normal_quantile(0.75) * np.sqrt(6.0))
     return replace(frame, weights=frame.weights / max(scatter, 1.0))
@@ -267,7 +284,7 @@ def _is_one(frame: Frame, curve: Real) -> bool:
 def _with_resonance(frame: Frame, x: Real) -> Frame:
     """The frame of a model that has one resonance more: too narrow for the points, it would not look causal."""
     step, best, most = step_of(frame), np.zeros((0, len(x)), dtype=np.complex128), 0.0
-    for pole in np.arange(x.min() - step, x.max() + step, step / LEFTOVER.narrow):
+    for pole in np.arange(x.min() - step, x.max() + step, step / NARROW):
         for width in step * np.array([0.02, 0.05, 0.1, 0.2, 0.4, 0.8]):
             at = 1j * np.exp(x - pole)
             shape = frame.model_stiffness / (1.0 + 2.0 * width * at + at**2)

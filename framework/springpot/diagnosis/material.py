@@ -19,11 +19,17 @@ from springpot.measurement import Measurement
 from springpot.rheology import Continuum, Effect, Model, Real
 
 from .battery import Battery, battery
-from .policy import LEVELS, VERDICT
+from .policy import VERDICT
 from .refit import Refit, refit
 from .result import Error, percent, times
 from .where import with_unit
 
+FEWEST_LEVELS = 3
+"""Levels from which one can stand out from the others."""
+POINTS_OF_EACH = 6
+"""Points of a level from which a free spectrum can fail at it."""
+MOST_NAMED = 3
+"""Levels that are named in a sentence."""
 NAME = "material"
 
 
@@ -159,14 +165,14 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
     free = [effect for effect in library if effect.by_levels]
     for name in sorted({name for effect in free for name in effect.needs} & set(measurement.conditions)):
         levels = _each_alone(base, name)
-        if len(levels) < LEVELS.fewest:
+        if len(levels) < FEWEST_LEVELS:
             continue
         strange = _no_material(levels)
         if strange:
             yield _strange_in_words(measurement, name, levels, strange)
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
-        if len(sound) >= LEVELS.fewest:
+        if len(sound) >= FEWEST_LEVELS:
             yield from _joined(base, name, sound, joining)
 
 
@@ -177,7 +183,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
     found = []
     for each in range(int(number.max()) + 1):
         inside = number == each
-        if np.sum(inside) < LEVELS.points:
+        if np.sum(inside) < POINTS_OF_EACH:
             continue
         fitted = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
         value = float(np.mean(measurement.conditions[name][inside]))
@@ -194,7 +200,7 @@ def _no_material(levels: Sequence[Level]) -> list[Level]:
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
         chance = float(f_sf(level.variance / max(variance, 1e-300), max(level.fitted.fit.dof, 1), dof))
-        if level.error > LEVELS.stands_out * middle and chance < LEVELS.alarm / len(levels):
+        if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(levels):
             strange.append(level)
     return strange
 
@@ -209,9 +215,9 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     spare = sum(level.fitted.fit.dof for level in levels)
     spent = max(together.fit.dof - spare, 1)
     ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
-    if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > LEVELS.alarm:
+    if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
         return
-    if together.relative_rms < LEVELS.worse * _rms(levels):
+    if together.relative_rms < VERDICT.misfit * _rms(levels):
         return
     yield (
         f"no shift of times and moduli lays the {name}s over one another: each by itself is a linear material to "
@@ -227,10 +233,10 @@ def _rms(levels: Sequence[Level]) -> float:
 
 
 def _strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]) -> str:
-    places = " and ".join(with_unit(measurement, name, level.value) for level in strange[: LEVELS.told])
-    if len(strange) > LEVELS.told:
-        places = f"{places} and {len(strange) - LEVELS.told} more"
-    errors = " and ".join(percent(level.error) for level in strange[: LEVELS.told])
+    places = " and ".join(with_unit(measurement, name, level.value) for level in strange[:MOST_NAMED])
+    if len(strange) > MOST_NAMED:
+        places = f"{places} and {len(strange) - MOST_NAMED} more"
+    errors = " and ".join(percent(level.error) for level in strange[:MOST_NAMED])
     usual = percent(float(np.median([level.error for level in levels])))
     return (
         f"no linear passive material behaves as at {places}: a free spectrum at that {name} alone is {errors} off, "

@@ -18,6 +18,10 @@ from .policy import OUTLIERS
 from .refit import Refit
 from .result import Where, plain
 
+FEWEST_POINTS = 12
+"""Points below which none can be held to stand out."""
+LEAST_LEFT = 0.1
+"""A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
 """Degrees of freedom and scale of the scatter that may be: normal first. The variance is taken without the furthest
 frequencies, so that a scale below one goes with long tails."""
@@ -101,7 +105,7 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
     """
     n = len(frame.measurement)
     most = max(2, int(OUTLIERS.most * n))
-    if n < OUTLIERS.fewest_points:
+    if n < FEWEST_POINTS:
         return np.zeros(0, dtype=np.int64)
     followed = np.concatenate([frame.absorbed, frame.smooth], axis=1)
     found: list[int] = []
@@ -131,11 +135,11 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
         basis = np.stack([frame.absorbed[:n], frame.absorbed[n:]], axis=1)
         rest = np.stack([frame.rest[:n], frame.rest[n:]], axis=1)
         free = np.eye(2) - basis @ basis.transpose(0, 2, 1)
-        seen = np.linalg.eigvalsh(free)[:, 0] > OUTLIERS.least_left
+        seen = np.linalg.eigvalsh(free)[:, 0] > LEAST_LEFT
         lost = np.zeros(n)
         lost[seen] = np.sum(rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1)
         share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
-        if n >= OUTLIERS.fewest_points and share > largest:
+        if n >= FEWEST_POINTS and share > largest:
             largest, row = share, int(np.argmax(lost))
     return np.array([row], dtype=np.int64)[: int(row >= 0)]
 
@@ -170,7 +174,7 @@ def _squares(
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
     free = 1.0 - np.sum(basis**2, axis=1)
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
-    scaled = np.where(free > OUTLIERS.least_left, left**2 / np.maximum(free, OUTLIERS.least_left), 0.0)
+    scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0)
     return scaled.reshape(2, -1).sum(axis=0), variance
 
 

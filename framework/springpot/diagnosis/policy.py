@@ -1,6 +1,7 @@
-"""Every level of the diagnosis, in one place, each with its reason: a source, a false alarm, or what it guards.
+"""Every level that decides, in one place, each with its reason: a source, a false alarm, or what it guards.
 
-Chances of a false alarm are measured by ``studies/hidden_effect.py`` on data from which nothing is missing.
+How finely something is computed stands beside the function that does so. Chances of a false alarm are measured by
+``studies/hidden_effect.py`` on data from which nothing is missing.
 """
 
 from __future__ import annotations
@@ -13,64 +14,18 @@ from math import log, pi, sqrt
 class ScatterLevels:
     """Scatter about a fit, where the noise must be estimated from it."""
 
-    most_ripples: int = 2
-    """Periods that are taken out of the scatter; a third could follow noise."""
     ripple_alarm: float = 0.0001
     """Chance of white noise whose strongest period is as strong as one that is taken out."""
-    slowest_ripple: float = 16.0
-    """Points of the longest period: longer waves are slow structure already."""
-    slow_waves: int = 2
-    """Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
-    least_new: float = 0.001
-    """Share of a curve that those already taken out must leave for it to count."""
-    fewest_free: float = 20.0
-    """Degrees of freedom below which a period would take too many of them."""
-    least_kept: float = 0.7
-    """Share of the data below which what is left out is no few frequencies any more."""
     outlying_frequency: float = 0.0002
     """Chance below which the scatter at one frequency is held to be no noise."""
-    rounds: int = 2
-    """Times that the noise is estimated anew about the fit that it gave."""
-    trimmed_fits: int = 6
-    """Fits without what stands out, each beside the last: of the notches tried nearly all settle in three."""
     sharper: float = 0.7
     """The noise is estimated anew where the scatter about the best model is less than this share of the
     estimate."""
-    differences: tuple[int, int, int, int] = (2, 3, 4, 5)
-    """Orders of the differences: of a ripple of 8 points the second leave 59 % and the fifth 26 % of its size.
-    Those of order k are worth C(2k,k)^2 / C(4k,2k) degrees of freedom each, as neighbouring ones share points."""
-    enough_neighbours: int = 10
-    """Degrees of freedom below which second differences say too little."""
     faster_alarm: float = 0.001
     """Chance that second differences vary by so much less than the scatter if that is noise."""
-    fewest_about_model: int = 4
-    """Degrees of freedom from which the scatter about a model says how large the noise is."""
-    dealt_alone: int = 8
-    """Points of a sweep from which its scatter is dealt out anew by itself."""
-    fewest_rough: int = 8
-    """Degrees of freedom that slow curves leave to the scatter at least: its size is then known to a quarter."""
-    fewest_own: float = 20.0
-    """Degrees of freedom below which a scatter says too little of itself."""
 
 
 SCATTER = ScatterLevels()
-
-
-@dataclass(frozen=True)
-class SweepsLevels:
-    """Sweeps, and what counts as slow along them."""
-
-    smooth_degree: int = 5
-    """Highest degree of the slow polynomials along a sweep that count as structure rather than as noise."""
-    fewest_alike: int = 3
-    """Sweeps in which a residual must be alike to count as structure rather than as noise."""
-    most_shared: int = 60
-    """Frequencies above which sweeps are dense enough for their neighbours to show what is shared."""
-    drift_degree: int = 3
-    """Degree of the polynomials by which a gain or a phase may creep from row to row."""
-
-
-SWEEPS = SweepsLevels()
 
 
 @dataclass(frozen=True)
@@ -81,8 +36,6 @@ class BatteryLevels:
     """Simulated residuals of noise alone; the chance 0.005 is then known to a third of itself."""
     edge: tuple[float, float] = (0.001, 0.006)
     """Between these chances lie the alarms: there the verdict must not be left to the seed."""
-    sure: float = 3.5
-    """Standard errors of a chance beyond that edge from which no more draws are needed."""
     further: tuple[int, ...] = (3, 6)
     """So many times as many draws more while that is open; with all of them 0.005 is known to a tenth of itself."""
     fewest_repeats: int = 8
@@ -91,46 +44,9 @@ class BatteryLevels:
     """Points away from the mains from which their scatter can be held against that at the mains."""
     near_mains: float = 0.015
     """Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
-    least_trend: float = 1e-3
-    """Relative spread of a condition, and share of a trend that the parameters leave, below which there is none."""
-    least_local: float = 0.1
-    """Share of a narrow shape that the parameters must leave: less of a single point is their own noise."""
-    most_local: int = 600
-    """Narrow shapes looked at; more points than these have slow structure enough."""
 
 
 BATTERY = BatteryLevels()
-
-
-@dataclass(frozen=True)
-class ScanLevels:
-    """Scores of the library, before anything is refitted."""
-
-    small: tuple[float, float] = (1e-05, 0.15)
-    """Relative changes of K that count as small: there a direction is a tangent."""
-    absorbed: float = 0.001
-    """A direction of which less than this is left after projection cannot be seen in these data."""
-    settings_of_one: int = 64
-    """Settings of an effect of one parameter, over all that is physically possible."""
-    settings_of_more: int = 96
-    """Settings of an effect of more parameters, beside those for each further one."""
-    settings_of_each: int = 160
-    """Settings for each further parameter, of a sequence that fills space evenly."""
-    per_effect: int = 64
-    """Directions kept of one effect: its grid is finer than the data resolve."""
-    draws: int = 3000
-    """Simulated residuals, jointly for all effects."""
-    whole_starts: int = 3
-    """Settings of the grid from which a refit starts beside the tangent."""
-    power: float = 1.645
-    """One-sided normal quantile of the 95 % power at which bounds are stated."""
-    representatives: int = 10
-    """Directions kept for each effect: the best one, and those least alike it and each other."""
-    parallel: float = 0.9995
-    """Directions more alike than this are one direction."""
-
-
-SCAN = ScanLevels()
 
 
 @dataclass(frozen=True)
@@ -170,8 +86,6 @@ class SearchLevels:
     """Drop of the information criterion that is beyond doubt, ten by Kass and Raftery (1995,
     doi:10.1080/01621459.1995.10476572): from it the best model tells the noise, and an effect is accepted without
     asking."""
-    no_influence: float = 1e-06
-    """Relative change of K per relative change of a parameter below which the parameter is without influence."""
 
 
 SEARCH = SearchLevels()
@@ -306,6 +220,13 @@ class VerdictLevels:
     """Largest over smallest amplitude from which a slope is worth saying."""
     agrees: float = 1.5
     """Ratio up to which two values are said to agree."""
+    sentence_alarm: float = 0.001
+    """Chance of noise alone below which a sentence is said of what is left, or of one level: each of a dozen of them
+    may be wrong, so that it gets a fifth of the verdict's."""
+    stands_out: float = 2.0
+    """Error over the median of all levels from which a level is no material: the same rig, specimen and noise."""
+    predicts_better: float = 0.98
+    """Share of an error of prediction from which on a smaller one is better."""
 
 
 VERDICT = VerdictLevels()
@@ -319,10 +240,6 @@ class OutliersLevels:
     """Chance that the largest of all points is held to stand out where all is noise."""
     most: float = 0.05
     """Share of the points that may stand out; more are no outliers but structure."""
-    fewest_points: int = 12
-    """Points below which none can be held to stand out."""
-    least_left: float = 0.1
-    """A point of which less than this share is free of the fitted curves says nothing by itself."""
     heavier: float = 3.0
     """Log-likelihood by which the others must speak for long tails before a point that is far off is held to be
     one."""
@@ -344,27 +261,10 @@ class WhereLevels:
 
     alarm: float = 0.003
     """Chance that noise alone makes a place of one part of K."""
-    bands: tuple[int, int, int] = (24, 12, 6)
-    """Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
-    most: int = 5
-    """Places told of at most: the most telling ones."""
     slight: float = 0.1
     """Share of the clearest place's standard deviations below which a place is not worth a sentence beside it."""
     one_period: float = 0.4
     """Share of the power beyond the noise's that lies at one period if a misfit is a ripple."""
-    most_blocks: int = 12
-    """Blocks taken out at most."""
-    whole: float = 0.8
-    """Share of its points that a block must still hold, or it would describe those that are already told of."""
-    draws: int = 120
-    """Simulated residuals; the tail beyond them is fitted."""
-    few: int = 12000
-    """Points of all simulated residuals together up to which there are more of them: a rough threshold errs much
-    where few points tell their own noise."""
-    scales: int = 2000
-    """Values of the scale of the noise for which the chance of a residual is averaged."""
-    swept: float = 10.0
-    """Span, in units of how nearly a rig holds a value, from which close values are a sweep, not a drift."""
     levels_differ: float = 0.01
     """Chance below which levels are held to differ."""
     alike: float = 0.3
@@ -380,95 +280,21 @@ WHERE = WhereLevels()
 class LeftoverLevels:
     """What the best model leaves."""
 
-    alarm: float = 0.001
-    """Chance of noise alone below which something is held to be seen."""
     nothing: float = 0.01
     """Chance of noise alone above which nothing is held to be seen."""
     small: float = 0.25
     """Share of the misfit of a rival description that may be left by the one that is named."""
-    least_shift: float = 0.7
-    """Range of ln a_T below which fixed and moving cannot be told apart."""
-    resolved: float = 0.001
-    """Share of a shape that the others must leave for it to count."""
     sure: float = 10.0
     """Log-evidence from which a residual is called causal, or not."""
-    fewest: int = 10
-    """Second differences from which they tell the scatter."""
-    narrow: int = 8
-    """Narrow resonances that are tried for each point of a sweep."""
-    beyond: float = 5.0
-    """Range of ln omega beyond the data in which bumps may lie."""
-    most_beside: int = 25
-    """Bumps beyond each end of the data at most."""
-    most_steps: int = 60
-    """Steps along the frequency at most."""
 
 
 LEFTOVER = LeftoverLevels()
 
 
 @dataclass(frozen=True)
-class LevelsLevels:
-    """Each temperature by itself."""
-
-    fewest: int = 3
-    """Levels from which one can stand out from the others."""
-    points: int = 6
-    """Points of a level from which a free spectrum can fail at it."""
-    stands_out: float = 2.0
-    """Error over the median of all levels from which a level is no material: the same rig, specimen and noise."""
-    alarm: float = 0.001
-    """Chance by scatter alone below which a level, or a shift, is said to fail."""
-    worse: float = 1.3
-    """Error of all levels together over that of each alone from which a shift fails: as the misfit of a model."""
-    told: int = 3
-    """Levels that are named in a sentence."""
-
-
-LEVELS = LevelsLevels()
-
-
-@dataclass(frozen=True)
-class ValidationLevels:
-    """Prediction of what was left out."""
-
-    better: float = 0.98
-    """Share of an error from which on a smaller one is better."""
-    folds: int = 4
-    """Levels or bands left out at most, each by itself."""
-    points_of_each: int = 4
-    """Points of each level at least: of fewer one says little."""
-    fewest_levels: int = 4
-    """Levels from which two inner ones can be left out between others."""
-    least_seen: float = 0.1
-    """Share of a level's residual that the other levels must leave along an axis, or they do not predict it."""
-    bands: int = 6
-    """Bands into which a condition that was swept is divided, or the frequency where no condition differs."""
-
-
-VALIDATION = ValidationLevels()
-
-
-@dataclass(frozen=True)
 class ExperimentLevels:
     """What could be measured next."""
 
-    points: int = 20
-    """Points of a new sweep."""
-    denser: int = 4
-    """How many times as many frequencies, or repeats, an action takes as there were."""
-    most_points: int = 400
-    """Points of a denser sweep at most."""
-    steps: tuple[float, float] = (20.0, 40.0)
-    """Kelvin by which the range of temperatures is widened at least and at most."""
-    coldest: float = -180.0
-    """Temperature in degC that liquid nitrogen reaches in a test chamber."""
-    evaluations: int = 40
-    """Evaluations of a fit of one explanation to the other."""
-    far: float = 1000000000.0
-    """Stands for a difference beyond all numbers."""
-    tried: int = 3
-    """Actions that are fitted in earnest at most."""
     telling: float = 2.0
     """Separation below which a measurement is not worth its effort: the odds hardly change."""
     settled: float = 5.0
@@ -486,15 +312,9 @@ class LadderLevels:
 
     clear: float = 0.001
     """Chance of a false alarm below which an effect is accepted without asking."""
-    decisive: float = 10.0
-    """As for the noise: a drop of ten is beyond doubt (Kass and Raftery 1995)."""
-    hidden: int = 2
-    """Effects that may be accepted from an unexplained rung on, if they complete the model."""
     predicts: float = 0.7
     """Error of prediction, over that of the rung before, up to which an effect stays though the rest is
     unexplained."""
-    longest: int = 6
-    """Effects accepted at most."""
 
 
 LADDER = LadderLevels()

@@ -14,7 +14,9 @@ from springpot.measurement import Averaged, Measurement, Noise
 from springpot.rheology import GRADIENT, Complex, Model, Real
 
 from .frame import Frame
-from .policy import SEARCH
+
+NO_INFLUENCE = 1e-06
+"""Relative change of K per relative change of a parameter below which the parameter is without influence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +149,7 @@ class Refit:
         blocked = ((self.theta <= bounds[:, 0] + room) & (downhill < 0)) | (
             (self.theta >= bounds[:, 1] - room) & (downhill > 0)
         )
-        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < SEARCH.no_influence * np.sqrt(len(value)))))
+        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))))
         return free
 
 

@@ -20,8 +20,17 @@ from scipy.optimize import brentq
 from springpot.distributions import chi2_quantile
 from springpot.rheology import Real
 
-from .policy import WHERE
-
+MOST_BLOCKS = 12
+"""Blocks taken out at most."""
+WHOLE = 0.8
+"""Share of its points that a block must still hold, or it would describe those that are already told of."""
+DRAWS = 120
+"""Simulated residuals; the tail beyond them is fitted."""
+FEW = 12000
+"""Points of all simulated residuals together up to which there are more of them: a rough threshold errs much where
+few points tell their own noise."""
+SCALES = 2000
+"""Values of the scale of the noise for which the chance of a residual is averaged."""
 Rows: TypeAlias = NDArray[np.int64]
 
 
@@ -116,7 +125,7 @@ class Blocks:
             For the noise.
         """
         n = len(self._cell)
-        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(max(WHERE.draws, WHERE.few // n))])
+        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(max(DRAWS, FEW // n))])
         return rare(most, alarm, np.sqrt(scale))
 
     def _furthest(self, values: Real) -> float:
@@ -135,9 +144,9 @@ class Blocks:
         """
         free = np.ones(len(whitened), dtype=bool)
         found: list[Region] = []
-        for _ in range(WHERE.most_blocks):
+        for _ in range(MOST_BLOCKS):
             count = self._sums(free.astype(float))
-            usable = (count > 0) & (count >= WHERE.whole * self._count)
+            usable = (count > 0) & (count >= WHOLE * self._count)
             sigma = self._sums(np.where(free, whitened, 0.0)) / np.sqrt(np.maximum(count, 1.0))
             worth = np.where(usable & (np.abs(sigma) > threshold), sigma**2 - self._costs, -np.inf)
             best = np.unravel_index(int(np.argmax(worth)), worth.shape)
@@ -176,7 +185,7 @@ def scales(dof: float) -> Real | float:
     """Equally likely values (SCALES,) of estimated over true variance, from so many degrees of freedom."""
     if dof == inf:
         return 1.0
-    return np.asarray(chi2_quantile((np.arange(WHERE.scales) + 0.5) / WHERE.scales, dof) / dof, dtype=np.float64)
+    return np.asarray(chi2_quantile((np.arange(SCALES) + 0.5) / SCALES, dof) / dof, dtype=np.float64)
 
 
 def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:

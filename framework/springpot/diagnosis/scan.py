@@ -20,8 +20,29 @@ from springpot.identification import Window, settings
 from springpot.measurement import Measurement
 from springpot.rheology import Complex, Effect, Model, Real
 
-from .frame import DRAWN, Frame, near_an_alarm
-from .policy import BATTERY, SCAN
+from .frame import DRAWN, LEAST_SEEN, Frame, near_an_alarm
+from .policy import BATTERY
+
+SMALL = (1e-05, 0.15)
+"""Relative changes of K that count as small: there a direction is a tangent."""
+SETTINGS_OF_ONE = 64
+"""Settings of an effect of one parameter, over all that is physically possible."""
+SETTINGS_OF_MORE = 96
+"""Settings of an effect of more parameters, beside those for each further one."""
+SETTINGS_OF_EACH = 160
+"""Settings for each further parameter, of a sequence that fills space evenly."""
+PER_EFFECT = 64
+"""Directions kept of one effect: its grid is finer than the data resolve."""
+DRAWS = 3000
+"""Simulated residuals, jointly for all effects."""
+WHOLE_STARTS = 3
+"""Settings of the grid from which a refit starts beside the tangent."""
+POWER = 1.645
+"""One-sided normal quantile of the 95 % power at which bounds are stated."""
+REPRESENTATIVES = 10
+"""Directions kept for each effect: the best one, and those least alike it and each other."""
+PARALLEL = 0.9995
+"""Directions more alike than this are one direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +99,9 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     old = [grown.names.index(name) for name in model.names]
     new = [i for i in range(len(grown.names)) if i not in old]
     added = tuple(grown.parameters[i] for i in new)
-    count = SCAN.settings_of_one
+    count = SETTINGS_OF_ONE
     if len(added) > 1:
-        count = SCAN.settings_of_more + SCAN.settings_of_each * (len(added) - 1)
+        count = SETTINGS_OF_MORE + SETTINGS_OF_EACH * (len(added) - 1)
     grid = settings(added, Window.of(measurement), count)
     full = np.empty((len(grid), len(grown.names)))
     full[:, old] = theta
@@ -122,14 +143,12 @@ class Directions:
     @classmethod
     def of(cls, frame: Frame, influence: Influence) -> Directions:
         """The directions of an effect at a fit."""
-        small = np.flatnonzero((influence.relative > SCAN.small[0]) & (influence.relative < SCAN.small[1]))[
-            : SCAN.per_effect
-        ]
+        small = np.flatnonzero((influence.relative > SMALL[0]) & (influence.relative < SMALL[1]))[:PER_EFFECT]
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
         share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), 1e-300)
-        seen = share > SCAN.absorbed
+        seen = share > LEAST_SEEN
         unit = left[:, seen] / length[seen]
         return cls(small[seen], unit, length[seen], float(np.max(share, initial=0.0)))
 
@@ -223,8 +242,8 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
     unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(DRAWN)
     if unit.shape[1] == 0:
         return np.zeros(0)
-    maxima = np.empty(SCAN.draws)
-    for part in np.array_split(np.arange(SCAN.draws), 4):
+    maxima = np.empty(DRAWS)
+    for part in np.array_split(np.arange(DRAWS), 4):
         noise = frame.draws(len(part), rng)
         maxima[part] = np.max(noise @ unit, axis=1)
     return np.asarray(np.square(np.maximum(maxima, 0.0)), dtype=np.float64)
@@ -233,14 +252,14 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
 def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
-    needed = (np.sqrt(threshold) + SCAN.power) * influence.relative[directions.setting] / directions.length
+    needed = (np.sqrt(threshold) + POWER) * influence.relative[directions.setting] / directions.length
     bound = np.inf
     if len(needed) and threshold < np.inf:
         # Nine settings in ten would have been seen at this size; the last may lie where these data hardly show it.
         bound = float(np.quantile(needed, 0.9))
     left = frame.project(frame.whiten(influence.change).T)
     cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
-    starts = influence.theta[np.argsort(cost)[: SCAN.whole_starts]]
+    starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
     if score > 0.0:
         best = int(np.argmax(along))
         tangent = influence.sized(int(directions.setting[best]), float(along[best] / directions.length[best]))
@@ -324,7 +343,7 @@ def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dt
     unit = score.directions.unit
     kept = [int(np.argmax(frame.rest @ unit))]
     alike = np.abs(unit.T @ unit[:, kept[0]])
-    while len(kept) < SCAN.representatives and alike.min() < SCAN.parallel:
+    while len(kept) < REPRESENTATIVES and alike.min() < PARALLEL:
         kept.append(int(np.argmin(alike)))
         alike = np.maximum(alike, np.abs(unit.T @ unit[:, kept[-1]]))
     return np.array(kept, dtype=np.int64)
@@ -336,7 +355,7 @@ def _joint_gain(unit: Real, rest: Real) -> tuple[Real, Real]:
     along = unit.T @ rest
     room = np.maximum(1.0 - cosine**2, 1e-12)
     first = (along[:, None] - cosine * along[None, :]) / room
-    allowed = (first > 0.0) & (first.T > 0.0) & (np.abs(cosine) < SCAN.parallel)
+    allowed = (first > 0.0) & (first.T > 0.0) & (np.abs(cosine) < PARALLEL)
     return np.where(allowed, along[:, None] * first + along[None, :] * first.T, -np.inf), first
 
 

@@ -11,9 +11,20 @@ from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, te
 from springpot.rheology import Real
 
 from .frame import Drawn, Frame
-from .policy import VALIDATION
+from .policy import VERDICT
 from .refit import Refit, refit
 from .result import times
+
+FOLDS = 4
+"""Levels or bands left out at most, each by itself."""
+POINTS_OF_EACH = 4
+"""Points of each level at least: of fewer one says little."""
+FEWEST_LEVELS = 4
+"""Levels from which two inner ones can be left out between others."""
+LEAST_FREE = 0.1
+"""Share of a level's residual that the other levels must leave along an axis, or they do not predict it."""
+BANDS = 6
+"""Bands into which a condition that was swept is divided, or the frequency where no condition differs."""
 
 
 def validation(base: Refit, grown: Refit) -> Iterator[str]:
@@ -32,7 +43,7 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
             continue
         old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
         word = "does not predict it better"
-        if new < VALIDATION.better * old:
+        if new < VERDICT.predicts_better * old:
             word = "predicts it better"
         yield (
             f"leaving out one {name} at a time, {grown.model} {word}: {times(new)} the noise instead of {times(old)}"
@@ -86,9 +97,9 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
         return []
     level = measurement.levels(name)
     count = int(level.max()) + 1
-    if count < VALIDATION.fewest_levels:
+    if count < FEWEST_LEVELS:
         return []
-    if len(level) >= VALIDATION.points_of_each * count:
+    if len(level) >= POINTS_OF_EACH * count:
         return [level == number for number in _inner(count)]
     if name not in telling(measurement):
         return []
@@ -98,15 +109,15 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
 def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
     """Rows of inner bands of frequencies, or of levels, by their numbers (n,); none where they are few."""
     distinct = int(number.max()) + 1
-    if distinct < 2 * VALIDATION.bands:
+    if distinct < 2 * BANDS:
         return []
-    band = number * VALIDATION.bands // distinct
-    return [band == each for each in _inner(VALIDATION.bands)]
+    band = number * BANDS // distinct
+    return [band == each for each in _inner(BANDS)]
 
 
 def _inner(count: int) -> list[int]:
     """A few of the numbers 1 to count - 2, evenly."""
-    return sorted({round(x) for x in np.linspace(1, count - 2, min(VALIDATION.folds, count - 2)).tolist()})
+    return sorted({round(x) for x in np.linspace(1, count - 2, min(FOLDS, count - 2)).tolist()})
 
 
 def unseen_error(frame: Frame, sample: Drawn, name: str) -> Real | None:
@@ -138,7 +149,7 @@ def unseen_error(frame: Frame, sample: Drawn, name: str) -> Real | None:
         rows = np.flatnonzero(np.tile(fold, 2))
         followed = frame.absorbed[rows]
         axes, shares, _ = np.linalg.svd(followed, full_matrices=False)
-        seen = 1.0 - shares**2 > VALIDATION.least_seen
+        seen = 1.0 - shares**2 > LEAST_FREE
         # Along an axis of which the parameters follow the share h, 1 / (1 - h) of the residual is missed.
         gain = np.where(seen, 1.0 / np.where(seen, 1.0 - shares**2, 1.0), 0.0)
         part = sample[:, rows].astype(np.float64)

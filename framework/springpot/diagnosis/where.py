@@ -13,9 +13,15 @@ from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
 from .frame import Frame, spectrum
 from .policy import WHERE
-from .regions import Axis, Blocks, Region, Rows, rare, scales
+from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
 from .result import Where, plain
 
+BANDS = (24, 12, 6)
+"""Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
+MOST = 5
+"""Places told of at most: the most telling ones."""
+SWEPT = 10.0
+"""Span, in units of how nearly a rig holds a value, from which close values are a sweep, not a drift."""
 AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
           2.0: "growing as amplitude^2"}  # fmt: skip
 
@@ -64,7 +70,7 @@ def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     for value in range(int(number.max()) + 1):
         rows = np.flatnonzero(number == value)
         span = float(np.ptp(x[rows])) / HELD[name]
-        if span > WHERE.swept:
+        if span > SWEPT:
             distinct, rank = np.unique(x[rows], return_inverse=True)
             part[rows] = rank.ravel() * min(most, int(span), len(distinct)) // len(distinct)
     return np.asarray(np.unique(number * most + part, return_inverse=True)[1].ravel(), dtype=np.int64)
@@ -191,8 +197,8 @@ def where(frame: Frame) -> list[Where]:
         The fit.
     """
     rng = np.random.default_rng(0)  # the same fit is told of in the same words
-    conditions = condition_axes(frame.measurement, WHERE.bands[1])
-    most = WHERE.bands[len(conditions)]
+    conditions = condition_axes(frame.measurement, BANDS[1])
+    most = BANDS[len(conditions)]
     axes = [_frequencies(frame.measurement, most), *condition_axes(frame.measurement, most)]
     blocks = Blocks(axes)
     threshold = blocks.threshold(WHERE.alarm, scales(frame.scale_dof), rng)
@@ -205,10 +211,10 @@ def where(frame: Frame) -> list[Where]:
     plane = ""
     if found:
         plane = _simplest_plane(frame)
-    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[: WHERE.most]]
+    places = [_place(frame.measurement, axes, part, region.rows, plane) for part, region in found[:MOST]]
     if period:
-        places.insert(sum(abs(region.sigma) > clear for _, region in found[: WHERE.most]), periodic(frame))
-    return places[: WHERE.most]
+        places.insert(sum(abs(region.sigma) > clear for _, region in found[:MOST]), periodic(frame))
+    return places[:MOST]
 
 
 def _length(frequencies: Axis, region: Region) -> float:
@@ -253,7 +259,7 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     if first + 2 >= len(power):
         return 0.0, 0.0
     scale = scales(frame.scale_dof)
-    chance = spectrum(frame.measurement, rng.standard_normal((WHERE.draws, frame.size)))
+    chance = spectrum(frame.measurement, rng.standard_normal((DRAWS, frame.size)))
     peak = int(np.argmax(power))
     excess = np.maximum(power - np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale)), 0.0)
     alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > WHERE.one_period * float(np.sum(excess))
