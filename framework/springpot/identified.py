@@ -13,6 +13,7 @@ from springpot.identification import Identification
 from springpot.loading import load
 from springpot.measurement import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model, plugins
+from springpot.rheology import ROOM
 from springpot.timetests import Known
 
 
@@ -62,7 +63,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
         printed = printed / np.array([units.of(parameter.unit)[0] for parameter in model.parameters])
     # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
-    return Known(model, printed, exact, units, 293.15, 0.0, 1.0, (0.0, np.inf))
+    return Known(model, printed, exact, units, ROOM, 0.0, 1.0, (0.0, np.inf))
 
 
 def lesser(known: Known, without: Iterable[str]) -> Known:

@@ -1,6 +1,6 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
-from springpot.rheology import HELD
+from springpot.rheology import HELD, KELVIN
 
 from . import geometry
 from .budget import Budget, budget_of, within_budget
@@ -12,7 +12,7 @@ from .imposed import Loading
 from .independence import Spread, independent, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
-from .measurement import CONDITIONS, KELVIN, Measurement, misspelt, points_at
+from .measurement import CONDITIONS, Measurement, misspelt, points_at
 from .moduli import Moduli
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader

@@ -194,7 +194,10 @@ def _clock_of(thread: int) -> Callable[[], float]:
 
 def _raise_in(thread: int, error: type[BaseException] | None) -> None:
     """Raise an error in another thread before its next step, or take back one that was not yet raised."""
-    what = ctypes.py_object() if error is None else ctypes.py_object(error)
+    # An empty one stands for NULL, which takes back.
+    what = ctypes.py_object()
+    if error is not None:
+        what = ctypes.py_object(error)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), what)
 
 
@@ -219,6 +222,7 @@ def _limited_memory(more: int) -> Iterator[None]:
 def _address_space() -> int | None:
     """Bytes that the process has been given; None where the system does not tell, or keeps no limit."""
     try:
+        # The first number is the address space in pages, which the limit is about.
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
         return pages * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, IndexError, AttributeError):

@@ -51,6 +51,7 @@ class Basis:
 
     def columns(self, time: Real) -> Real:
         """Columns 1, drift, cos 1, sin 1, cos 2, ..., transient and its change with the time constant: (m, size)."""
+        # From the middle of the part: level, drift and phase then hardly depend on one another.
         middle, half = 0.5 * (self.start + self.stop), 0.5 * (self.stop - self.start)
         turns = np.exp(1j * self.omega * (time - middle))
         powers = np.cumprod(np.broadcast_to(turns[:, None], (len(time), self.harmonics)), axis=1)
@@ -126,6 +127,7 @@ def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[B
         left = max(float(square[0, 0] - solution @ right[:, 0]), 0.0) / max(count - len(solution), 1)
         variance = left * float(np.linalg.pinv(normal)[-1, -1])
         basis = replace(basis, omega=basis.omega + step)
+        # Well within its own standard deviation no step is worth another round.
         if abs(step) < max(1e-10 * width, 1e-3 * np.sqrt(variance)):
             break
     return basis, float(np.sqrt(variance))
@@ -222,6 +224,10 @@ def _residuals(record: Record, basis: Basis, solution: Real, inverse: Real) -> t
         count += len(time)
         local.add(time, left, columns)
     moved, force = _amplitudes(solution[:4])[:, 0]
-    seen = np.array([[1, 0], [0, 1], [-force / moved if moved else 0, 1]])
+    stiffness: complex = 0.0
+    # A displacement that does not move has none; that is told where K is made of both.
+    if moved:
+        stiffness = force / moved
+    seen = np.array([[1, 0], [0, 1], [-stiffness, 1]])
     noise, freedom = local.density(seen, inverse, square / max(count - basis.size, 1))
     return noise, freedom, np.sqrt(np.diag(square) / max(count, 1)), count

@@ -75,7 +75,9 @@ class Loading:
         # What has jumped so far is taken off, so that what is left has no steps and one value at each time.
         passed = np.concatenate([[0.0], np.cumsum(np.where(np.diff(self.time) == 0.0, np.diff(self.value), 0.0))])
         first = np.concatenate([[True], np.diff(self.time) > 0.0])
-        kept = Loading(self.time[first], (self.value - passed)[first]) if len(times) else self
+        kept: Loading = self
+        if len(times):
+            kept = Loading(self.time[first], (self.value - passed)[first])
         if np.ptp(kept.value) == 0.0 and kept.value[0] == 0.0:
             return None
         return kept
@@ -125,7 +127,9 @@ def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
     if rise > 0.0:
         later = clock > rise
         # Where the record ends within the rise, its last value is the best there is for where the rise led.
-        held = imposed[later][:1] if later.any() else imposed[-1:]
+        held = imposed[-1:]
+        if later.any():
+            held = imposed[later][:1]
         start, size = np.array([0.0, rise]), np.concatenate([[0.0], held])
         return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
     largest = np.abs(imposed).max()

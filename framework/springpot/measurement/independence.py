@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
-from .measurement import Measurement
+from .measurement import Measurement, numbers_of_levels
 
 WANDER: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
 """What moves without being varied: amplitudes within 10 % (as logarithms), temperatures 1 K, in a whole test.
@@ -147,7 +147,8 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     if condition == "temperature":
         return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
     temperature = measurement.conditions.get("temperature", np.zeros(len(values)))
-    same_omega, same_temperature = _levels(log_omega, SAME_FREQUENCY), _levels(temperature, WANDER["temperature"])
+    same_omega = numbers_of_levels(log_omega, SAME_FREQUENCY)
+    same_temperature = numbers_of_levels(temperature, WANDER["temperature"])
     both = same_omega * (int(same_temperature.max()) + 1) + same_temperature
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
     free = len(values) - len(np.unique(both))
@@ -157,14 +158,6 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
         return within
     # Whichever of the two explains more: then it may be the cause.
     return min(_off_curves(same_temperature, log_omega, values), _off_curves(same_omega, temperature, values))
-
-
-def _levels(column: Real, apart: float) -> NDArray[np.int64]:
-    """Number of the level of each value; levels lie further apart than that."""
-    order = np.argsort(column, kind="stable")
-    number = np.zeros(len(column), dtype=np.int64)
-    number[order[1:]] = np.cumsum(np.diff(column[order]) > apart)
-    return number
 
 
 def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
@@ -189,5 +182,6 @@ def _off_curve(x: Real, y: Real) -> Real:
     weight, rest = np.ones(len(y)), y
     for _ in range(ROUNDS):
         rest = y - basis @ np.linalg.lstsq(basis * weight[:, None], y * weight, rcond=None)[0]
+        # No deviation is as good as none: its weight would be endless.
         weight = 1.0 / np.sqrt(np.maximum(np.abs(rest), 1e-3 * WANDER["amplitude"]))
     return np.sort(np.abs(rest))[degree + 1 :]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.plain import plain
-from springpot.rheology import HELD, Complex, Points, Real
+from springpot.rheology import HELD, KELVIN, ROOM, Complex, Points, Real
 
 from .conversion import Conversion, to_modulus, to_stiffness
 from .display import html_of
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-KELVIN = 273.15
-"""The freezing point of water, 0 degC, in kelvin."""
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""
@@ -215,7 +213,7 @@ class Measurement(Rows):
         if self.reference is not None:
             return self.reference
         if temperature is None:
-            return 293.15
+            return ROOM
         return float(np.sort(temperature)[(len(temperature) - 1) // 2]) + KELVIN
 
     @cached_property
@@ -364,9 +362,14 @@ def _levels(name: str, column: Real) -> NDArray[np.int64]:
     # How nearly an amplitude is held is a share of it: a step of the logarithm.
     if name == "amplitude":
         x = np.log(np.maximum(np.abs(column), 1e-300))
-    order = np.argsort(x, kind="stable")
-    number = np.empty(len(x), dtype=np.int64)
-    number[order] = np.cumsum(np.concatenate([[0], np.diff(x[order]) > HELD.get(name, 0.0)]))
+    return numbers_of_levels(x, HELD.get(name, 0.0))
+
+
+def numbers_of_levels(column: Real, apart: float) -> NDArray[np.int64]:
+    """Number (n,) of the level of each value, in ascending order; levels lie further apart than that."""
+    order = np.argsort(column, kind="stable")
+    number = np.zeros(len(column), dtype=np.int64)
+    number[order[1:]] = np.cumsum(np.diff(column[order]) > apart)
     return number
 
 

@@ -18,7 +18,7 @@ from springpot.errors import DataError
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .measurement import Measurement
-from .naming import file_and_choice, is_file, short, temperature_offer
+from .naming import LISTED, file_and_choice, is_file, short, temperature_offer
 from .reader import Choice, Part, Reader
 from .recognition import guarded, surest
 from .selection import conditions, select
@@ -76,6 +76,7 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     text = name
     if text and (beside := _files_like(text)):
         raise DataError(f"'{short(text)}': there is no such file or data set: did you mean {' or '.join(beside)}?")
+    # A stroke or an ending: it was meant as a file.
     if text and ("/" in text or "\\" in text or re.search(r"\.\w{1,5}$", text)):
         raise DataError(f"{short(text)}: there is no such file")
     near = get_close_matches(text, known, n=3, cutoff=0.5)
@@ -89,7 +90,7 @@ def _files_like(text: str) -> list[str]:
     """Files beside the one named, with its name but another ending, or nearly its name."""
     path = Path(text)
     try:
-        names = [entry.name for entry in islice(path.parent.iterdir(), 2000) if entry.is_file()]
+        names = [entry.name for entry in islice(path.parent.iterdir(), LISTED) if entry.is_file()]
     except (OSError, ValueError):
         # A folder that cannot be listed, or text that is no path: then there is nothing to propose.
         return []

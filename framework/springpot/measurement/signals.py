@@ -30,6 +30,8 @@ from .units import (
 
 SURE = 3.0
 """Standard deviations by which a stiffness is negative beyond doubt."""
+BENT = 0.05
+"""Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
 LONGER = 4.0
 """Ratio of neighbouring lengths; a fraction of a cycle over one of them is less than half a cycle over the next."""
 
@@ -195,6 +197,7 @@ def _given_part(record: Record, window: tuple[float, float]) -> Steady:
             f"{record.name}: the window {start:g} to {stop:g} s holds no samples, "
             f"the record runs from {record.time[0]:g} to {record.time[-1]:g} s"
         )
+    # Just past the last sample, as the end of a part lies outside of it.
     return Steady(max(start, float(record.time[0])), min(stop, float(np.nextafter(record.time[-1], np.inf))))
 
 
@@ -204,8 +207,9 @@ def _basis(
     """The basis of the final fit: frequency refined, part trimmed to whole cycles, harmonics that samples allow."""
     # A frequency that was given is exact: it has no deviation and is not refined.
     affordable, sd = _affordable(record, part, omega, harmonics), 0.0
-    basis = Basis(omega, part.start, part.stop, 1 if refine else affordable)
+    basis = Basis(omega, part.start, part.stop, affordable)
     if refine:
+        basis = replace(basis, harmonics=1)
         # The first harmonic alone leads to the frequency from farther away than all of them together.
         basis, sd = refined_frequency(record, replace(basis, omega=_nested(record, basis)))
         basis = replace(basis, harmonics=affordable)
@@ -249,6 +253,7 @@ def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> i
 def _whole_cycles(basis: Basis) -> Basis:
     """The middle of the part, cut to whole cycles, so that unfitted harmonics cannot leak into the fitted ones."""
     period = 2 * np.pi / basis.omega
+    # Rounding of the frequency must not cost a whole cycle.
     whole = np.floor((basis.stop - basis.start) / period + 0.02)
     if whole < 3:
         # Every sample counts here, and a third of them would be cut.
@@ -266,7 +271,7 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
     by_residual = _propagated(complex(moved[0]), fit)
     by_cycles = _scatter(fit.groups)
     sd, extra = _chosen(by_residual, by_cycles, len(fit.groups), fit.freedom)
-    if len(moved) >= 3 and abs(moved[2]) > 0.05 * abs(moved[0]):
+    if len(moved) >= 3 and abs(moved[2]) > BENT * abs(moved[0]):
         extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
     # Of computed signals nothing is left over: rounding is the least that any stiffness errs by.
     floor = 4 * np.finfo(float).eps * abs(stiffness)

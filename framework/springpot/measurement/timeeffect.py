@@ -66,6 +66,7 @@ class Record:
         largest = float(np.abs(test.loading.value).max())
         # By the knots of the loading, so that it does not matter how many samples are looked at.
         way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(test.loading.value)))])
+        # A cycle takes a load four times its largest value.
         cycles = np.interp(t, test.loading.time, way) / (4.0 * largest)
         return cls(t - test.start, imposed, rate, largest, cycles, test.control)
 

@@ -93,12 +93,17 @@ def noise_of(test: TimeTest, misfit: Real | None = None) -> SignalNoise:
     level = size = _smooth(np.abs(test.response))
     largest = float(np.abs(test.response).max())
     if len(test) < FEWEST:
+        # A tenth beside the share, or there would be no noise where the signal crosses zero.
         absolute = 0.1 * ASSUMED * largest
         return SignalNoise(np.hypot(ASSUMED * level, absolute), absolute, ASSUMED, False)
     clock = test.time - test.start
+    # The answer to a step is smooth against the logarithm of time.
     if test.kind in ("relaxation", "creep") and clock[0] > 0.0:
         clock = np.log(clock)
-    scatter = _scatter(clock, test.response if misfit is None else misfit)
+    signal = test.response
+    if misfit is not None:
+        signal = misfit
+    scatter = _scatter(clock, signal)
     level = level[ORDER // 2 : len(level) - ORDER // 2]
     telling = _moving(test)
     # A good model has followed the jumps already.

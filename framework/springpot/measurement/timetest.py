@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
 from springpot.plain import plain
-from springpot.rheology import Real
+from springpot.rheology import KELVIN, Real
 
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
 from .signals import stiffness_unit
@@ -344,7 +344,7 @@ class TimeTest:
         """The temperature in kelvin."""
         if self.temperature is None:
             return None
-        return self.temperature + 273.15
+        return self.temperature + KELVIN
 
     @cached_property
     def duration(self) -> float:

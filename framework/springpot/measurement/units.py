@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.rheology import Dimension
+from springpot.rheology import KELVIN, Dimension
 
 T = TypeVar("T", float, NDArray[np.float64])
 
@@ -140,8 +140,10 @@ def normal_unit(text: str) -> str:
         unit = _CYRILLIC.sub(lambda word: _RUSSIAN.get(word[0], word[0]), unit)
     # Dots and hyphens between letters stand for a product: N.m, Pa-s.
     unit = re.sub(r"(?<=[A-Za-zµμ])[.\-](?=[A-Za-z])", " ", unit)
+    # People write the inverse of a unit in many ways: s-1, s^-1, s⁻¹.
     unit = re.sub(r"(?<=[a-z])\s*(?:\^|⁻|-)\s*(?:-|⁻)?[1¹]$", "^-1", unit)
     unit = re.sub(r"\bsec(?:onds?)?\b", "s", unit)
+    # A pascal second is often written in one word.
     unit = re.sub(r"^([mkM]?Pa)s$", r"\1 s", unit)
     unit = " ".join(unit.translate(_SIGNS).split())
     unit = _with_prefix(unit)
@@ -149,6 +151,7 @@ def normal_unit(text: str) -> str:
         return spelt
     unit = re.sub(r"(?<=/)(m|cm|mm|in)2$", r"\1^2", re.sub(r"\bdynes?\b", "dyn", unit))
     over, slash, under = (part.strip() for part in unit.partition("/"))
+    # A product with an inverse is a quotient: rad s^-1.
     if not slash and over.endswith("^-1") and " " in over:
         over, _, under = over[:-3].rpartition(" ")
         slash = "/"
@@ -417,7 +420,7 @@ def _with_time(unit: str, time: float | str) -> str:
 def temperature_in_celsius(value: T, unit: str) -> T:
     """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits."""
     if unit == "K":
-        return value - 273.15
+        return value - KELVIN
     if unit == "degF":
         return (value - 32.0) * TEMPERATURE_UNITS["degF"]
     return value

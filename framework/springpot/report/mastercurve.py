@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from springpot.rheology import Points, Real
-from springpot.rheology.levels import KELVIN
+from springpot.rheology.points import KELVIN
 from springpot.superposition import MasterCurve, level_text
 from springpot.superposition.laws import LawFit
 

@@ -73,7 +73,7 @@ from .parameters import (
     stiffness,
     viscosity,
 )
-from .points import Complex, Points, Real
+from .points import KELVIN, ROOM, Complex, Points, Real
 from .prony import Prony, prony_of
 from .signal import (
     clock,
@@ -103,6 +103,7 @@ from .wave import (
 )
 
 __all__ = [
+    "ROOM",
     "Placed",
     "network_of",
     "sorted_out",
@@ -165,6 +166,7 @@ __all__ = [
     "HasParameters",
     "INERTANCE",
     "InTime",
+    "KELVIN",
     "KELVIN_FORM",
     "Layer",
     "Levels",

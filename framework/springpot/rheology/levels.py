@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from .nodes import GRADIENT, VALUE, Node, Response
 from .parameters import Parameter
-from .points import Points, Real
+from .points import KELVIN, Points, Real
 
-KELVIN = 273.15
-"""0 degC in kelvin."""
 HELD: Mapping[str, float] = {"amplitude": 0.02, "temperature": 0.5}
 """How nearly a rig holds what was set: amplitudes as a share, temperatures in kelvin. Rheometers state 1 to 2 % and
 0.1 to 0.5 K. Values that lie closer to one another are one level."""

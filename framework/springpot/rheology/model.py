@@ -11,7 +11,7 @@ from springpot.markup import tag
 from .drawing import drawing_of
 from .history import InTime
 from .named import NamedNetwork
-from .points import Real
+from .points import ROOM, Real
 from .spectrum import Spectrum, spectrum_of
 
 
@@ -54,7 +54,7 @@ class Model(NamedNetwork):
         *,
         tolerance: float = 1e-6,
         temperature: float | None = None,
-        reference_temperature: float = 293.15,
+        reference_temperature: float = ROOM,
     ) -> Spectrum:
         """The relaxation spectrum: K(s) = K_e + c s + m s^2 + sum of w s / (s + r), w >= 0, from the network itself.
 
@@ -107,7 +107,7 @@ class Model(NamedNetwork):
         theta: Real,
         *,
         temperature: float | Real | None = None,
-        reference_temperature: float = 293.15,
+        reference_temperature: float = ROOM,
         tolerance: float = 1e-9,
     ) -> InTime:
         """The model with its parameters, to be asked for relaxation, creep or any history with exact derivatives.

@@ -16,6 +16,8 @@ Complex: TypeAlias = NDArray[np.complex128]
 
 KELVIN = 273.15
 """0 degC in kelvin."""
+ROOM = 293.15
+"""20 degC in kelvin: where a shift is one if no test and no user says another temperature."""
 COLDEST = 75.0
 """Kelvin below which a number is rather one in degC: specimens are cooled by nitrogen, which boils at 77.4 K."""
 
@@ -50,7 +52,7 @@ class Points:
     log_omega: Real
     amplitude: Real | None = None
     temperature: Real | None = None
-    reference_temperature: float = 293.15
+    reference_temperature: float = ROOM
     columns: Mapping[str, Real] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -22,7 +22,7 @@ from .effect import Effect, Layer
 from .elements import HALF_PI
 from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
-from .points import Complex, Points, Real
+from .points import ROOM, Complex, Points, Real
 from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
 from .rational import Rational, rational_of
 
@@ -118,7 +118,7 @@ def spectrum_of(
     *,
     tolerance: float = 1e-6,
     temperature: float | None = None,
-    reference_temperature: float = 293.15,
+    reference_temperature: float = ROOM,
 ) -> Spectrum:
     """The spectrum of a model; see `Model.spectrum`."""
     refuse_what_is_no_relaxation(model)

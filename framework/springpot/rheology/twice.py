@@ -8,12 +8,12 @@ from .effect import Effect
 from .elements import HALF_PI
 from .nodes import GRADIENT, VALUE, Node, Response
 from .parameters import Parameter
-from .points import Points, Real
+from .points import ROOM, Points, Real
 
 ALONG = 1e-9
 """Sine of the angle between two slopes below which they are one direction."""
 _GRID = np.meshgrid(np.log(np.geomspace(0.1, 10.0, 5)), [0.5, 2.0], [280.0, 300.0], indexing="ij")
-_POINTS = Points(_GRID[0].ravel(), _GRID[1].ravel(), _GRID[2].ravel(), 293.15)
+_POINTS = Points(_GRID[0].ravel(), _GRID[1].ravel(), _GRID[2].ravel(), ROOM)
 
 
 class _Sample(Node):

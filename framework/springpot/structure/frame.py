@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import ModelError
-from springpot.rheology import Complex, Effect, Layer, Model, Points, Real
+from springpot.rheology import KELVIN, ROOM, Complex, Effect, Layer, Model, Points, Real
 from springpot.rheology.history import Placed, sorted_out
 from springpot.rheology.nodes import FULL
 
@@ -58,7 +58,7 @@ class Damper:
     factor: float = 1.0
     covariance: Real | None = None
     temperature: float | None = None
-    reference: float = 293.15
+    reference: float = ROOM
     unit: float = 1.0
     length: float = 1.0
     cosine: float = 1.0
@@ -103,7 +103,7 @@ class Damper:
         """Its temperature in kelvin."""
         if self.temperature is None:
             return None
-        return self.temperature + 273.15
+        return self.temperature + KELVIN
 
     def stiffness(self, s: Complex) -> tuple[Complex, Complex]:
         """K and dK/ds in N/m at s (n,) in 1/s, which may be complex, for all dampers of this kind together.

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from springpot.distributions import chi2_sf
 from springpot.identification.uncertainty import student
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
-from springpot.rheology.levels import KELVIN
+from springpot.rheology.points import KELVIN
 
 from .factors import LEVEL, Factors
 

@@ -25,9 +25,9 @@ from springpot.measurement import (
     noise_of,
     relative_scatter,
 )
-from springpot.rheology import Complex, Model, Real
+from springpot.rheology import ROOM, Complex, Model, Real
 
-from .predicted import ROOM, TOLERANCE
+from .predicted import TOLERANCE
 from .recorded import recorded
 from .start import apparent
 

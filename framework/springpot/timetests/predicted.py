@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.measurement import Loading, TimeTest
-from springpot.rheology import InTime, Model, Real, Traced
+from springpot.rheology import ROOM, InTime, Model, Real, Traced
 
 from .warming import warming
 
 TOLERANCE = 1e-6
 """Relative error of K for which the spectrum is read: a thousandth of the best transducer's noise."""
-ROOM = 293.15
-"""Temperature in kelvin of a room, 20 degC, where no test tells its own: then no shift depends on it."""
 
 
 def predicted(

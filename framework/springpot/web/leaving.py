@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError
-from springpot.measurement import Measurement, guarded
+from springpot.measurement import KELVIN, Measurement, guarded
 from springpot.plain import plain
 from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.previews import grown_by_each
@@ -170,7 +170,7 @@ def plan_csv(ladder: Ladder, measurement: Measurement) -> str:
     unit, moved = measurement.units.stiffness, measurement.units.amplitude
     header, columns = ["frequency [Hz]"], [points.omega / (2 * np.pi)]
     if points.temperature is not None:
-        header, columns = [*header, "temperature [degC]"], [*columns, points.temperature - 273.15]
+        header, columns = [*header, "temperature [degC]"], [*columns, points.temperature - KELVIN]
     if points.amplitude is not None:
         header, columns = [*header, f"amplitude [{moved}]"], [*columns, points.amplitude]
     table: list[list[Any]] = [[*header, f"storage [{unit}]", f"loss [{unit}]"]]
