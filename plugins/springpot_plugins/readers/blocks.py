@@ -20,7 +20,11 @@ _STACKED = 2
 """Lines between two tables of the same names."""
 SINGLE_AMPLITUDE = "amplitude [mm] of the displacement"
 _WIDEST = 400
+"""Cells of a line in which names are sought."""
 _KEPT = 1000
+"""Lines of numbers without names that are kept above a table: what is said of it stands nearer."""
+_NEAR, _SENTENCE = 4, 80
+"""Lines above a table in which its name is sought, and signs from which such a line is a sentence."""
 _DRIVEN = frozenset({"amplitude", "stress", "torque", "displacement"})
 """What is set or followed in a test in time."""
 _PATIENCE = 50_000
@@ -166,7 +170,9 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
             continue
         if start is None:
             # Remarks above a table are kept, numbers without names beyond some are of no further use.
-            most = _PATIENCE if words else _KEPT
+            most = _KEPT
+            if words:
+                most = _PATIENCE
             if len(above) < most:
                 above.append([cell.strip() for cell in rows[i]])
             i += 1
@@ -272,8 +278,12 @@ def _rectangle(rows: Sequence[list[str]], lines: Sequence[int], width: int, stri
 
 def _name(above: list[list[str]]) -> str:
     """What the lines above a table call it."""
-    for row in reversed(above[-4:]):
+    for row in reversed(above[-_NEAR:]):
         filled = [cell for cell in row if cell]
-        if len(filled) == 1 and not filled[0].startswith("[") and not filled[0].endswith(":") and len(filled[0]) < 80:
+        if len(filled) != 1:
+            continue
+        # Brackets open a section of a report, and a colon waits for a value.
+        is_name = not filled[0].startswith("[") and not filled[0].endswith(":")
+        if is_name and len(filled[0]) < _SENTENCE:
             return filled[0].lstrip("#% ")
     return ""

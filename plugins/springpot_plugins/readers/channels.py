@@ -285,6 +285,7 @@ def _recognised(titles: Sequence[str], below: Sequence[str]) -> dict[str, _Place
         if channel is None:
             continue
         unit = unit or _unit_below(below, i) or None
+        # A name that only resembles those of the list is less sure than any of them.
         rank = _RANK.get(fold(bare), 99)
         # It is still taken where there is no other, so that the error names it.
         if unit is not None and normal_unit(unit) not in UNITS[channel]:

@@ -17,13 +17,14 @@ from .channels import found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
-from .grid import Grid
+from .grid import LONGEST_CELL, Grid, grid_of_sheet
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .side_by_side import apart, has_condition
 from .signals_csv import signals_of_sheet
 
 _MOST_ENTRIES = 10_000
+"""Files in a workbook: one has some ten, and a list of millions would take long to read."""
 _SEARCHED = 100
 """Rows of a sheet that may stand above the names of channels."""
 
@@ -80,10 +81,12 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
         raise DataError("Excel files need openpyxl: pip install 'springpot[instruments]'") from None
     try:
         with path.open("rb") as stream:
+            # What formulas came to, not the formulas; and no links, which lead out of the file.
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
             sheets = [(str(sheet.title), _grid(sheet)) for sheet in book.worksheets[:MOST_SHEETS]]
             book.close()
     except MemoryError:
+        # That is the limit within which a file is read, and told as such: the workbook need not be broken.
         raise
     except Exception as error:
         # Broken workbooks fail within openpyxl in many ways.
@@ -118,6 +121,7 @@ def _as_lines(grid: Grid) -> list[str]:
     """The rows as lines of text at their own numbers, so that errors name the right one."""
     lines = [""] * grid.lines[-1]
     for number, row in zip(grid.lines, grid.rows, strict=True):
+        # A tab within a cell would begin another one.
         lines[number - 1] = "\t".join(cell.replace("\t", " ") for cell in row)
     return lines
 
@@ -154,18 +158,9 @@ def _check_archive(path: Path) -> None:
 
 
 def _grid(sheet: Any) -> Grid:
-    rows: list[list[str]] = []
-    lines: list[int] = []
     # What a sheet says of its own size may be wrong.
     sheet.reset_dimensions()
-    for number, row in enumerate(sheet.iter_rows(values_only=True), 1):
-        texts = [_text(value) for value in row]
-        while texts and not texts[-1]:
-            texts.pop()
-        if texts:
-            rows.append(texts)
-            lines.append(number)
-    return Grid(rows, lines, "\t")
+    return grid_of_sheet([_text(value) for value in row] for row in sheet.iter_rows(values_only=True))
 
 
 def _text(value: Any) -> str:
@@ -176,7 +171,7 @@ def _text(value: Any) -> str:
         return repr(value)
     if isinstance(value, datetime | date | time):
         return value.isoformat()
-    return str(value).strip()[:500]
+    return str(value).strip()[:LONGEST_CELL]
 
 
 def read(path: Path, choice: Choice) -> Measurement:

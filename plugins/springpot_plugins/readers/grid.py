@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from math import isnan
 
 from springpot.errors import DataError
 
@@ -31,13 +32,20 @@ MISSING = frozenset(
 """What stands where nothing was measured."""
 SEPARATORS = (";", "\t", ",", "|", " ")
 COMMENT = ("#", "%", "//", "!")
+LONGEST_CELL = 500
+"""Signs of a cell of a spreadsheet that are kept: no name of a column is longer, and patterns are sought in it."""
 _SAMPLED = 300
+"""Lines of the whole file by which the separator is told."""
 _OPEN = re.compile(r'(?:^|[;,\t|]) *"[^"]*$')
 """A last cell whose quote is not closed."""
 _MOST_JOINED = 3
 """Lines that a quoted cell may go on in: a quote that never closes must not swallow the rest of the file."""
 _HEAD = 1 << 15
+"""Signs of a file by which it is recognised."""
 _LONG = 20_000
+"""Signs beyond which a line is no row of a table: to take it apart in every way would take long."""
+_BY_BLANKS = 0.8
+"""Weight of blanks as separators."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +91,7 @@ def separator_in(lines: Sequence[str]) -> str:
     sample = [line for line in (*lines[:50], *lines[50::step]) if any(sign.isdigit() for sign in line[:200])]
     gains = {sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG) for sign in SEPARATORS}
     # White space also splits words within cells, which may look like a number gained.
-    gains[" "] = int(0.8 * gains[" "])
+    gains[" "] = int(_BY_BLANKS * gains[" "])
     return max(SEPARATORS, key=gains.__getitem__)
 
 
@@ -174,3 +182,24 @@ def head_grid(text: str, most: int = 400) -> Grid:
     separator = separator_in(filled)
     rows = [split_line(line, separator) for line in filled]
     return Grid(rows, range(1, len(rows) + 1), separator)
+
+
+def shortest(value: float) -> str:
+    """The shortest decimals that read back as the same bits; nothing for nan, which stands for a gap."""
+    if isnan(value):
+        return ""
+    return repr(value)
+
+
+def grid_of_sheet(rows: Iterable[list[str]]) -> Grid:
+    """The rows of a sheet as a grid, without those that hold nothing."""
+    kept: list[list[str]] = []
+    lines: list[int] = []
+    for number, cells in enumerate(rows, 1):
+        # A sheet is as wide as its widest table: what is blank behind a row is none of it.
+        while cells and not cells[-1]:
+            cells.pop()
+        if cells:
+            kept.append(cells)
+            lines.append(number)
+    return Grid(kept, lines, "\t")

@@ -8,7 +8,7 @@ from typing import Any
 
 from springpot.errors import DataError
 
-from .grid import Grid
+from .grid import LONGEST_CELL, Grid, grid_of_sheet
 
 SIGNATURE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 """First bytes of a compound file (Microsoft, MS-CFB, section 2.2)."""
@@ -41,17 +41,10 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
 
 def _grid(book: Any, number: int) -> Grid:
     sheet = book.sheet_by_index(number)
-    rows: list[list[str]] = []
-    lines: list[int] = []
-    for i in range(sheet.nrows):
-        texts = [_text(cell, book.datemode) for cell in sheet.row(i)]
-        while texts and not texts[-1]:
-            texts.pop()
-        if texts:
-            rows.append(texts)
-            lines.append(i + 1)
+    grid = grid_of_sheet([_text(cell, book.datemode) for cell in sheet.row(i)] for i in range(sheet.nrows))
+    # Each sheet's cells are let go before the next one's come, or all would be held at once.
     book.unload_sheet(number)
-    return Grid(rows, lines, "\t")
+    return grid
 
 
 def _text(cell: Any, datemode: int) -> str:
@@ -63,4 +56,4 @@ def _text(cell: Any, datemode: int) -> str:
         return str(xldate_as_datetime(cell.value, datemode).isoformat())
     if cell.ctype in (XL_CELL_BOOLEAN, XL_CELL_ERROR):
         return ""
-    return str(cell.value).strip()[:500]
+    return str(cell.value).strip()[:LONGEST_CELL]

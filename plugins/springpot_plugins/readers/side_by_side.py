@@ -35,6 +35,7 @@ _COPY = re.compile(r"\.(\d{1,3})\Z")
 """What programs put behind a title that comes again."""
 _SEGMENT = re.compile(r"\d{1,4}\|\d{1,6}\Z")
 _WIDEST = 2000
+"""Columns beyond which a table stays as it is: each is looked up in several ways."""
 
 Columns = list[tuple[int, Heading]]
 """Columns of one curve: where they stand, and what they are."""
@@ -178,7 +179,10 @@ def _labels(block: Block) -> list[CurveName | None]:
     elif any(map(is_number, cells)) and cells[0]:
         # Numbers from the first cell on are a row of a table, not the names of curves.
         return []
-    curve_names = [name_of(cell) if cell else None for cell in cells]
+    curve_names: list[CurveName | None] = [None] * len(cells)
+    for place, cell in enumerate(cells):
+        if cell:
+            curve_names[place] = name_of(cell)
     if sum(curve is not None for curve in curve_names) < 2:
         return []
     curve_names += [None] * (len(block.headings) - len(curve_names))

@@ -33,7 +33,7 @@ from springpot.measurement import (
 from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
 from .generic import read as read_any
-from .grid import MISSING
+from .grid import MISSING, shortest
 from .names import role_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
@@ -214,7 +214,7 @@ def _columns(measurement: Measurement) -> list[tuple[str, list[str]]]:
 
 def _cells(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[str]:
     """Shortest decimals that read back as the same bits; nothing for nan."""
-    return ["" if value != value else repr(value) for value in values.tolist()]
+    return list(map(shortest, values.tolist()))
 
 
 READER = Reader(

@@ -12,6 +12,7 @@ from springpot.errors import DataError
 
 from .blocks import Block
 from .dynamic import reader_of_blocks
+from .grid import shortest
 from .header_facts import facts_of
 from .text import head_text, text_of
 from .titles import Heading, heading
@@ -28,6 +29,10 @@ _PATHS = {
     "Diameter": "diameter",
 }
 """Names of quantities in the file, and in other exports of TRIOS."""
+_MOST_SEEN, _DEEPEST = 20_000, 12
+"""Values outside the results that are looked at, and how far down: a file may be nested as somebody likes."""
+_WIDEST = 500
+"""Columns of a table: an instrument writes some tens."""
 _STEPS = ("Results Step Id", "Procedure Step Id", "Step")
 
 
@@ -133,7 +138,7 @@ def _by_headers(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     headers, rows = table.get("ColumnHeaders"), table.get("Rows")
     if not isinstance(headers, dict) or not isinstance(rows, list):
         return (), []
-    keys = list(islice(headers, 500))
+    keys = list(islice(headers, _WIDEST))
     headings = tuple(_heading(headers[key], key) for key in keys)
     return headings, [[_cell(row.get(key)) for key in keys] for row in rows if isinstance(row, dict)]
 
@@ -144,7 +149,7 @@ def _by_columns(table: Mapping[str, Any]) -> tuple[tuple[Heading, ...], list[lis
     columns, values = data.get("columns"), data.get("values")
     if not isinstance(columns, list) or not isinstance(values, list):
         return (), []
-    headings = tuple(_heading(column, f"column {i}") for i, column in enumerate(columns[:500], 1))
+    headings = tuple(_heading(column, f"column {i}") for i, column in enumerate(columns[:_WIDEST], 1))
     width = len(headings)
     rows = [[_cell(cell) for cell in row[:width]] for row in values if isinstance(row, list)]
     return headings, [[*row, *[""] * (width - len(row))] for row in rows]
@@ -166,8 +171,7 @@ def _cell(value: Any) -> str:
     if value is None or isinstance(value, (dict, list, bool)):
         return ""
     if isinstance(value, float):
-        # The shortest digits that read back as the same bits; nan is a gap.
-        return repr(value) if value == value else ""
+        return shortest(value)
     return str(value)[:200]
 
 
@@ -192,17 +196,17 @@ def _pairs(root: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
         yield "run date", root["StartTime"]
     waiting: list[tuple[str, Any, int]] = [("", procedure, 0), ("", root.get("Properties"), 0)]
     seen = 0
-    # A stack with a limit, no recursion: a file may be nested as deeply and as widely as somebody likes.
-    while waiting and seen < 20_000:
+    # A stack with a limit, no recursion, which such a file could exhaust.
+    while waiting and seen < _MOST_SEEN:
         key, value, depth = waiting.pop()
         seen += 1
-        if isinstance(value, list) and depth < 12:
+        if isinstance(value, list) and depth < _DEEPEST:
             waiting += [(key, item, depth + 1) for item in value[:100]]
         elif isinstance(value, dict) and isinstance(value.get("Value"), int | float):
             unit = _object(value.get("Unit")).get("Name", "")
             if key in _PATHS:
                 yield _PATHS[key], f"{value['Value']:.12g} {unit}"
-        elif isinstance(value, dict) and depth < 12:
+        elif isinstance(value, dict) and depth < _DEEPEST:
             waiting += [(str(name), inner, depth + 1) for name, inner in value.items()]
             if key == "Geometry" and isinstance(value.get("Name"), str):
                 yield "geometry name", value["Name"]

@@ -53,7 +53,9 @@ def held_back(loading: Loading, reach: Any) -> tuple[Loading, tuple[Loading]]:
     # Between two turns the load moves one way, so that no sample has to wait for the one before it.
     for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
         run = slice(first + 1, last + 1)
-        way = 1.0 if x[last] >= x[first] else -1.0
+        way = 1.0
+        if x[last] < x[first]:
+            way = -1.0
         pulled = way * x[run] - reach > way * behind[first]
         behind[run] = np.where(pulled, x[run] - way * reach, behind[first])
         slope[run] = np.where(pulled, -way, slope[first])

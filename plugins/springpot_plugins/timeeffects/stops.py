@@ -16,8 +16,10 @@ ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
 
 def stopped(record: Record, response: Any, k: Any, place: Any) -> Answered:
     """The response and a spring that is touched beyond a place, on that side of the middle alone."""
-    side = 1.0 if place >= 0.0 else -1.0
     # The place itself says on which side the stop stands, so that a search may move it across the middle.
+    side = 1.0
+    if place < 0.0:
+        side = -1.0
     into = np.maximum(side * (record.imposed - place), 0.0) * side
     return Answered(response + k * into, (into, np.where(into != 0.0, -k, 0.0)), np.ones_like(response))
 

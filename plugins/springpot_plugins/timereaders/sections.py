@@ -42,6 +42,8 @@ _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 _AFTER = re.compile(r"^(.+?)(?:\s+/\s+|\s+in\s+)(\S+)$")
 _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or nothing."""
+_LONGEST = 20_000
+"""Signs beyond which a line names no columns."""
 _TITLES = ("test", "result", "name", "sample", "step")
 
 
@@ -106,7 +108,9 @@ class Section:
         """
         values = np.full(len(self.lines), np.nan)
         cells = [_cell(line, self.separator, place) for line in self.lines]
-        began = seconds_of(cells[0]) if cells else None
+        began = None
+        if cells:
+            began = seconds_of(cells[0])
         for i, cell in enumerate(cells):
             if not cell:
                 continue
@@ -225,7 +229,7 @@ def _named(lines: Sequence[str], i: int) -> tuple[tuple[Title, ...], int, str] |
     """Columns, place of the first row and separator, where line i names columns of a test in time."""
     line = lines[i]
     # No line of names is as long; a file without line ends must not be searched as one.
-    if not line.strip() or len(line) > 20_000:
+    if not line.strip() or len(line) > _LONGEST:
         return None
     for separator in SEPARATORS:
         cells = cells_of(line, separator)
