@@ -22,7 +22,9 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
     if script is None or getattr(sys.modules["__main__"], "study", None) is not study:
         raise StudyError("call study.main() in the script that declares it as study = Study(...)")
     # As the user wrote it where that is the script: the command is told in the report, to be repeated elsewhere.
-    written = sys.argv[0] if Path(sys.argv[0]).resolve() == Path(script).resolve() else script
+    written = script
+    if Path(sys.argv[0]).resolve() == Path(script).resolve():
+        written = sys.argv[0]
     sys.argv = ["springpot", "run", written, *(sys.argv[1:] if arguments is None else arguments)]
     # The command stands above this room and is started like any other program, not imported.
     run_module("springpot", run_name="__main__")

@@ -57,7 +57,9 @@ def command(
     """
     from springpot.registry import for_sweeps, parse_timed
 
-    expression = None if model is None else parse_timed(model)
+    expression = None
+    if model is not None:
+        expression = parse_timed(model)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
         timetests.diagnose(tests, expression, data, model, as_json)
@@ -97,7 +99,10 @@ def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown:
 
 def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:
     # Of several answers each is a line, as programs read a stream of them.
-    print_json(diagnosis, indent=None if line else 2)
+    if line:
+        print_json(diagnosis, indent=None)
+    else:
+        print_json(diagnosis)
 
 
 def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: str, model: str | None) -> None:

@@ -71,7 +71,7 @@ def _check(
     passed = all(gate.passed for gate in gates)
     result = {"schema": "springpot.regression/1", "passed": passed, "gates": [asdict(gate) for gate in gates]}
     emit(result, as_json, lambda: _show(gates))
-    return 0 if passed else 1
+    return int(not passed)
 
 
 def _require_one(studies: tuple[Path, ...], baseline: Path | None) -> None:

@@ -81,7 +81,10 @@ def _chosen(study: str, wanted: str | None, out: Path) -> dict[str, Table]:
 
     if wanted is not None and wanted not in TABLES:
         raise StudyError(f"unknown table '{wanted}': {study} has {', '.join(TABLES)}")
-    names = list(TABLES) if wanted is None else [wanted]
+    if wanted is None:
+        names = list(TABLES)
+    else:
+        names = [wanted]
     with Store(store_path(study, out)) as store:
         return dict(study_tables(store, names))
 

@@ -173,6 +173,9 @@ def _described(test: TimeTest) -> dict[str, Any]:
     from springpot.measurement import noise_of
 
     noise = noise_of(test)
+    source = "assumed"
+    if noise.estimated:
+        source = "estimated"
     steps = np.diff(test.time)
     moves = None
     if test.warmth is not None:
@@ -199,7 +202,7 @@ def _described(test: TimeTest) -> dict[str, Any]:
             "floor": noise.floor,
             "absolute": noise.absolute,
             "relative": noise.relative,
-            "source": "estimated" if noise.estimated else "assumed",
+            "source": source,
         },
         "provenance": dict(test.provenance),
     }
@@ -245,6 +248,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     from springpot.errors import DataError
     from springpot.registry import open_in_time
 
+    # Behind the first question mark answers are parted by commas.
     mark = "?"
     if mark in spec:
         mark = ","

@@ -226,7 +226,9 @@ def _student_cost(shape: Shape, residual: Complex) -> float:
         square = (part / (scale * form)) ** 2
         tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
         total += float(np.sum(2.0 * np.log(scale * form) + tails))
-    spent = 1 if shape.tied else 2
+    spent = 2
+    if shape.tied:
+        spent = 1
     return total + spent * float(np.log(2.0 * len(residual)))
 
 

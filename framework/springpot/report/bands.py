@@ -44,7 +44,9 @@ def draw_bands(axes: Axes, scene: Scene, width: Real) -> None:
     order = sorted(range(len(bands)), key=lambda i: -float(np.median(bands[i][1])))
     for place, i in enumerate(order):  # wide ones first, or they would cover the narrow ones
         x, half = bands[i]
-        colour = scene.data_colour(i) if scene.by_sweep else "#999999"
+        colour = "#999999"
+        if scene.by_sweep:
+            colour = scene.data_colour(i)
         level = 0.5 + 0.01 * place
         axes.fill_between(x, -half, half, color=colour, alpha=light, linewidth=0.0, zorder=level)
         for side in (-half, half):

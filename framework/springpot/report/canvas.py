@@ -103,7 +103,7 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
     from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
     axes.set(**{f"{direction}scale": "log"})
-    axis = axes.xaxis if direction == "x" else axes.yaxis
+    axis = getattr(axes, f"{direction}axis")
     low, high = sorted(map(abs, axis.get_view_interval()))
     if low > 0 and high < NARROW * low:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

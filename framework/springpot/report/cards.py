@@ -66,7 +66,10 @@ class KindOfCard:
 
 def model(item: Model | Family) -> dict[str, Any]:
     """Describe a model, or a family by its second member."""
-    shown = item.build(EXAMPLE_MEMBER) if isinstance(item, Family) else item
+    if isinstance(item, Family):
+        shown = item.build(EXAMPLE_MEMBER)
+    else:
+        shown = item
     search_parameters = []
     if shown.search:
         search_parameters = parameters(shown.search.parameters)
@@ -165,7 +168,9 @@ def reader(item: Reader | TimeReader) -> dict[str, Any]:
         holds = "tests in time"
     else:
         signals, writes = item.signals is not None, item.text is not None
-        holds = "signals" if signals else "sweeps"
+        holds = "sweeps"
+        if signals:
+            holds = "signals"
     return {"name": item.name, "summary": item.summary, "holds": holds, "signals": signals, "writes": writes}
 
 

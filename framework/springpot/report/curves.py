@@ -97,7 +97,9 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
     A condition that follows the axis is interpolated; one that only scatters about its setting is taken to be held.
     """
     along = axis.values[sweep.rows]
-    place = np.log(along) if axis.logarithmic else along
+    place = along
+    if axis.logarithmic:
+        place = np.log(along)
     # Repeats stand at one place, where interpolation can take one value only.
     known, first = np.unique(place, return_index=True)
     fine: Real = known

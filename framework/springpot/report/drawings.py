@@ -93,7 +93,9 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     x = result.frequency[order]
     parts = ((result.storage, result.low.real, result.high.real), (result.loss, result.low.imag, result.high.imag))
     # Of one or two points a line alone is not seen.
-    marker = "o" if len(result) < 3 else ""
+    marker = ""
+    if len(result) < 3:
+        marker = "o"
     for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
         axes.plot(x, value[order], color=colour, label=label, marker=marker)
         axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
@@ -143,5 +145,7 @@ def _superposed(result: MasterCurve, path: Any) -> Any:
 def _scene(axes: Axes, scene: Scene) -> None:
     """Storage and loss with what the marks mean."""
     views.storage_and_loss(axes, scene)
-    sweeps = sweep_marks(scene) if scene.by_sweep else []
+    sweeps = []
+    if scene.by_sweep:
+        sweeps = sweep_marks(scene)
     axes.legend(handles=[*marks_of(scene), *sweeps])

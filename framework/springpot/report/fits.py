@@ -313,5 +313,7 @@ def _cell(fit: Identification, name: str) -> str:
 def _verdict(fit: Identification) -> tuple[str, str]:
     if fit.standing is None:
         return "-", "-"
-    verdict = "yes" if fit.standing.good_enough else "no"
+    verdict = "no"
+    if fit.standing.good_enough:
+        verdict = "yes"
     return percent(fit.standing.noise_floor, 2), verdict

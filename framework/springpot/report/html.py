@@ -212,7 +212,9 @@ def _ladder(ladder: Ladder) -> Iterator[Html]:
     yield tag("div", picture, class_="alone")
     rows = []
     for i, step in enumerate(ladder.steps):
-        name = accepted_name(step) if step.accepted else "start"
+        name = "start"
+        if step.accepted:
+            name = accepted_name(step)
         row = (
             str(i),
             name,

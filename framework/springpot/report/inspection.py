@@ -45,7 +45,9 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
     labels = [f"{name}: {_few(words, width)}" for name, words in result["labels"].items() if name != "step"]
     together = {sweep.get("step") for sweep in sweeps}
     others = [part for part in result["parts"] if part["name"] not in together]
-    given = "given" if result["standard_deviations"] else "not given"
+    given = "not given"
+    if result["standard_deviations"]:
+        given = "given"
     # One sweep is told by its columns already.
     sweeps_shown = ""
     if len(sweeps) > 1:
@@ -95,7 +97,9 @@ def _shown_key(key: str) -> str:
 
 
 def _columns(result: dict[str, Any], units: Units) -> str:
-    clock = "angular frequency" if units.clock == "rad/s" else "frequency"
+    clock = "frequency"
+    if units.clock == "rad/s":
+        clock = "angular frequency"
     ranges = {
         clock: _clocked(result["frequency"], units),
         units.storage: result["storage"],

@@ -89,9 +89,14 @@ def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int],
     for i, (x, predicted) in enumerate(forecasts):
         axes.plot([x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2)
         # A legend names each kind of mark once.
-        label = None if i else "predicted"
+        label: str | None = None
+        if i == 0:
+            label = "predicted"
         hidden = 0.97 < predicted / error[x] < 1.03
-        size = 10.0 if hidden else 6.0  # around the error's own mark, where both fall together
+        size = 6.0
+        # Around the error's own mark, where both fall together.
+        if hidden:
+            size = 10.0
         axes.plot(
             x, predicted, "D", color=COLOURS[1], markerfacecolor="white", label=label, zorder=3, markersize=size
         )

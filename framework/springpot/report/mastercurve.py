@@ -195,7 +195,9 @@ def _draw_curve(figure: Any, found: MasterCurve) -> None:
 def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     levels = found.levels
     x = found.factors.levels
-    name = "b" if vertical else "a"
+    name = "a"
+    if vertical:
+        name = "b"
     value = np.array([getattr(level, name) for level in levels])
     low = np.array([getattr(level, f"{name}_low") for level in levels])
     high = np.array([getattr(level, f"{name}_high") for level in levels])
@@ -217,7 +219,9 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     if value[known].max() > DECADE * value[known].min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
-    title = "factors b of stiffness" if vertical else "factors a of frequency"
+    title = "factors a of frequency"
+    if vertical:
+        title = "factors b of stiffness"
     axes.set_title(title)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")

@@ -177,7 +177,9 @@ def _picture(node: Node) -> tuple[float, float, list[Mark]]:
 
 
 def _svg_line(line: Line) -> str:
-    kind = "polygon" if line.closed else "polyline"
+    kind = "polyline"
+    if line.closed:
+        kind = "polygon"
     points = " ".join(f"{x:.1f},{y:.1f}" for x, y in line.points)
     dash = ""
     if line.dashed:
@@ -246,6 +248,8 @@ def network_png(node: Node, path: Path, scale: float = 2.0) -> None:
             # A polygon of SVG closes itself; a line of matplotlib has to come back.
             if mark.closed:
                 points += points[:1]
-            style = ":" if mark.dashed else "-"
+            style = "-"
+            if mark.dashed:
+                style = ":"
             axes.plot([x for x, _ in points], [y for _, y in points], style, color="black", linewidth=1.2)
     figure.savefig(path, dpi=72 * scale, format="png")

@@ -24,7 +24,9 @@ def page(title: str, *body: str, style: str = "", script: str = "") -> Html:
     script : str
         What the policy of the page allows as ``script-src``; without it no script runs, whatever stands in the page.
     """
-    policy = f"{POLICY}; script-src {script}" if script else POLICY
+    policy = POLICY
+    if script:
+        policy = f"{POLICY}; script-src {script}"
     head = tag(
         "head",
         tag("meta", charset="utf-8"),

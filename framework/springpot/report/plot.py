@@ -41,7 +41,9 @@ class Pen:
     @property
     def look(self) -> dict[str, str]:
         """Attributes of a line."""
-        width = "2" if self.number < len(COLOURS) else "1.3"
+        width = "1.3"
+        if self.number < len(COLOURS):
+            width = "2"
         return {"fill": "none", "stroke": self.colour, "stroke_width": width, "stroke_dasharray": self.dashes}
 
 
@@ -183,8 +185,12 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
 
 def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
     across, down = float(_across(x, np.array(dot.x))), float(_down(y, np.array(dot.y)))
-    inside = dot.pen.colour if dot.pen.dashes == "none" else "white"
-    radius, opacity = ("5", "1") if dot.large else ("2.5", "0.35")
+    inside = "white"
+    if dot.pen.dashes == "none":
+        inside = dot.pen.colour
+    radius, opacity = ("2.5", "0.35")
+    if dot.large:
+        radius, opacity = ("5", "1")
     yield tag(
         "circle",
         tag("title", dot.label),
@@ -198,7 +204,9 @@ def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
     )
     if dot.name:
         # In the right part of the frame a name stands to the left of its point, or it would leave the frame.
-        beside, anchor = (-8, "end") if across > 0.6 * WIDTH else (8, "start")
+        beside, anchor = (8, "start")
+        if across > 0.6 * WIDTH:
+            beside, anchor = (-8, "end")
         yield _text(dot.name, across + beside, down + 4, anchor)
 
 
@@ -320,7 +328,9 @@ def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, in
         parts.append(_text(f"{mark:g}", place, height - 17, "middle"))
     for i, (row, (low, at, high)) in enumerate(zip(rows, places, strict=True)):
         level = 4.0 + ROW * (i + 0.5)
-        weight = "600" if i == 0 else "normal"
+        weight = "normal"
+        if i == 0:
+            weight = "600"
         parts.append(_text(row.label, NAMES - 10, level + 4, "end", weight=weight))
         parts.append(_rule(low, level, high, level, QUIET))
         words = f"{row.label}: mean rank {row.rank:.2f} [{row.low:.2f}, {row.high:.2f}]"

@@ -39,7 +39,9 @@ def figure_diagnosis(diagnosis: Diagnosis, path: str | Path | None = None) -> Fi
 
 def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     """Error of the model as it is and with each of the leading effects alone, beside both floors."""
-    shown = [] if diagnosis.verdict == "adequate" else worth_showing(diagnosis)
+    shown = []
+    if diagnosis.verdict != "adequate":
+        shown = worth_showing(diagnosis)
     own = diagnosis.error
     after = 100.0 * np.array([own.relative_rms, *(one.error_after for one in shown)])
     predicted = 100.0 * np.array([one.predicted_error for one in shown])

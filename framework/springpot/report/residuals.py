@@ -88,7 +88,9 @@ def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex
     """
     measured = measurement.stiffness
     modelled = fit.at(measurement.points)
-    sd = np.zeros_like(measured) if measurement.sd is None else measurement.sd
+    sd = np.zeros_like(measured)
+    if measurement.sd is not None:
+        sd = measurement.sd
     width = 2.0 * np.maximum(sd.real, sd.imag)
     if plane == "shift":
         by_log_omega = fit.model.network.respond(fit.theta, measurement.points, FULL).by_log_omega

@@ -281,7 +281,9 @@ def _heat(ranking: Ranking, i: int, j: int) -> Html:
     chance = float(ranking.chances[i, j])
     strength = abs(chance - 0.5) * 1.1
     # Blue and vermilion, which the colour-blind tell apart (doi:10.1038/nmeth.1618).
-    colour = "0,114,178" if chance > 0.5 else "213,94,0"
+    colour = "213,94,0"
+    if chance > 0.5:
+        colour = "0,114,178"
     attributes = {"style": f"background:rgba({colour},{strength:.2f})"}
     if ranking.p[i, j] <= LEVEL:
         attributes["class_"] = "sure"

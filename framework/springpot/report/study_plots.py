@@ -166,7 +166,9 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
         dots += [Dot(name, x, y, pens[label]) for x, y, name in of_problems]
     for label, (x, y) in middle.items():
         beaten = any(a <= x and b <= y and (a, b) != (x, y) for a, b in middle.values())
-        written = "" if beaten else label
+        written = ""
+        if not beaten:
+            written = label
         dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written))
     times = np.array([dot.x for dot in dots])
     across = Scale("time of a trial, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True)

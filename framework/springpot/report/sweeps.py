@@ -130,7 +130,9 @@ def _split(name: str, values: Real, along: Real, rows: Rows) -> list[Rows]:
 
 
 def _alike(rows: Rows, numbers: NDArray[np.int64], here: bool = False) -> Iterator[Rows]:
-    own = numbers if here else numbers[rows]
+    own = numbers
+    if not here:
+        own = numbers[rows]
     for number in np.unique(own):
         yield rows[own == number]
 

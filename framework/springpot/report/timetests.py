@@ -46,7 +46,10 @@ def figure_tests(
     matplotlib.figure.Figure
         The figure.
     """
-    fits = [found] if isinstance(found, TimeIdentification) else list(found)
+    if isinstance(found, TimeIdentification):
+        fits = [found]
+    else:
+        fits = list(found)
     parts = parts_of_specimen(tests)
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
         grid = figure.subplots(len(parts), 3, squeeze=False)

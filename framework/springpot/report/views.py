@@ -32,7 +32,9 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
         x = scene.axis.values[sweep.rows]
         for part, values in enumerate((data.storage, data.loss)):
             colour = scene.data_colour(i, part)
-            fill = colour if part == 0 else "white"
+            fill = "white"
+            if part == 0:
+                fill = colour
             y = values[sweep.rows]
             style = {**scene.marker, "color": colour, "markerfacecolor": fill, "zorder": 3}
             axes.plot(x, np.where(y > 0, y, np.nan), marker="o", **style)
@@ -42,7 +44,9 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
         for i, (x, stiffness) in enumerate(curves):
             for part, y in enumerate((stiffness.real, stiffness.imag)):
                 colour = scene.fit_colour(j, i, part)
-                stroke = "--" if part else "-"
+                stroke = "-"
+                if part:
+                    stroke = "--"
                 axes.plot(x, np.where(y > 0, y, np.nan), color=colour, linestyle=stroke)
                 axes.plot(x, np.where(y < 0, -y, np.nan), color=colour, linestyle=":")
     _scales(axes, scene)
@@ -115,7 +119,9 @@ def draw_parts(axes: Axes, scene: Scene, fit: int, values: Complex) -> None:
         x = scene.axis.values[sweep.rows]
         for part, side in enumerate((values.real, values.imag)):
             colour = scene.fit_colour(fit, i, part)
-            inside = "white" if part else colour
+            inside = "white"
+            if not part:
+                inside = colour
             style = {**scene.marker, "color": colour, "markerfacecolor": inside}
             axes.plot(x, side[sweep.rows], marker="o", **style)
 

@@ -165,7 +165,9 @@ class Heated(Composition):
         """K_a at the frequency that the warmer specimen feels."""
         body, heater = self.children
         base_theta, heat_theta = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
-        level = VALUE if depth == VALUE else FULL
+        level = FULL
+        if depth == VALUE:
+            level = VALUE
         cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
         # Power and shift are real: only the loss heats, and a real temperature moves the frequency.
         factor = heat.value.real

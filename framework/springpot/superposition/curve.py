@@ -17,7 +17,7 @@ from springpot.identification.alignment import aligned
 from springpot.identification.native import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
-from springpot.rheology import Complex, Continuum, Effect, Layer, Levels, Model, Real, chain, levels_of, shift
+from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, chain, levels_of, shift
 
 from .factors import Factors, Rows, factors_of
 from .laws import LawFit, judged_laws
@@ -342,7 +342,7 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     there = float(factors.levels[nearest])
     room = 1e-2 * max(abs(there), abs(wanted))
     if factors.column == "temperature":
-        room = 0.5
+        room = HELD["temperature"]
     if abs(there - wanted) <= room:
         return nearest, []
     asked, used = level_text(factors.column, wanted), level_text(factors.column, there)

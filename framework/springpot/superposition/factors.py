@@ -237,7 +237,11 @@ def _spread(rows: Rows, covariance: Real) -> Factors:
     m = len(first.values)
     values, place = np.zeros(2 * m), []
     for element in rows.elements:
-        place += [i + (0 if element.logarithmic else m) for i in element.free]
+        # The logarithms of the shifts come first, then those of the vertical factors.
+        first_place = m
+        if element.logarithmic:
+            first_place = 0
+        place += [first_place + i for i in element.free]
     values[place] = np.log(rows.fit.theta[len(rows.fit.model.material.parameters) :])
     whole = np.zeros((2 * m, 2 * m))
     whole[np.ix_(place, place)] = covariance

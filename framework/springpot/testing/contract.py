@@ -60,7 +60,10 @@ class Plugin:
     @cached_property
     def registry(self) -> Registry:
         """The plugin alone."""
-        value = self.source if isinstance(self.source, str) else self.source.__name__
+        if isinstance(self.source, str):
+            value = self.source
+        else:
+            value = self.source.__name__
         return Registry([EntryPoint(value, value, GROUP)])
 
     def offers(self) -> list[tuple[str, str]]:

@@ -157,7 +157,10 @@ def converted(model: Model, theta: Real, stiffness: float, time: float, amplitud
     factors: list[float] = []
     for parameter in model.parameters:
         unit = parameter.unit
-        power = values[unit.time] if isinstance(unit.time, str) else unit.time
+        if isinstance(unit.time, str):
+            power = values[unit.time]
+        else:
+            power = unit.time
         factors.append(stiffness**unit.stiffness * time**power * amplitude**unit.amplitude)
     changed: Real = theta * np.array(factors)
     return changed

@@ -75,7 +75,9 @@ def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     if len(when):
         since = t[:, None] - when
         after = since >= 0.0
-        step_answer = inside.relaxation if control == "displacement" else inside.creep
+        step_answer = inside.creep
+        if control == "displacement":
+            step_answer = inside.relaxation
         # All jumps at once: the spectrum of the material is read once.
         one = step_answer(since[after])
         rows, which = np.nonzero(after)

@@ -40,8 +40,11 @@ def hand_of(model: Model, given: object) -> Hand:
         If a parameter is missing or stands outside its ends.
     """
     hand = Hand({})
+    entries: Mapping[str, object] = {}
+    if isinstance(given, Mapping):
+        entries = given
     for name in model.names:
-        entry = given.get(name) if isinstance(given, Mapping) else None
+        entry = entries.get(name)
         if not isinstance(entry, Mapping):
             raise ModelError(f"{model.name}: the parameter {name} has no value")
         value = _number(entry.get("value"), np.nan)

@@ -52,6 +52,7 @@ class Workbench:
 
         # First: a port that is taken is told before anything is started.
         self._socket = _listening(port)
+        # Nobody guesses 24 random bytes.
         self._token = secrets.token_urlsafe(24)
         self._desk = Desk()
         self._behind = Server(self._desk, data, model)
@@ -134,6 +135,7 @@ class Workbench:
 def _listening(port: int) -> socket.socket:
     # Only where the protocol is named does asyncio send small answers at once; else each waits 40 ms for an echo.
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    # The port of a workbench that has just ended is free at once, not only minutes later.
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))

@@ -54,7 +54,10 @@ def excluded_rows(state: State) -> list[str]:
             ranges.append((row + 1, row + 1))
     choices = []
     for low, high in reversed(ranges):
-        choices.append(f"row={low}" if low == high else f"row={low}..{high}")
+        choice = f"row={low}"
+        if high > low:
+            choice += f"..{high}"
+        choices.append(choice)
     return choices
 
 
@@ -82,7 +85,9 @@ def command(state: State, source: str) -> str:
     "springpot discover 'my damper.csv' --model maxwell --accept inertia --seed 0"
     """
     # `diagnose` accepts nothing: it tells what is missing from the model as it is.
-    verb = "discover" if state.accepted else "diagnose"
+    verb = "diagnose"
+    if state.accepted:
+        verb = "discover"
     words = ["springpot", verb, source]
     if state.model:
         words += ["--model", state.model]
@@ -142,14 +147,14 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     with np.errstate(all="ignore"):
         at_points = [model.stiffness(theta, scene.points) for _, model, theta in fits]
         for i, row in enumerate(scene.rows):
-            x = [float(scene.axis.values[row])] if along else []
+            x = [float(scene.axis.values[row])] * len(along)
             values = [measurement.stiffness[row], *(k[i] for k in at_points)]
             label = scene.sweeps[numbers[row]].label
             table.append(["point", label, *x, *_frequencies(measurement.omega[row]), *_flat(values)])
         for sweep, (places, points) in zip(scene.sweeps, scene.grids, strict=True):
             curves = [model.stiffness(theta, points) for _, model, theta in fits]
             for i, place in enumerate(places):
-                x = [float(place)] if along else []
+                x = [float(place)] * len(along)
                 values = [k[i] for k in curves]
                 table.append(["curve", sweep.label, *x, *_frequencies(points.omega[i]), "", "", *_flat(values)])
     return _csv(table)
@@ -198,5 +203,11 @@ def _csv(rows: Sequence[Sequence[Any]]) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     for row in rows:
         # Text comes from files and plugins, and a table program would run what looks like a formula.
-        writer.writerow([guarded(cell) if isinstance(cell, str) else cell for cell in row])
+        writer.writerow(map(_guarded, row))
     return stream.getvalue()
+
+
+def _guarded(cell: Any) -> Any:
+    if isinstance(cell, str):
+        return guarded(cell)
+    return cell

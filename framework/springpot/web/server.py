@@ -141,6 +141,7 @@ class Server:
         asked = request.query_params
         body = await _body_of(request)
         if "dataset" in asked:
+            # Cut short: it need not be our page that asks.
             return self._stream("dataset", {"name": asked["dataset"][:200]}, remember=True)
         arguments = {
             "name": asked.get("name", "data.csv")[:400],
@@ -172,7 +173,9 @@ class Server:
             raise DataError("these data are no longer here: drop the file again")
         arguments = {"state": state.to_dict(), "text": data["text"]}
         for name in EXTRA.get(task, ()):
-            nothing: Any = "" if name == "kind" else {}
+            nothing: Any = {}
+            if name == "kind":
+                nothing = ""
             arguments[name] = given.get(name) or nothing
         if task in ("leave", "again"):
             arguments |= {"source": data["source"], "joined": data["joined"]}
@@ -230,7 +233,9 @@ async def _body_of(request: Request) -> bytes:
 
 
 async def _refused(request: Request, error: Exception) -> Response:
-    status = error.status if isinstance(error, Refusal) else 500
+    status = 500
+    if isinstance(error, Refusal):
+        status = error.status
     return Response(f"{error}\n", status, headers={"connection": "close"}, media_type="text/plain")
 
 

@@ -18,6 +18,7 @@ from springpot.errors import DataError, SpringpotError
 from springpot.measurement import Measurement, OpenQuestion, Part
 from springpot.measurement.runs import runs_of
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
+from springpot.report.cards import EXAMPLE_MEMBER
 from springpot.report.cards import effect as effect_card
 from springpot.report.cards import model as model_card
 from springpot.report.interactive.scene import PageScene, relative_error
@@ -35,6 +36,8 @@ from .studies import report_of, studies, study
 
 LADDERS = 8
 """Ladders that a worker remembers, for exports of what is on the page; each holds some MB."""
+MOST_LEVELS = 40
+"""Levels of a condition that are offered for a choice of rows; of more, hardly a row would belong to each."""
 MOST_RUNS = 200
 """Sweeps that are listed of one measurement."""
 
@@ -71,7 +74,11 @@ def library(told: Told) -> dict[str, Any]:
 
 
 def _model(item: Model | Family) -> dict[str, Any]:
-    shown = item.build(2) if isinstance(item, Family) else item
+    # Of a family one member shows how all of them are built.
+    if isinstance(item, Family):
+        shown = item.build(EXAMPLE_MEMBER)
+    else:
+        shown = item
     card = {key: model_card(item)[key] for key in ("name", "aliases", "summary", "citation", "needs")}
     return {**card, "parameters": list(shown.names), "svg": network_svg(shown.network)}
 
@@ -207,7 +214,7 @@ def _levels(measurement: Measurement) -> list[dict[str, Any]]:
     levels = []
     for name in set(units) & set(measurement.conditions):
         numbers, column = measurement.levels(name), measurement.conditions[name]
-        if not 1 < numbers.max() + 1 <= 40:
+        if not 1 < numbers.max() + 1 <= MOST_LEVELS:
             continue
         for number in range(int(numbers.max()) + 1):
             rows = np.flatnonzero(numbers == number)
@@ -267,7 +274,9 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The master curve of the data with its shift factors."""
     asked = State.of(state)
     used = kept(_measured(text), asked.excluded)
-    column = "temperature" if "temperature" in used.conditions else "amplitude"
+    column = "amplitude"
+    if "temperature" in used.conditions:
+        column = "temperature"
     told(f"bringing the sweeps of each {column} onto one curve")
     result = mastercurve(used, column=column)
     return {"column": column, "curve": result.to_dict()}
