@@ -27,6 +27,8 @@ from springpot.shelf import KINDS, Kind, Owner, Shelf
 T = TypeVar("T")
 
 PREFIX = f"{hooks.GROUP}_"
+LONGEST_REASON = 300
+"""Signs of what is wrong with a plugin."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +98,8 @@ class Registry:
     def _fault(self, owner: Owner, reason: str) -> None:
         # One line of it: a plugin's message may be of any length, and every list of faults shows it.
         line = " ".join(reason.split())
-        if len(line) > 300:
-            line = f"{line[:297]}..."
+        if len(line) > LONGEST_REASON:
+            line = f"{line[: LONGEST_REASON - 3]}..."
         self.faults.append(Fault(owner.plugin, owner.distribution, line))
 
     def _report_slips(self) -> None:

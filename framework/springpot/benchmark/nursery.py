@@ -205,6 +205,7 @@ class _Family:
     def _be_born(self, fd: int) -> NoReturn:
         """In the child: leave everything of the nursery behind and work."""
         try:
+            # A session of its own, so that whatever an optimiser starts is ended with it.
             os.setsid()
             adopt_orphans()
             signal.set_wakeup_fd(-1)

@@ -90,6 +90,7 @@ class Store:
         # One that was left by an attempt that was interrupted is begun anew.
         fresh.unlink(missing_ok=True)
         saved = connect(fresh, write) if write else sqlite3.connect(":memory:", isolation_level=None)
+        # Text may be damaged as well: it is read as far as it goes.
         saved.text_factory = lenient
         create(saved)
         with transaction(saved):

@@ -31,6 +31,9 @@ AHEAD = 0.02
 keep a batch of results."""
 DEEPEST = 32
 """Most tasks that wait there: what a worker that dies gives back is done again by another."""
+NEWEST = 0.2
+"""Weight of the newest trial in the mean time of an optimiser's: early ones carry first-use costs that later ones do
+not, and a mean of all would keep them."""
 ORPHANED = 3
 """Times that the server may end during a trial that runs alone before that is blamed, and between trials before the
 study gives up. Once proves nothing: the trial before may have ended the server, and its result have come first."""
@@ -225,6 +228,7 @@ class LocalEngine:
         now = monotonic()
         # Nobody needs to look more often than the next deadline: answers wake the wait themselves.
         running = [w.since + self._limit(w) - now for w in self._workers.values() if w.tasks]
+        # A little later than the deadline, or it would be looked at just before.
         return max(0.0, min(running, default=1.0)) + 0.001
 
     def _limit(self, worker: Worker) -> float:
@@ -251,10 +255,10 @@ class LocalEngine:
         worker.tasks.popleft()
         self._orphaned[None] = 0
         now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
-        # A sliding mean: early trials carry first-use costs that later ones do not.
+        # The first one is all that is known.
         weight = 1.0
         if mean:
-            weight = 0.2
+            weight = NEWEST
         self._means[worker.entrant] = mean + (now - worker.since - mean) * weight
         worker.since = now
         if worn or any(result.status is Status.CHANGED for result in results):

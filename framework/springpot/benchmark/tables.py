@@ -48,7 +48,7 @@ def number(value: float) -> str:
     if isnan(value):
         return "–"
     if isinf(value):
-        return "-∞" if value < 0 else "∞"
+        return str(value).replace("inf", "∞")
     if value and not 1e-3 <= abs(value) < 1e6:
         return f"{value:.3e}"
     # From here on four digits would be a power of ten, which is harder to compare down a column.
@@ -72,7 +72,8 @@ def to_markdown(table: Table) -> str:
     """The table in GitHub's Markdown."""
     lines = [f"# {table.title}", ""]
     lines.append(_pipes(table.columns))
-    lines.append(_pipes(["---:" if numeric else "---" for numeric in _numeric(table)]))
+    rules = {True: "---:", False: "---"}
+    lines.append(_pipes([rules[numeric] for numeric in _numeric(table)]))
     lines += [_pipes([text(entry) for entry in row]) for row in table.rows]
     if table.note:
         lines += ["", table.note]
@@ -173,7 +174,8 @@ _STYLE = (
 
 def to_html(table: Table) -> str:
     """The table as a page of its own."""
-    kinds = [' class="n"' if numeric else "" for numeric in _numeric(table)]
+    marks = {True: ' class="n"', False: ""}
+    kinds = [marks[numeric] for numeric in _numeric(table)]
     title, note = html.escape(table.title), html.escape(table.note)
     head = "".join(f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True))
     rows = [

@@ -20,6 +20,9 @@ from .plan import Case, Cell, Plan, Source, Task
 from .study import truth_fits
 from .trace import improvements, pack, pack_values
 
+LONGEST_REASON = 300
+"""Signs of a reason that are kept: the message of an error may hold whole arrays."""
+
 
 class Status(StrEnum):
     """How a trial ended."""
@@ -99,7 +102,7 @@ class TrialResult:
 
 def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> list[TrialResult]:
     """The results of a task that came to nothing."""
-    line = " ".join(reason.split())[:300]
+    line = " ".join(reason.split())[:LONGEST_REASON]
     return [TrialResult(task.cell, r, status, line, seconds=seconds) for r in task.repetitions]
 
 

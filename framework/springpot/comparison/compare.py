@@ -241,7 +241,9 @@ def compare(
     measured, measurement = len(measurement), thinned(measurement)
     fits = _fits(measurement, models, progress)
     quiet = fits[0]
-    notes = [quiet.noise.doubt] if quiet.noise.doubt else []
+    notes = []
+    if quiet.noise.doubt:
+        notes.append(quiet.noise.doubt)
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     progress("looking how near any material comes")
@@ -259,6 +261,7 @@ def judgements(
 ) -> Iterator[Judgement]:
     """Fits in units of one noise, each beside the material floor with the same effects."""
     least = min(-2.0 * found.log_evidence for found in fits)
+    # A generator for each: what is drawn for one model hangs on no other.
     for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
         error = error_of(found, floors[effects_of(found)])
         yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)
@@ -281,6 +284,7 @@ def effects_of(found: Refit) -> Effects:
 
 def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress) -> list[Refit]:
     """Fits of all models in units of one noise."""
+    # All of them before the first fit: what cannot be compared is told at once.
     for model in models:
         require_conditions(model, measurement)
     first = []

@@ -161,9 +161,11 @@ def rank(
             f"{measurement.name}: none of the installed models can be judged by {len(measurement)} points"
         )
     alone = [found for found in fits if not found.model.effects]
+    # That with the accepted effects is known from the discovery.
     floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
+    # The fewest parameters first; of equally many, as they stood, the likelier one.
     adequate.sort(key=lambda one: len(one.refit.theta))
     others = [one for one in ordered if one not in adequate]
     notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
@@ -207,6 +209,7 @@ def _fitted(
 ) -> Iterator[Refit]:
     """Fits of a model with effects; of a family, members up to the first that lacks nothing or gains nothing."""
     if isinstance(item, Model):
+        # The material itself is what all are judged by.
         if not is_material(item):
             yield from _one(item, effects, floor, skipped)
         return
@@ -246,7 +249,9 @@ def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...
 
 
 def _with(effects: tuple[Effect, ...]) -> str:
-    return f" with {' and '.join(effect.name for effect in effects)}" if effects else ""
+    if not effects:
+        return ""
+    return f" with {' and '.join(effect.name for effect in effects)}"
 
 
 def _distance(one: Refit, other: Refit) -> float:

@@ -173,6 +173,7 @@ def times(value: float, error: Error) -> str:
 def times_floor(value: float, floor: float) -> str:
     """Two digits of the ratio to the floor, without a power of ten."""
     ratio = value / floor
+    # From here on two digits would be written with a power of ten.
     if ratio >= 99.5:
         return plain(ratio, 2)
     return number(ratio, 2)
@@ -208,6 +209,7 @@ def nowhere(diagnosis: Diagnosis) -> str:
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
     """Leading effects that are neither ruled out nor hopeless; the best one in any case."""
+    # Evidence of minus infinity has an effect that could not be fitted.
     open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
     matter = [c for c in open_ones if c.verdict == "missing" or c.probability >= HOPELESS]
     return (matter or open_ones[:1] or list(diagnosis.candidates[:1]))[:most]

@@ -258,6 +258,7 @@ def _rankings(ladder: Ladder) -> Iterator[Html]:
     )
     for i, step in enumerate(ladder.steps):
         parts = [tag("summary", f"Step {i}: {step.model.name}"), *_ranking(step)]
+        # The first and the last are read, those between are looked up.
         if i == 0 or i + 1 == len(ladder.steps):
             yield tag("details", *parts, open="")
         else:

@@ -185,6 +185,7 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
 
 def _dot(dot: Dot, x: Scale, y: Scale) -> Iterator[Html]:
     across, down = float(_across(x, np.array(dot.x))), float(_down(y, np.array(dot.y)))
+    # Hollow where lines of this pen are dashed: colours alone are too few.
     inside = "white"
     if dot.pen.dashes == "none":
         inside = dot.pen.colour
@@ -284,6 +285,7 @@ def _band(line: Line, x: Scale, y: Scale) -> Html:
     if not shown.any():
         return Html("")
     across = _across(x, line.x[shown])
+    # An upper quartile without end stops at the frame.
     lower, upper = _down(y, low[shown]), _down(y, np.minimum(high[shown], y.high))
     ends = np.repeat(across, 2)[1:]
     there = [f"{a:.1f} {b:.1f}" for a, b in zip(ends, np.repeat(lower, 2)[:-1], strict=True)]
@@ -318,6 +320,7 @@ def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, in
     """
     bars = 7.0 * len(cliques) + 8.0
     height = ROW * len(rows) + 34.0
+    # An axis of one rank alone would have no length.
     axis = Scale("mean rank", 1.0, float(max(len(rows), 2)))
     inner = WIDTH - NAMES - bars - 12.0
     places = NAMES + inner * axis.place(np.array([[row.low, row.rank, row.high] for row in rows]))

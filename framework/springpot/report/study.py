@@ -279,6 +279,7 @@ def _heat(ranking: Ranking, i: int, j: int) -> Html:
     if i == j:
         return tag("td", "")
     chance = float(ranking.chances[i, j])
+    # At most about half opaque, so that the number in it can be read.
     strength = abs(chance - 0.5) * 1.1
     # Blue and vermilion, which the colour-blind tell apart (doi:10.1038/nmeth.1618).
     colour = "213,94,0"
@@ -358,6 +359,7 @@ def _repeat(findings: Findings) -> Iterator[Html]:
     facts = dict(findings.facts)
     yield tag("h2", "To repeat this")
     yield tag("pre", facts.pop("command", ""))
+    # The list of cells is for programs, and the name stands above.
     left_out = {"cells", "name"}
     rows = [(key, value) for key, value in sorted(facts.items()) if key not in left_out]
     yield tag("div", table(("what", "value"), rows), class_="scroll")

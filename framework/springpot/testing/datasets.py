@@ -75,6 +75,7 @@ def _loads(dataset: DataSet) -> Iterator[str]:
         return
     if dataset.remote:
         return
+    # Twice, as numbers that are drawn must come again.
     first, second = dataset.open(), dataset.open()
     if not isinstance(first, Measurement):
         yield f"it loads {first!r:.60}, which is no Measurement"

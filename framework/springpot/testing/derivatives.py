@@ -62,6 +62,7 @@ def derivative(function: Callable[[Any], Any], x: Real, reach: float = 0.01) -> 
     centre = function(x)
     columns = []
     for i in range(len(x)):
+        # A parameter of zero has no size to go by.
         radius = reach * (abs(x[i]) or 0.01)
         column = _around(function, x, i, radius, np.abs(centre))
         # What takes no complex numbers, or is not analytic, is told by real steps.
@@ -76,6 +77,7 @@ def _around(function: Callable[[Any], Any], x: Real, i: int, radius: float, size
         values = _along(function, x, i, radius * ROOTS)
     except (TypeError, ValueError):
         return None
+    # An analytic function does not change with the conjugate (Cauchy and Riemann).
     by_x, by_conjugate = (np.mean(values * turn, axis=-1) / radius for turn in (1 / ROOTS, ROOTS))
     analytic = np.all(np.abs(by_conjugate) < 1e-7 * (np.abs(by_x) + size))
     if not analytic:
@@ -89,6 +91,6 @@ def _difference(function: Callable[[Any], Any], x: Real, i: int, radius: float) 
 
 
 def _along(function: Callable[[Any], Any], x: Real, i: int, steps: Any) -> Any:
-    around = np.repeat(x[None].astype(complex if np.iscomplexobj(steps) else float), len(steps), axis=0)
+    around = np.repeat(x[None].astype(np.result_type(steps, float)), len(steps), axis=0)
     around[:, i] += steps
     return np.stack([function(point) for point in around], axis=-1)

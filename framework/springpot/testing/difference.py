@@ -55,6 +55,7 @@ def verdicts(pairs: Sequence[tuple[Real, Real]], level: float = LEVEL, factor: f
     """
     count = max(len(pairs), 1)
     tested = [smallest_chance(len(before), len(after)) * count < level for before, after in pairs]
+    # Grown by the factor beforehand, so that a rise which is smaller is none.
     rises = _adjusted(pairs, tested, lambda before, after: chance(before * factor, after))
     falls = _adjusted(pairs, tested, lambda before, after: chance(after * factor, before))
     found = []
@@ -118,4 +119,5 @@ def interval(values: Real, level: float) -> tuple[float, float]:
     # A trial that missed costs more than any number, so that there is no upper end.
     if len(finite) < len(values):
         return exp(centre - half), inf
+    # Beyond 700 an exponential is no number.
     return exp(centre - half), exp(min(centre + half, 700.0))

@@ -100,6 +100,7 @@ def _search(model: Model) -> Iterator[str]:
     if form is None:
         return
     x = sample(form.parameters, np.random.default_rng(SEED), (4,))
+    # Search points keep the order of the form, as they do wherever one is searched.
     if form.ordered:
         x[:, list(form.ordered)] = np.sort(x[:, list(form.ordered)], axis=-1)
     if not np.allclose(form.from_elements(form.to_elements(x)), x, rtol=1e-8):

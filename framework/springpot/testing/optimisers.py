@@ -75,6 +75,7 @@ class _Watched(Problem):
 
     def watch(self, watcher: Callable[[Real], None]) -> _Watched:
         """Let `watcher` see the points (m, d) from now on."""
+        # A problem is frozen, and its watcher is no part of it.
         self.__dict__["watcher"] = watcher
         return self
 
@@ -165,6 +166,7 @@ def _box(optimiser: Optimiser) -> Iterator[str]:
 def _improves(optimiser: Optimiser) -> Iterator[str]:
     problem = sample_problem()
     centre = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
+    # Of three, as one run of a search by chance may be unlucky.
     best = min(_run(optimiser, LONG, seed).best for seed in (1, 2, 3))
     if not best < BETTER * centre:
         yield f"the best of three runs of {LONG} evaluations is {best / centre:.2g} of the value at the box's centre"

@@ -203,6 +203,7 @@ def _fresh(study: Study | str | Path, out: Path, workers: int | None, seed: int 
             yield store
         return
     with TemporaryDirectory(prefix="springpot-") as scratch:
+        # Workers load the script as it stands: what differs from it runs here.
         if isinstance(study, Study) or seed is not None:
             declared = _declared(study)
             if seed is not None:

@@ -110,6 +110,7 @@ def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         expected = (len(test), len(THETA) + len(effect.parameters))
         if found.value.shape != expected[:1] or found.by_theta.shape != expected:
             yield f"in a {test.kind} test shapes are {found.value.shape} and {found.by_theta.shape}, not {expected}"
+        # Without the first sample: at the instant of a step the response may be endless.
         if not (np.all(np.isfinite(found.value[1:])) and np.all(np.isfinite(found.by_theta[1:]))):
             yield f"in a {test.kind} test something is no number"
 
@@ -118,6 +119,7 @@ def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
     model = Timed(MODEL, (effect,))
     for test in tests:
         theta = _theta(effect, test)
+        # Closer than usual, or differences this small would show the tolerance.
         slopes = recorded(model, theta, test, tolerance=1e-9).by_theta
         for i, name in enumerate(model.names):
             step = STEP * max(abs(theta[i]), STEP)
@@ -153,7 +155,10 @@ def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
         if not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() > 1e-4 * size:
             yield f"in a {test.kind} test it changes nothing at a size that is tried"
         tried = abs(theta[n])
-        theta[n] = tried / NEARLY if np.isinf(effect.absent_at) else effect.absent_at + NEARLY * tried
+        if np.isinf(effect.absent_at):
+            theta[n] = tried / NEARLY
+        else:
+            theta[n] = effect.absent_at + NEARLY * tried
         left = np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() / size
         if not left < GONE:
             yield (
