@@ -68,4 +68,4 @@ def test_words_on_the_material_agree_with_the_errors_beside_them(left, says):
     base = SimpleNamespace(model=springpot.parse_model("kelvin"), rss=72.0 + left, fit=SimpleNamespace(dof=72))
     refit = SimpleNamespace(rss=72.0, fit=SimpleNamespace(dof=72), floor=0.1)
     floor = SimpleNamespace(refit=refit, relative_rms=0.21, chance=1e-4)
-    assert says in split_in_words(base, floor, alarm=0.01)
+    assert says in split_in_words(base, floor)

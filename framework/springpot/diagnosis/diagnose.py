@@ -246,7 +246,7 @@ def _answer(
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
-            split = split_in_words(search.base, floor, VERDICT.structure_alarm)
+            split = split_in_words(search.base, floor)
         classes = evidence.classes
         experiment = _next_experiment(evidence)
     told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]

@@ -75,80 +75,81 @@ class Action:
 
 def actions(measurement: Measurement) -> Iterator[Action]:
     """What could be measured next, the cheap things first."""
-    yield Action(
-        "repeat the same measurement four times",
-        measurement.points,
-        2.0,
-        1.0,
-        DENSER,
-        action={"repeats": [4.0]},
-    )
+    again = "repeat the same measurement four times"
+    yield Action(again, measurement.points, 2.0, repeats=DENSER, action={"repeats": [4.0]})
     yield from _frequencies(measurement)
     yield from _amplitudes(measurement)
     yield from _temperatures(measurement)
     yield from _specimens(measurement)
 
 
+def _sweep(says: str, measurement: Measurement, omega: Real, effort: float) -> Action:
+    """A sweep of frequencies under the middle conditions of the data."""
+    at = measurement.points
+    middle = [None if c is None else np.full(len(omega), np.median(c)) for c in (at.amplitude, at.temperature)]
+    points = Points(np.log(omega), middle[0], middle[1], at.reference_temperature)
+    return Action(says, points, effort, action={"omega": omega.tolist()})
+
+
 def _usual(measurement: Measurement) -> Real:
-    """A sweep over the range of the data, in rad/s."""
+    """Frequencies over the range of the data, in rad/s."""
     return np.geomspace(measurement.omega.min(), measurement.omega.max(), POINTS)
 
 
 def _frequencies(measurement: Measurement) -> Iterator[Action]:
-    typical, omega = _typical(measurement), _usual(measurement)
-    clock, distinct = measurement.units, len(distinct_log_omega(measurement))
+    omega, clock, distinct = _usual(measurement), measurement.units, len(distinct_log_omega(measurement))
     hertz = omega / (2.0 * np.pi)
     if distinct == 1:
         new = np.geomspace(0.1, 10.0, POINTS) * omega[0]
         band = _range(0.1 * hertz[0], 10.0 * hertz[0], clock)
-        says = f"measure a sweep of frequencies: {POINTS} points {band}"
-        yield Action(says, _at(new, typical), 1.5, action=_omega(new))
+        yield _sweep(f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, 1.5)
         return
     for factor, word in ((10.0, "up"), (0.1, "down")):
         band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
         says = f"extend the frequencies {word}wards: {POINTS} points {band}"
-        yield Action(says, _at(omega * factor, typical), 1.5, action=_omega(omega * factor))
+        yield _sweep(says, measurement, omega * factor, 1.5)
     count = min(DENSER * distinct, MOST_POINTS)
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
     says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1], clock)}"
-    yield Action(says, _at(dense, typical), 1.0 + count / (DENSER * POINTS), action=_omega(dense))
+    yield _sweep(says, measurement, dense, 1.0 + count / (DENSER * POINTS))
 
 
 def _amplitudes(measurement: Measurement) -> Iterator[Action]:
-    amplitude, omega = measurement.conditions.get("amplitude"), _usual(measurement)
+    amplitude = measurement.conditions.get("amplitude")
     if amplitude is None:
         return
-    largest, least = float(amplitude.max()), float(amplitude.min())
     unit = ""
     if measurement.units.amplitude != "-":
         unit = f" {measurement.units.amplitude}"
     # Three times beyond what was measured: nonlinear effects go with a power of the amplitude, and show there.
-    for new in (3.0 * largest, least / 3.0):
-        where = replace(_at(omega, _typical(measurement)), amplitude=np.full(POINTS, new))
+    for new in (3.0 * float(amplitude.max()), float(amplitude.min()) / 3.0):
         says = f"measure {POINTS} points at the amplitude {new:.3g}{unit}"
-        yield Action(says, where, 1.0, action=_omega(omega) | {"amplitude": [new]})
+        swept = _sweep(says, measurement, _usual(measurement), 1.0)
+        points = replace(swept.points, amplitude=np.full(POINTS, new))
+        yield replace(swept, points=points, action=swept.action | {"amplitude": [new]})
 
 
 def _temperatures(measurement: Measurement) -> Iterator[Action]:
-    temperature, omega = measurement.conditions.get("temperature"), _usual(measurement)
+    temperature = measurement.conditions.get("temperature")
     if temperature is None:
         return
     step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
     for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
-        where = replace(_at(omega, _typical(measurement)), temperature=np.full(POINTS, new + KELVIN))
-        says = f"measure {POINTS} points at {new:.3g} degC"
-        yield Action(says, where, 1.5, action=_omega(omega) | {"temperature": [new]})
+        swept = _sweep(f"measure {POINTS} points at {new:.3g} degC", measurement, _usual(measurement), 1.5)
+        points = replace(swept.points, temperature=np.full(POINTS, new + KELVIN))
+        yield replace(swept, points=points, action=swept.action | {"temperature": [new]})
 
 
 def _specimens(measurement: Measurement) -> Iterator[Action]:
     omega = _usual(measurement)
-    at = _at(omega, _typical(measurement))
     says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
-    yield Action(says, at, 2.0, 2.0, action=_omega(omega) | {"specimen": [2.0]})
-    says = f"measure the rig without a specimen, at {POINTS} points"
-    yield Action(says, at, 1.5, 0.0, action=_omega(omega) | {"specimen": [0.0]})
+    larger = _sweep(says, measurement, omega, 2.0)
+    yield replace(larger, scale=2.0, action=larger.action | {"specimen": [2.0]})
+    without = _sweep(f"measure the rig without a specimen, at {POINTS} points", measurement, omega, 1.5)
+    without = replace(without, scale=0.0, action=without.action | {"specimen": [0.0]})
+    yield without
     factor, unit = measurement.units.of(INERTANCE)
     if unit != "kg":  # a mass cannot take the place of a modulus or of a torsional stiffness
         return
@@ -156,29 +157,12 @@ def _specimens(measurement: Measurement) -> Iterator[Action]:
     mass = float(np.median(measurement.magnitude)) / float(omega[-1]) ** 2
     about = f"a known mass of about {factor * mass:.2g} kg"
     says = f"measure {about} in place of the specimen, at {POINTS} points"
-    known = {"specimen": [0.0], "mass": [factor * mass]}
-    yield Action(says, at, 1.5, 0.0, mass=mass, action=_omega(omega) | known)
+    yield replace(without, says=says, mass=mass, action=without.action | {"mass": [factor * mass]})
 
 
 def _range(low: float, high: float, units: Units) -> str:
     """Frequencies in Hz, as the data tell them."""
     return f"from {plain(units.on_clock(low))} to {plain(units.on_clock(high))} {units.clock}"
-
-
-def _omega(omega: Real) -> dict[str, list[float]]:
-    return {"omega": omega.tolist()}
-
-
-def _typical(measurement: Measurement) -> Points:
-    """Middle conditions of the data."""
-    at = measurement.points
-    middle = [None if c is None else np.array([float(np.median(c))]) for c in (at.amplitude, at.temperature)]
-    return Points(np.zeros(1), middle[0], middle[1], at.reference_temperature)
-
-
-def _at(omega: Real, typical: Points) -> Points:
-    columns = [None if c is None else np.full(len(omega), c[0]) for c in (typical.amplitude, typical.temperature)]
-    return Points(np.log(omega), columns[0], columns[1], typical.reference_temperature)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from springpot.distributions import normal_quantile
-from springpot.measurement import (
-    distinct_log_omega,
-    sweeps_of,
-    temperatures_differ,
-)
+from springpot.measurement import distinct_log_omega, sweeps_of, temperatures_differ
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
@@ -23,6 +19,8 @@ from .policy import LEFTOVER, VERDICT
 from .refit import Refit
 from .result import plain
 from .where import where
+
+Rows: TypeAlias = NDArray[np.int64]
 
 LEAST_SHIFT = 0.7
 """Range of ln a_T below which fixed and moving cannot be told apart."""
@@ -36,15 +34,15 @@ MOST_BESIDE = 25
 """Bumps beyond each end of the data at most."""
 MOST_STEPS = 60
 """Steps along the frequency at most."""
-Rows: TypeAlias = NDArray[np.int64]
-
-
 WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)
 """Widths of the bumps in steps of the measured frequencies."""
-
-
 SIZES = np.geomspace(1e-2, 1e2, 17)
 """Sizes of the bumps in sizes of the residual."""
+PATTERNS = {
+    "fixed": "it stays at the same frequencies at all temperatures, as faults of an instrument do",
+    "moving": "it moves along the frequency with temperature as the material does",
+    "": "",
+}
 
 
 def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
@@ -122,13 +120,6 @@ def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
     along = (directions[:, kept].T @ (columns.T @ values)) ** 2 / power
     gain = power * sizes[:, None] ** 2
     return np.asarray(0.5 * np.sum(gain / (1.0 + gain) * along - np.log1p(gain), axis=1), dtype=np.float64)
-
-
-PATTERNS = {
-    "fixed": "it stays at the same frequencies at all temperatures, as faults of an instrument do",
-    "moving": "it moves along the frequency with temperature as the material does",
-    "": "",
-}
 
 
 @dataclass(frozen=True)
@@ -210,18 +201,13 @@ def _basis_without(basis: Real, other: Real) -> Real:
     return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
 
 
-def _relative(frame: Frame, shapes: Complex) -> Real:
-    """Relative changes of K (m, n), whitened, as columns (2n, m)."""
-    return frame.whiten(shapes * frame.model_stiffness).T
-
-
 def _curve(frame: Frame, x: Real) -> Real:
     """Basis (2n, q) of any one curve along x, in size and phase of K."""
     step = step_of(frame)
     knots = x.min() + step * np.arange(-3, np.ptp(x) / step + 5.0)
     splines = BSpline.design_matrix(x, knots, 3).toarray().T
     splines = splines[np.sum(splines, axis=1) > 0.1]
-    return frame.beyond(_relative(frame, np.concatenate([splines, 1j * splines])), LEAST_SEEN)
+    return frame.beyond(frame.relative(splines), LEAST_SEEN)
 
 
 def _pattern(frame: Frame, log_shift: Real | None) -> str:

@@ -64,15 +64,6 @@ def any_material() -> Model:
     return Model(NAME, Continuum(), "any linear passive material")
 
 
-def of_any_material(base: Refit) -> Refit:
-    """The fit of any material in the place of a model's own, its effects fitted anew."""
-    if is_material(base.model):
-        return base
-    free = replace(any_material(), effects=base.model.effects)
-    seed = base.theta[len(base.model.material.parameters) :]
-    return refit(free, base.data, base.noise, [seed])
-
-
 def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     """The least error that any material reaches in the place of a model's own, its effects fitted anew.
 
@@ -83,7 +74,11 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     rng : numpy.random.Generator
         For simulated noise.
     """
-    found = of_any_material(base)
+    found = base
+    if not is_material(base.model):
+        free = replace(any_material(), effects=base.model.effects)
+        seed = base.theta[len(base.model.material.parameters) :]
+        found = refit(free, base.data, base.noise, [seed])
     return MaterialFloor(found, battery(found.frame(), rng))
 
 
@@ -93,7 +88,7 @@ def error_of(base: Refit, floor: MaterialFloor) -> Error:
     return Error(base.relative_rms, base.floor, noise.source, noise.doubt, floor.relative_rms, floor.chance)
 
 
-def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
+def split_in_words(base: Refit, floor: MaterialFloor) -> str:
     """What the third line says of a model that fails; nothing where it is the material itself.
 
     Parameters
@@ -102,8 +97,6 @@ def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
         The model.
     floor : MaterialFloor
         What any material reaches.
-    alarm : float
-        Chance of noise below which something is held to be left.
     """
     if is_material(base.model):
         return ""
@@ -111,11 +104,12 @@ def split_in_words(base: Refit, floor: MaterialFloor, alarm: float) -> str:
     misfit, left = max(base.rss - spare, 0.0), max(floor.refit.rss - floor.refit.fit.dof, 0.0)
     could = f"a material could be at {percent(floor.relative_rms)}"
     beside = f" ({times(floor.relative_rms / floor.refit.floor)} the noise floor)"
+    something_left = floor.chance < VERDICT.structure_alarm
     # Where the noise was estimated from this very fit, both are zero, and no material comes nearer.
-    if left > VERDICT.mostly * misfit or (misfit == 0.0 and floor.chance < alarm):
+    if left > VERDICT.mostly * misfit or (misfit == 0.0 and something_left):
         would = f"any linear material would be {percent(floor.relative_rms)} off"
         return f"{would}: what is missing is no part of the material"
-    if floor.chance >= alarm:
+    if not something_left:
         return f"{could}: a spring, dashpot, springpot or mode is missing, or an effect that looks like one"
     if left > (1.0 - VERDICT.mostly) * misfit:
         return f"{could}{beside}: a part of the material is missing, and something that is no part of it"

@@ -17,6 +17,7 @@ from .frame import Frame
 from .policy import OUTLIERS
 from .refit import Refit
 from .result import Where, plain
+from .where import with_unit
 
 FEWEST_POINTS = 12
 """Points below which none can be held to stand out."""
@@ -84,12 +85,11 @@ class Outlier:
 
 def point_in_words(measurement: Measurement, row: int) -> str:
     """Where a point was measured: ``50 Hz`` or, where conditions vary, ``50 Hz, 20 degC, 0.5 mm``."""
-    units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
     words = [measurement.units.at(float(measurement.frequency[row]))]
-    for name, unit in units.items():
+    for name in ("temperature", "amplitude"):
         column = measurement.conditions.get(name)
         if column is not None and len(np.unique(measurement.levels(name))) > 1:
-            words.append(f"{column[row]:.3g} {unit}".removesuffix(" -"))
+            words.append(with_unit(measurement, name, float(column[row])))
     return ", ".join(words)
 
 

@@ -20,6 +20,9 @@ from scipy.optimize import brentq
 from springpot.distributions import chi2_quantile
 from springpot.rheology import Real
 
+Rows: TypeAlias = NDArray[np.int64]
+Span: TypeAlias = tuple[int, int]
+
 MOST_BLOCKS = 12
 """Blocks taken out at most."""
 WHOLE = 0.8
@@ -31,10 +34,6 @@ FEW = 12000
 few points tell their own noise."""
 SCALES = 2000
 """Values of the scale of the noise for which the chance of a residual is averaged."""
-Rows: TypeAlias = NDArray[np.int64]
-
-
-Span: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)

@@ -108,15 +108,12 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     full[:, new] = grid
     with np.errstate(all="ignore"):  # settings beyond what floating-point numbers hold are left out below
         with_effect = model.fixed_at(theta) + effect
-        change = _finite(with_effect.network.respond(grid, measurement.points).value - stiffness)
+        change = with_effect.network.respond(grid, measurement.points).value - stiffness
+        change = np.where(np.isfinite(change), change, np.nan)
     relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
     usable = np.isfinite(relative) & (relative > 1e-7)
     names = tuple(parameter.name for parameter in added)
     return Influence(effect, grown, full[usable], change[usable], relative[usable], names)
-
-
-def _finite(values: Complex) -> Complex:
-    return np.where(np.isfinite(values), values, np.nan)
 
 
 @dataclass(frozen=True, eq=False)

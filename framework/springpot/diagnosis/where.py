@@ -24,6 +24,13 @@ SWEPT = 10.0
 """Span, in units of how nearly a rig holds a value, from which close values are a sweep, not a drift."""
 AMPLITUDE_POWERS = {-2.0: "falling as 1/amplitude^2", -1.0: "falling as 1/amplitude", 1.0: "growing as amplitude",
           2.0: "growing as amplitude^2"}  # fmt: skip
+EVERYWHERE = "at all frequencies"
+LEVEL = "level along frequency"
+FREQUENCY_POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
+          0.0: LEVEL, 0.5: "growing slowly with frequency", 1.0: "growing as omega",
+          2.0: "growing as omega^2"}  # fmt: skip
+PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
+"""Planes in which a residual is read at each point by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,21 +163,6 @@ def _power(amplitude: Real, residual: Real) -> str:
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
     power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
     return AMPLITUDE_POWERS[power] if abs(power - slope) < WHERE.close_power else ""
-
-
-EVERYWHERE = "at all frequencies"
-
-
-LEVEL = "level along frequency"
-
-
-FREQUENCY_POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0.5: "falling slowly with frequency",
-          0.0: LEVEL, 0.5: "growing slowly with frequency", 1.0: "growing as omega",
-          2.0: "growing as omega^2"}  # fmt: skip
-
-
-PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
-"""Planes in which a residual is read at each point by itself."""
 
 
 def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
