@@ -23,6 +23,15 @@ from .policy import EXPERIMENT
 from .refit import Refit
 from .result import NextExperiment, plain
 
+TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
+"""Effort of an amplitude, which is a number; of frequencies, a temperature or an empty rig, which take a while; of a
+specimen that must be made, or of several repeats."""
+FARTHER = 10.0
+"""Factor by which the frequencies are extended: a decade is what a rig has to spare, if anything."""
+STRONGER = 3.0
+"""Factor by which amplitudes go beyond what was measured: nonlinear effects go with a power of it, and show there."""
+ENOUGH = 3.0
+"""Times the separation that settles the matter beyond which more is worth nothing."""
 POINTS = 20
 """Points of a new sweep."""
 DENSER = 4
@@ -76,7 +85,7 @@ class Action:
 def actions(measurement: Measurement) -> Iterator[Action]:
     """What could be measured next, the cheap things first."""
     again = "repeat the same measurement four times"
-    yield Action(again, measurement.points, 2.0, repeats=DENSER, action={"repeats": [4.0]})
+    yield Action(again, measurement.points, WORKED_FOR, repeats=DENSER, action={"repeats": [4.0]})
     yield from _frequencies(measurement)
     yield from _amplitudes(measurement)
     yield from _temperatures(measurement)
@@ -100,20 +109,20 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
     omega, clock, distinct = _usual(measurement), measurement.units, len(distinct_log_omega(measurement))
     hertz = omega / (2.0 * np.pi)
     if distinct == 1:
-        new = np.geomspace(0.1, 10.0, POINTS) * omega[0]
-        band = _range(0.1 * hertz[0], 10.0 * hertz[0], clock)
-        yield _sweep(f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, 1.5)
+        new = np.geomspace(1.0 / FARTHER, FARTHER, POINTS) * omega[0]
+        band = _range(1.0 / FARTHER * hertz[0], FARTHER * hertz[0], clock)
+        yield _sweep(f"measure a sweep of frequencies: {POINTS} points {band}", measurement, new, WAITED_FOR)
         return
-    for factor, word in ((10.0, "up"), (0.1, "down")):
+    for factor, word in ((FARTHER, "up"), (1.0 / FARTHER, "down")):
         band = _range(hertz[0] * factor, hertz[-1] * factor, clock)
         says = f"extend the frequencies {word}wards: {POINTS} points {band}"
-        yield _sweep(says, measurement, omega * factor, 1.5)
+        yield _sweep(says, measurement, omega * factor, WAITED_FOR)
     count = min(DENSER * distinct, MOST_POINTS)
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
     says = f"measure the same frequencies more densely: {count} points {_range(hertz[0], hertz[-1], clock)}"
-    yield _sweep(says, measurement, dense, 1.0 + count / (DENSER * POINTS))
+    yield _sweep(says, measurement, dense, TYPED_IN + count / (DENSER * POINTS))
 
 
 def _amplitudes(measurement: Measurement) -> Iterator[Action]:
@@ -123,10 +132,9 @@ def _amplitudes(measurement: Measurement) -> Iterator[Action]:
     unit = ""
     if measurement.units.amplitude != "-":
         unit = f" {measurement.units.amplitude}"
-    # Three times beyond what was measured: nonlinear effects go with a power of the amplitude, and show there.
-    for new in (3.0 * float(amplitude.max()), float(amplitude.min()) / 3.0):
+    for new in (STRONGER * float(amplitude.max()), float(amplitude.min()) / STRONGER):
         says = f"measure {POINTS} points at the amplitude {new:.3g}{unit}"
-        swept = _sweep(says, measurement, _usual(measurement), 1.0)
+        swept = _sweep(says, measurement, _usual(measurement), TYPED_IN)
         points = replace(swept.points, amplitude=np.full(POINTS, new))
         yield replace(swept, points=points, action=swept.action | {"amplitude": [new]})
 
@@ -137,7 +145,7 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
         return
     step = float(np.clip(0.5 * np.ptp(temperature), *STEPS))
     for new in (float(temperature.max()) + step, max(float(temperature.min()) - step, COLDEST)):
-        swept = _sweep(f"measure {POINTS} points at {new:.3g} degC", measurement, _usual(measurement), 1.5)
+        swept = _sweep(f"measure {POINTS} points at {new:.3g} degC", measurement, _usual(measurement), WAITED_FOR)
         points = replace(swept.points, temperature=np.full(POINTS, new + KELVIN))
         yield replace(swept, points=points, action=swept.action | {"temperature": [new]})
 
@@ -145,9 +153,9 @@ def _temperatures(measurement: Measurement) -> Iterator[Action]:
 def _specimens(measurement: Measurement) -> Iterator[Action]:
     omega = _usual(measurement)
     says = f"measure a specimen of twice the area, in the same rig, at {POINTS} points"
-    larger = _sweep(says, measurement, omega, 2.0)
+    larger = _sweep(says, measurement, omega, WORKED_FOR)
     yield replace(larger, scale=2.0, action=larger.action | {"specimen": [2.0]})
-    without = _sweep(f"measure the rig without a specimen, at {POINTS} points", measurement, omega, 1.5)
+    without = _sweep(f"measure the rig without a specimen, at {POINTS} points", measurement, omega, WAITED_FOR)
     without = replace(without, scale=0.0, action=without.action | {"specimen": [0.0]})
     yield without
     factor, unit = measurement.units.of(INERTANCE)
@@ -324,7 +332,7 @@ def _expected(shares: Pair, sigmas: Pair) -> float:
 
 def _enough(sigma: float) -> float:
     """More than enough separation is worth no more."""
-    return min(sigma, 3.0 * EXPERIMENT.settled)
+    return min(sigma, ENOUGH * EXPERIMENT.settled)
 
 
 def separation(shares: Pair, sigmas: Pair) -> float:

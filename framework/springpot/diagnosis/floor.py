@@ -34,6 +34,18 @@ from .frame import LEAST_SEEN, Frame, drift_shapes, orthonormal, spectrum, waves
 from .policy import SCATTER
 from .refit import Refit, refit
 
+STARTS = 16
+"""Starts of a first fit, of whose parameters nothing is known."""
+STARTS_AGAIN = 8
+"""Starts beside the fit before, in units of another noise: where it is smaller, another minimum may be the least."""
+STARTS_RESCALED = 4
+"""The same where all of the noise was multiplied by one number, which leaves the minima where they are."""
+STARTS_OF_A_ROUND = 2
+"""The same where it only changed its shape."""
+MOST_TURNS = 10
+"""Times that the points which stand out are found anew; nearly all settle in three."""
+FINE = 41
+"""Periods tried between the neighbours of the strongest one."""
 MOST_RIPPLES = 2
 """Periods that are taken out of the scatter; a third could follow noise."""
 SLOWEST_RIPPLE = 16.0
@@ -75,24 +87,24 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
     data = average_repeats(measurement)
     repeated = noise_of_repeats(data)
     if repeated is not None:
-        return refit(model, data, repeated, seeds, starts=16)
+        return refit(model, data, repeated, seeds, starts=STARTS)
     if data.mean.sd is None:
         return _estimated(model, data, seeds)
     return _given(model, data, data.mean.sd, seeds)
 
 
 def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
-    first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=16)
+    first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=STARTS)
     noise = checked_noise(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
         return first
-    return refit(model, data, noise, [first.theta], starts=4)
+    return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
 
 
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"
-    return refit(base.model, base.data, Noise(base.data.mean.sd, inf, "given"), [base.theta], starts=8)
+    return refit(base.model, base.data, Noise(base.data.mean.sd, inf, "given"), [base.theta], starts=STARTS_AGAIN)
 
 
 def borne_out(best: Refit) -> bool:
@@ -103,7 +115,7 @@ def borne_out(best: Refit) -> bool:
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
-    found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=16)
+    found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
     free, inside = found, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
@@ -114,12 +126,12 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
 
 def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
     """The fit in units of a noise of this shape and of the size that the scatter gives it; see `undragged`."""
-    shaped = refit(model, data, shape, [before.theta], starts=2)
+    shaped = refit(model, data, shape, [before.theta], starts=STARTS_OF_A_ROUND)
     free, inside = undragged(shaped)
     variance, dof = scatter_about(free.frame())
     sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
     noise = replace(shape, sd=sd, dof=dof)
-    return refit(model, data, noise, [shaped.theta], starts=2), free, inside
+    return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
 
 
 def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
@@ -164,7 +176,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
     if base.data.floor(noise) > SCATTER.sharper * base.data.floor(base.noise):
         return None
-    return refit(base.model, base.data, noise, [base.theta], starts=8)
+    return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 
 
 def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) -> Iterator[Noise]:
@@ -287,7 +299,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     chance = longest * float(gamma_sf(power[peak] / mean, lines))
     if chance > SCATTER.ripple_alarm:
         return 0.0
-    fine = np.linspace(peak - 1.0, peak + 1.0, 41)[1:-1]
+    fine = np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
     tried = [float(np.sum((orthonormal(frame.relative(waves(frame.measurement, 2.0 * longest / x))).T @ left) ** 2))
              for x in fine]  # fmt: skip
     return 2.0 * longest / float(fine[int(np.argmax(tried))])
@@ -318,7 +330,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
     kept = np.ones(len(count), dtype=bool)
     if first is not None:
         kept[group[: len(omega)][~first]] = False
-    for turn in range(10):
+    for turn in range(MOST_TURNS):
         rows = kept[group]
         left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
         found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))

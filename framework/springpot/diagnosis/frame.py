@@ -76,6 +76,7 @@ def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
     """Legendre polynomials along each sweep, up to a degree, shape (m, n), zero outside their sweep."""
     shapes: list[Real] = []
     for rows, x in sweeps_of(measurement):
+        # Three points for each polynomial: fewer would let them follow the noise.
         degree = min(highest, max(0, len(np.unique(x)) // 3 - 1))
         span = float(np.ptp(x))
         x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))

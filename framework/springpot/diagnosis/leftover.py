@@ -36,6 +36,8 @@ MOST_STEPS = 60
 """Steps along the frequency at most."""
 WIDTHS = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0)
 """Widths of the bumps in steps of the measured frequencies."""
+RESONANCES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+"""Widths of narrow resonances in the same steps: a wider one is seen at several points."""
 SIZES = np.geomspace(1e-2, 1e2, 17)
 """Sizes of the bumps in sizes of the residual."""
 PATTERNS = {
@@ -271,7 +273,7 @@ def _with_resonance(frame: Frame, x: Real) -> Frame:
     """The frame of a model that has one resonance more: too narrow for the points, it would not look causal."""
     step, best, most = step_of(frame), np.zeros((0, len(x)), dtype=np.complex128), 0.0
     for pole in np.arange(x.min() - step, x.max() + step, step / NARROW):
-        for width in step * np.array([0.02, 0.05, 0.1, 0.2, 0.4, 0.8]):
+        for width in step * np.array(RESONANCES):
             at = 1j * np.exp(x - pole)
             shape = frame.model_stiffness / (1.0 + 2.0 * width * at + at**2)
             shapes = np.array([shape, at * shape])

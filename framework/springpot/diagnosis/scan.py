@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification import Window, settings
-from springpot.measurement import Measurement
+from springpot.measurement import LEAST_RELATIVE, Measurement
 from springpot.rheology import Complex, Effect, Model, Real
 
 from .frame import DRAWN, LEAST_SEEN, Frame, near_an_alarm
@@ -111,7 +111,7 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
         change = with_effect.network.respond(grid, measurement.points).value - stiffness
         change = np.where(np.isfinite(change), change, np.nan)
     relative = np.sqrt(np.mean(np.abs(change / stiffness) ** 2, axis=-1))
-    usable = np.isfinite(relative) & (relative > 1e-7)
+    usable = np.isfinite(relative) & (relative > LEAST_RELATIVE)
     names = tuple(parameter.name for parameter in added)
     return Influence(effect, grown, full[usable], change[usable], relative[usable], names)
 

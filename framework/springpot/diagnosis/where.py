@@ -16,6 +16,16 @@ from .policy import WHERE
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
 from .result import Where, plain
 
+SAME = 1.001
+"""Ratio up to which frequencies are one: instruments set them to a part in a thousand."""
+WIDE = 0.7
+"""Range of ln omega, a factor of two, from which it is told how a misfit changes along it."""
+FEWEST_OF_A_LAW = 4
+"""Points from which a power is told."""
+AMPLITUDES = 3.0
+"""Largest over smallest amplitude from which a power of it is told."""
+STEADY = 0.5
+"""Correlation with the number of the level from which a misfit is said to grow or to fall."""
 BANDS = (24, 12, 6)
 """Intervals at most along each of one, two or three axes, when the place of a misfit is sought."""
 MOST = 5
@@ -140,7 +150,7 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     if name == "amplitude" and not _some(measurement, name, rows):
         law = _power(at, np.bincount(level, part.residual[rows]) / count)
     rank = float(np.corrcoef(np.arange(len(size)), size)[0, 1])
-    if not law and abs(rank) < 0.5:
+    if not law and abs(rank) < STEADY:
         return f"varying with {name}"
     ends = ", ".join(f"{plain(100 * size[i], 2)} % at {with_unit(measurement, name, float(at[i]))}" for i in (0, -1))
     trend = f"smaller at higher {name}s"
@@ -158,7 +168,9 @@ def _some(measurement: Measurement, name: str, rows: Rows) -> bool:
 def _power(amplitude: Real, residual: Real) -> str:
     """The law by which a residual changes with the amplitude, where there are levels enough to say."""
     same = residual * np.sign(np.sum(residual)) > 0
-    if len(amplitude) < 4 or not np.all(same) or amplitude[-1] < 3.0 * amplitude[0] or amplitude[0] <= 0:
+    if len(amplitude) < FEWEST_OF_A_LAW or not np.all(same):
+        return ""
+    if amplitude[0] <= 0 or amplitude[-1] < AMPLITUDES * amplitude[0]:
         return ""
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
     power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
@@ -298,13 +310,13 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
 
 def _range(low: float, high: float, frequency: Real, units: Units) -> str:
     least, most = float(frequency.min()), float(frequency.max())
-    if most <= least * 1.001:
+    if most <= least * SAME:
         return f"at {units.at(low)}"
-    if low <= least * 1.001 and high >= most / 1.001:
+    if low <= least * SAME and high >= most / SAME:
         return EVERYWHERE
-    if low <= least * 1.001:
+    if low <= least * SAME:
         return f"below {units.at(high)}"
-    if high >= most / 1.001:
+    if high >= most / SAME:
         return f"above {units.at(low)}"
     if units.at(low) == units.at(high):
         return f"at {units.at(low)}"
@@ -314,11 +326,11 @@ def _range(low: float, high: float, frequency: Real, units: Units) -> str:
 def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
-    if np.ptp(np.log(omega)) < 0.7 or len(rows) < 4:
+    if np.ptp(np.log(omega)) < WIDE or len(rows) < FEWEST_OF_A_LAW:
         return ""
     sign = np.sign(np.sum(part.residual[rows]))
     kept = sign * part.residual[rows] > 0
-    if np.sum(kept) < 4:
+    if np.sum(kept) < FEWEST_OF_A_LAW:
         return ""
     slope = float(np.polyfit(np.log(omega[kept]), np.log(np.abs(part.residual[rows][kept])), 1)[0])
     return FREQUENCY_POWERS[min(FREQUENCY_POWERS, key=lambda power: abs(power - slope))]
