@@ -94,6 +94,7 @@ def command(
     if expression is not None:
         # Only now: effects of time alone are refused for a sweep.
         judged = for_sweeps(expression)
+    # Before `known_from`, which takes the options out.
     again = again_with(data, model, accept, auto, seed, geometry, options)
     ladder, code = _climbed(
         measurement, judged, accept=_accepted(accept, auto, plugins().effect), seed=seed or 0, **known_from(options)

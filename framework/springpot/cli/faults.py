@@ -12,6 +12,7 @@ import click
 from springpot.errors import SpringpotError
 from springpot.plain import plain_streams
 
+# The last two as shells have them: 128 and the number of the signal.
 BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 TRACEBACK = "SPRINGPOT_TRACEBACK"
 

@@ -54,6 +54,7 @@ def command(
     from springpot.timetests import Known
 
     if figure is not None:
+        # A path that cannot be written is told before anything is worked out.
         check_figure_path(figure)
     if [frequency, omega, history].count(None) != 2:
         advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
@@ -114,6 +115,7 @@ def show(predicted: Prediction) -> None:
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
     band = f"{100.0 * predicted.level:g} % band"
     headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
+    # The second band has a blank behind it, as two columns of one name would be one.
     headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} "]
     rows = []
     for i in range(len(predicted)):

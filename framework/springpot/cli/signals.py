@@ -41,6 +41,7 @@ def command(
     from springpot.registry import signals_to_measurement, write_measurement
 
     if output is not None:
+        # A path that cannot be written is told before long records are read.
         require_writable(output)
     omega = None
     if frequency is not None:

@@ -69,6 +69,7 @@ def search_parameters(found: Estimate) -> dict[str, Value]:
         log = np.array([p.scale == "log" for p in form.parameters])
         bounds = np.array([p.lower for p in form.parameters]), np.array([p.upper for p in form.parameters])
         low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
+        # A slope tells nothing of a step away from a bound: there the ends themselves are carried over.
         for moved in _at_ends(found, q):
             other = np.nan_to_num(form.from_elements(moved), nan=np.inf)
             low, high = np.fmax(np.fmin(low, other), bounds[0]), np.fmin(np.fmax(high, other), bounds[1])

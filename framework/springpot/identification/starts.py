@@ -79,6 +79,7 @@ class Shapes:
         """Scan the shapes of `network` at `points`."""
         # A shape is the same at any stiffness: the gains are found by linear algebra, for each data set by itself.
         unit = coordinates.at_unit_stiffness()
+        # Evenly and not at random: as few shapes as these would else leave gaps.
         cube = low_discrepancy(shape_count(branches), len(branches.free), offset)
         low, high = _spread(unit, points)
         v = low[branches.free] + cube * (high - low)[branches.free]
@@ -203,6 +204,7 @@ def _nearest(count: int, dimension: int) -> NDArray[np.intp]:
     cube = low_discrepancy(count, dimension)
     gap = np.abs(cube[:, None, :] - cube[None, :, :])
     distance = np.sum(np.minimum(gap, 1.0 - gap) ** 2, axis=-1)
+    # The nearest of all is each shape itself.
     return np.argsort(distance, axis=1)[:, 1 : NEIGHBOURS + 1]
 
 

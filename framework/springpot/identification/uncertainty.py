@@ -126,6 +126,7 @@ class Uncertainty:
         # Columns of one size: what is determined must not depend on the units of the parameters.
         size = np.linalg.norm(inner, axis=0)
         size[size == 0] = 1.0
+        # Of the Jacobian itself: its square would lose half of the digits that tell what is determined.
         _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
         known = values > RANK * values.max(initial=0.0)
         spread = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)[:, None] * directions / size
@@ -396,6 +397,7 @@ class _Path:
         lower, upper = (np.repeat(bound, len(places), axis=0) for bound in self.coordinates.bounds())
         # Bounds that meet hold a parameter in place without a solver of its own.
         lower[:, self.i] = upper[:, self.i] = places
+        # All places begin at the best fit, and are solved side by side.
         u = np.tile(self.u, (len(places), 1))
         u[:, self.i] = places
         owner: Rows = np.zeros(len(places), dtype=np.intp)

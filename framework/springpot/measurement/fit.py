@@ -141,6 +141,7 @@ def _moments(record: Record, basis: Basis, coefficients: Real | None) -> tuple[R
         columns = basis.columns(time)
         if coefficients is not None:
             columns = np.column_stack([columns, basis.frequency_column(columns, coefficients)])
+        # Sums alone are kept, so that a record of any length is read in blocks.
         normal += columns.T @ columns
         right += columns.T @ both
         square += both.T @ both

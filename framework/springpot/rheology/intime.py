@@ -177,6 +177,7 @@ class Passive:
             )
         by_theta = resting_slopes * displacement[0] + np.outer(moved, by.equilibrium)
         by_theta = by_theta + np.outer(velocity, by.viscosity) + np.outer(pushed, by.mass)
+        # One pass over the samples serves the force and all of its derivatives.
         mix = np.column_stack([modes.weights, by.weights])
         rate_mix = np.column_stack([np.zeros(len(modes.rates)), modes.weights[:, None] * by.rates])
         both = driven(modes.rates, steps, changes, mix, rate_mix)
@@ -233,6 +234,7 @@ class Passive:
 
     def retardation(self, shortest: float, longest: float) -> Retardation:
         """The compliance as a sum of exponentials that serves times from `shortest` to `longest`."""
+        # With a mass the compliance swings: it is no sum of decays, and its rates are complex.
         if self.inertial:
             return swinging(self.spectrum(shortest, longest))
         whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
@@ -298,6 +300,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     paired = np.sort(zeros)
     if not solid:
         paired = np.append(paired, 1.0)
+    # By logarithms, rate against zero: the products of either alone would overflow.
     d = start / m * float(np.exp(np.sum(np.log(np.sort(r)) - np.log(paired))))
     pair = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
     # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.

@@ -205,6 +205,7 @@ def _joined(parts: Sequence[Response], factors: Sequence[Complex] | None) -> Com
         blocks = [part.by_theta for part in parts]
     else:
         blocks = [f[..., None, :] * part.by_theta for f, part in zip(factors, parts, strict=True)]
+    # Parts that hang on fewer axes, such as one that is held, are repeated along the others.
     lead = max((block.shape[:-2] for block in blocks), key=len)
     return np.concatenate([_lead(block, lead) for block in blocks], axis=-2)
 

@@ -385,6 +385,8 @@ class Sum:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
         if spread:
+            # With this step the rule errs by 2 exp(-margin), which is the tolerance; so little is seen of what lies a
+            # margin beyond.
             u, share = nodes_of(low - margin, high + margin, np.pi**2 / margin, np.concatenate(peaks))
             value, by_theta = replace(self, parts=spread).respond(u + HALF_PI, GRADIENT)
             sizes = self._sizes(low, high)
@@ -413,6 +415,7 @@ class Sum:
         powers = np.arange(2.0)
         if layered:
             powers = np.arange(3.0)
+        # As many places as there are unknowns, so that these follow by linear algebra alone.
         where = np.linspace(low, high, len(powers))
         s = np.exp(where)[:, None]
         value, by_theta = self.respond(where - HALF_PI, GRADIENT)

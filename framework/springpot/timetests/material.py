@@ -256,6 +256,7 @@ class _Search:
         if not all(np.all(np.isfinite(each)) for each in (by_weights, by_u)):
             # K is a number here and its slope is none, as where a loop closes on itself: no way leads on.
             return None
+        # The whole of what the lines explain, not its change: whole weights are what must not fall below zero.
         target = by_weights @ weights - value
         wanted = non_negative(_beside(by_u, by_weights), _beside(by_u, target))[0]
         move: Real = u

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.rheology import (
+    TIME_FORM,
     Dimension,
     Mapped,
     Model,
@@ -85,7 +86,13 @@ def _unequal_orders_form() -> SearchForm:
     """(k, tau, alpha, beta) of eq. (27), alpha <= beta."""
     searched = (stiffness(), relaxation_time(), order(), order("beta", "β"))
     return SearchForm(
-        searched, _ab_form_to_elements, _ab_form_jacobian, _ab_form_from_elements, ordered=(2, 3), margin=1.0
+        # Equal orders are lawful: one that is violated is mended to the other.
+        searched,
+        _ab_form_to_elements,
+        _ab_form_jacobian,
+        _ab_form_from_elements,
+        ordered=(2, 3),
+        margin=1.0,
     )
 
 
@@ -161,26 +168,12 @@ def _makris_form() -> SearchForm:
     )
 
 
-def _relaxing_forward(theta: Real) -> Real:
-    k, tau, alpha = np.moveaxis(theta, -1, 0)
-    return columns(k, k * tau**alpha, alpha)
-
-
-def _relaxing_jacobian(theta: Real) -> Real:
-    k, tau, alpha = np.moveaxis(theta, -1, 0)
-    c = k * tau**alpha
-    one = np.ones_like(k)
-    return rows(
-        columns(one, 0.0, 0.0),
-        columns(tau**alpha, alpha * c / tau, c * np.log(tau)),
-        columns(0.0, 0.0, one),
-    )
-
-
 def _relaxing_springpot(k: str, tau: str, alpha: str = "alpha") -> Node:
     """K = k (s tau)^alpha / (1 + (s tau)^alpha): spring in series with the springpot k tau^alpha."""
     network = series(spring(k), springpot(f"{k} {tau}^{alpha}", alpha))
-    return Mapped(network, (stiffness(k), relaxation_time(tau), order(alpha)), _relaxing_forward, _relaxing_jacobian)
+    own = (stiffness(k), relaxation_time(tau), order(alpha))
+    # The parameters are those in which the three-parameter models are searched, and so are their maps.
+    return Mapped(network, own, TIME_FORM.to_elements, TIME_FORM.jacobian)
 
 
 # A spring beside a relaxing springpot: kinf = k0 + k1 is above k0 whatever the parameters are.

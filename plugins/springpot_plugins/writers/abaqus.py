@@ -13,6 +13,8 @@ import numpy as np
 
 from springpot.rheology import Handoff, Real, Writer
 
+from .frequencies import frequencies
+
 PER_DECADE = 20
 """Frequencies a decade of the table: straight lines between them are within 0.05 % of a power law."""
 STRAIGHT = 1e-9
@@ -57,8 +59,7 @@ def _in_time(handoff: Handoff) -> list[str]:
 
 
 def _at_frequencies(handoff: Handoff) -> list[str]:
-    low, high = np.log10(handoff.prony.band)
-    omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
+    omega = frequencies(handoff, PER_DECADE)
     law = power_law_of(omega, handoff)
     spring = handoff.prony.equilibrium
     if law is not None:

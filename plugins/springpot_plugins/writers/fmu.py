@@ -189,6 +189,8 @@ def description_of(handoff: Handoff) -> str:
             f'<ScalarVariable name="der(z[{i + 1}])" valueReference="{3 + count + i}" causality="local" '
             f'variability="continuous"><Real derivative="{3 + i}"/></ScalarVariable>'
         )
+    # Variables are counted from one here: x and F come first. Their value references in the source are the same from
+    # Z on.
     states, rates = range(3, 3 + count), range(3 + count, 3 + 2 * count)
     needs = " ".join(map(str, [1, *states]))
     derivatives = "".join(

@@ -10,6 +10,8 @@ import numpy as np
 
 from springpot.rheology import Handoff, Writer
 
+from .frequencies import frequencies
+
 PROPERTY, STIFFNESS_TABLE, LOSS_TABLE = 100, 101, 102
 PER_DECADE = 32
 """Points a decade: straight lines between them are within 0.02 % of a power law."""
@@ -51,9 +53,7 @@ def _table(number: int, x: list[float], y: list[float]) -> list[str]:
 
 def to_nastran(handoff: Handoff) -> str:
     """Property and tables, for a bush along the first axis of its element."""
-    low, high = np.log10(handoff.prony.band)
-    # At least eight, so that a narrow band is no straight line either.
-    omega = np.logspace(low, high, max(8, int(np.ceil(PER_DECADE * (high - low))) + 1))
+    omega = frequencies(handoff, PER_DECADE)
     stiffness = handoff.stiffness(omega)
     frequency = (omega / (2.0 * np.pi)).tolist()
     lines = [f"$ {line}" for line in handoff.heading()]
