@@ -1,4 +1,4 @@
-"""``result.plot()`` and ``print(result)``: a result asks the room above, which is loaded only then.
+"""``result.plot()``, ``print(result)``, a result in a notebook: each asks the room above, which is loaded only then.
 
 Results live below the room that makes pictures, and must not import it: the name here is the only thread upwards, and
 whoever draws nothing never loads a library of pictures.
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DRAWS, TELLS = "springpot.report.drawings", "springpot.report.telling"
+DRAWS, TELLS, SHOWS = "springpot.report.drawings", "springpot.report.telling", "springpot.report.notebook"
 
 
 def draw(result: object, path: str | Path | None = None, axes: Axes | None = None) -> Figure | Axes | Path:
@@ -47,3 +47,9 @@ def text_of(result: object) -> str:
     """What the command line prints of a result."""
     text: str = import_module(TELLS).told(result)
     return text
+
+
+def html_of(result: object) -> str:
+    """What a notebook shows of a result."""
+    page: str = import_module(SHOWS).shown(result)
+    return page

@@ -17,12 +17,11 @@ from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
 from springpot.diagnosis.notes import judged, overtones
 from springpot.diagnosis.policy import VERDICT
 from springpot.diagnosis.refit import Refit, refit
-from springpot.diagnosis.result import Error, Value, Where, percent, times
+from springpot.diagnosis.result import Error, Value, Where, times
 from springpot.diagnosis.where import where
-from springpot.drawing import draw, text_of
+from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
-from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement, thinned
 from springpot.rheology import Model
 
@@ -194,8 +193,7 @@ class Comparison:
         return draw(self, path, ax)
 
     def _repr_html_(self) -> str:
-        answer = self.to_dict() | {"models": [judgement.to_dict() for judgement in self.shown]}
-        return _html_of(self.says, answer)
+        return html_of(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``."""
@@ -305,37 +303,3 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
             fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS)
         in_its_noise.append(fitted)
     return in_its_noise
-
-
-def _html_of(says: str, answer: Mapping[str, Any]) -> Html:
-    """Errors against the floor that the models share, and where each of them fails.
-
-    The answer is that of schema ``springpot.comparison/1``, of the models that are shown.
-    """
-    rows = []
-    for one in answer["models"]:
-        best = one["model"] == answer["best"] and len(answer["models"]) > 1
-        error, name = one["error"], one["model"]
-        if best:
-            name = f"{name} (best)"
-        word = "holds"
-        if one["fails"]:
-            word = "fails"
-        rows.append(
-            (
-                name,
-                *(percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
-                f"{error['relative_rms'] / error['noise_floor']:.3g}",
-                f"{one['delta_bic']:.3g}",
-                word,
-            )
-        )
-    told = [f"{one['model']}: {one['says']}" for one in answer["models"]]
-    told += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
-    headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
-    parts = [tag("p", tag("b", f"models of {answer['data']}"))]
-    if says:
-        parts.append(tag("p", says))
-    parts.append(table(headers, rows))
-    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*told, *answer["notes"]))))
-    return tag("div", *parts)

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from springpot.drawing import draw, text_of
+from springpot.drawing import draw, html_of, text_of
 from springpot.identification import require_conditions
-from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 
 from .diagnose import Case, Progress, examine, printed, silent, within
 from .policy import LADDER, SEARCH
 from .refit import Refit, refit
-from .result import Diagnosis, Value, Verdict, percent
+from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
 from .unseen import prediction_gain
 
@@ -122,7 +121,7 @@ class Ladder:
         return draw(self, path, ax)
 
     def _repr_html_(self) -> str:
-        return _html_of(self.to_dict())
+        return html_of(self)
 
 
 Reached: TypeAlias = Callable[[Ladder], None]
@@ -288,28 +287,3 @@ def _pruned(
             dropped = replace(_step(case, None, None, previous), accepted=f"-{name}")
             return case, [*steps, dropped]
     return case, steps
-
-
-def _html_of(answer: Mapping[str, Any]) -> Html:
-    """The steps with their errors, and the last verdict.
-
-    Parameters
-    ----------
-    answer : mapping
-        Schema ``springpot.discovery/1``.
-    """
-    rows = []
-    for step in answer["steps"]:
-        predicted = "-"
-        if step["predicted_error"] is not None:
-            predicted = percent(step["predicted_error"])
-        errors = [percent(step[name]) for name in ("relative_rms", "noise_floor", "material_floor")]
-        ratio = step["relative_rms"] / step["noise_floor"]
-        rows.append((step["accepted"] or step["model"], predicted, *errors, f"{ratio:.3g}"))
-    headers = ("accepted", "predicted error", "error", "noise floor", "material floor", "x floor")
-    return tag(
-        "div",
-        tag("p", tag("b", f"{answer['data']}: {answer['verdict']}")),
-        table(headers, rows),
-        tag("p", answer["diagnosis"]["says"]),
-    )

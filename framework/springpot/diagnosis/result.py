@@ -7,8 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from springpot.drawing import draw, text_of
-from springpot.markup import Html, table, tag
+from springpot.drawing import draw, html_of, text_of
 from springpot.rheology import Effect, Model
 
 if TYPE_CHECKING:
@@ -22,10 +21,6 @@ EffectVerdict = Literal["missing", "absent", "cannot-tell"]
 BELIEVED = 0.1
 """Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
 rigs and rheometers repeat a stiffness within a few per cent."""
-SHOWN = 6
-"""Candidates in a notebook's table."""
-NOTES = 5
-"""Notes below it, the most telling first; `print` tells all."""
 
 
 def times(ratio: float) -> str:
@@ -266,46 +261,4 @@ class Diagnosis:
         }
 
     def _repr_html_(self) -> str:
-        return _html_of(self.to_dict())
-
-
-def _floors(error: Mapping[str, Any]) -> str:
-    return f"noise floor {percent(error['noise_floor'])}, material floor {percent(error['material_floor'])}"
-
-
-def _html_of(answer: Mapping[str, Any]) -> Html:
-    """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes.
-
-    Parameters
-    ----------
-    answer : mapping
-        Schema ``springpot.diagnosis/1``.
-    """
-    error = answer["error"]
-    values = []
-    for name, value in answer["parameters"].items():
-        numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
-        values.append((name, *numbers, value["unit"]))
-    rows = []
-    for c in answer["candidates"][:SHOWN]:
-        errors = [percent(c[name]) for name in ("predicted_error", "error_after")]
-        alike = ", ".join(name for name in c["class"] if name != c["effect"])
-        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"], alike))
-    headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
-    parts = [
-        tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
-        tag("p", answer["says"]),
-        tag("p", f"error {percent(error['relative_rms'])}, {_floors(error)}"),
-    ]
-    if answer["split"]:
-        parts.append(tag("p", answer["split"]))
-    parts.append(tag("ul", *(tag("li", place["says"]) for place in answer["where"])))
-    if values:
-        parts.append(table(("parameter", "value", "from", "to", "unit"), values))
-    if rows:
-        parts.append(table(headers, rows))
-    if answer["next_experiment"]:
-        parts.append(tag("p", f"next experiment: {answer['next_experiment']['says']}"))
-    if answer["notes"]:
-        parts.append(tag("ul", *(tag("li", note) for note in answer["notes"][:NOTES])))
-    return tag("div", *parts)
+        return html_of(self)

@@ -1,0 +1,115 @@
+"""What results show in a notebook: verdicts, errors beside the floors, and a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import singledispatch
+from typing import Any
+
+from springpot.comparison import Comparison
+from springpot.diagnosis import Diagnosis, Ladder
+from springpot.diagnosis.result import percent
+from springpot.markup import Html, html, table, tag
+
+SHOWN = 6
+"""Candidates in a notebook's table."""
+NOTES = 5
+"""Notes below it, the most telling first; `print` tells all."""
+
+
+@singledispatch
+def shown(result: object) -> Html:
+    """A result as HTML; of anything else its short form."""
+    return html(repr(result))
+
+
+@shown.register
+def _of_diagnosis(diagnosis: Diagnosis) -> Html:
+    """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes."""
+    answer = diagnosis.to_dict()
+    error = answer["error"]
+    values = []
+    for name, value in answer["parameters"].items():
+        numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
+        values.append((name, *numbers, value["unit"]))
+    rows = []
+    for c in answer["candidates"][:SHOWN]:
+        errors = [percent(c[name]) for name in ("predicted_error", "error_after")]
+        alike = ", ".join(name for name in c["class"] if name != c["effect"])
+        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"], alike))
+    headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
+    parts = [
+        tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),
+        tag("p", answer["says"]),
+        tag("p", f"error {percent(error['relative_rms'])}, {_floors(error)}"),
+    ]
+    if answer["split"]:
+        parts.append(tag("p", answer["split"]))
+    parts.append(tag("ul", *(tag("li", place["says"]) for place in answer["where"])))
+    if values:
+        parts.append(table(("parameter", "value", "from", "to", "unit"), values))
+    if rows:
+        parts.append(table(headers, rows))
+    if answer["next_experiment"]:
+        parts.append(tag("p", f"next experiment: {answer['next_experiment']['says']}"))
+    if answer["notes"]:
+        parts.append(tag("ul", *(tag("li", note) for note in answer["notes"][:NOTES])))
+    return tag("div", *parts)
+
+
+@shown.register
+def _of_ladder(ladder: Ladder) -> Html:
+    """The steps with their errors, and the last verdict."""
+    answer = ladder.to_dict()
+    rows = []
+    for step in answer["steps"]:
+        predicted = "-"
+        if step["predicted_error"] is not None:
+            predicted = percent(step["predicted_error"])
+        errors = [percent(step[name]) for name in ("relative_rms", "noise_floor", "material_floor")]
+        ratio = step["relative_rms"] / step["noise_floor"]
+        rows.append((step["accepted"] or step["model"], predicted, *errors, f"{ratio:.3g}"))
+    headers = ("accepted", "predicted error", "error", "noise floor", "material floor", "x floor")
+    return tag(
+        "div",
+        tag("p", tag("b", f"{answer['data']}: {answer['verdict']}")),
+        table(headers, rows),
+        tag("p", answer["diagnosis"]["says"]),
+    )
+
+
+@shown.register
+def _of_comparison(comparison: Comparison) -> Html:
+    """Errors against the floor that the models share, and where each of them fails."""
+    answer = comparison.to_dict() | {"models": [judgement.to_dict() for judgement in comparison.shown]}
+    rows = []
+    for one in answer["models"]:
+        best = one["model"] == answer["best"] and len(answer["models"]) > 1
+        error, name = one["error"], one["model"]
+        if best:
+            name = f"{name} (best)"
+        word = "holds"
+        if one["fails"]:
+            word = "fails"
+        rows.append(
+            (
+                name,
+                *(percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
+                f"{error['relative_rms'] / error['noise_floor']:.3g}",
+                f"{one['delta_bic']:.3g}",
+                word,
+            )
+        )
+    told = [f"{one['model']}: {one['says']}" for one in answer["models"]]
+    told += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
+    headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
+    parts = [tag("p", tag("b", f"models of {answer['data']}"))]
+    if comparison.says:
+        parts.append(tag("p", comparison.says))
+    parts.append(table(headers, rows))
+    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*told, *answer["notes"]))))
+    return tag("div", *parts)
+
+
+def _floors(error: Mapping[str, Any]) -> str:
+    return f"noise floor {percent(error['noise_floor'])}, material floor {percent(error['material_floor'])}"
