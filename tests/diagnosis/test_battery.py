@@ -72,6 +72,16 @@ def test_structure_of_each_kind_raises_the_alarm_and_is_told(name):
     assert told.says
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_ripple_of_the_size_of_an_unknown_noise_is_seen_on_few_points(seed):
+    """Four waves on 27 points, as large as the noise: it is half of all that is left, and yet not taken for noise."""
+    omega, rng = np.geomspace(0.5, 300.0, 27), np.random.default_rng(seed)
+    waves = 0.014 * np.exp(1j * (2.0 * np.pi * 4.0 * np.linspace(0.0, 1.0, 27) + seed))
+    noise = 0.01 * (rng.normal(size=27) + 1j * rng.normal(size=27))
+    data = springpot.Measurement(omega, MODEL.stiffness(TRUTH, omega) * (1.0 + waves + noise))
+    assert judged(data).parts["ripple"] < 0.002
+
+
 def test_every_test_has_a_sentence_and_a_silent_battery_finds_nothing():
     found = judged(sweeps("normal", 1))
     assert not found.alarm

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from springpot.diagnosis.battery import repeats_structure
+import springpot
+from springpot.diagnosis.battery import repeats_structure, sets_apart
 from springpot.diagnosis.policy import BATTERY
 from springpot.measurement import Measurement, average_repeats
 
@@ -36,3 +37,56 @@ def test_simulated_repeats_lose_their_own_means(monkeypatch):
     monkeypatch.setattr(np, "apply_along_axis", one_by_one)
     found = repeats_structure(data, np.random.default_rng(7))
     assert found.parts["drift"] == pytest.approx(np.mean(size >= size[0]), abs=2e-3)
+
+
+MODEL = springpot.parse_model("fractional-zener")
+SWEEP = np.geomspace(0.5, 300.0, 30)
+ALONG = np.linspace(-1.0, 1.0, 30)
+
+
+def three_runs(error, seed=0):
+    """A sweep measured three times with noise of 0.5 %, and a relative error (30,) of each run beside it."""
+    rng = np.random.default_rng(seed)
+    omega, repeat = np.tile(SWEEP, 3), np.repeat([1, 2, 3], 30)
+    noise = 0.005 * (rng.normal(size=90) + 1j * rng.normal(size=90))
+    off = np.concatenate([error(rng) for _ in range(3)])
+    stiffness = MODEL.stiffness(np.array([100.0, 400.0, 60.0, 0.5]), omega) * (1.0 + noise + off)
+    return Measurement(omega, stiffness, repeat=repeat)
+
+
+def specimen(rng):
+    """Another piece of the same material: its own size, temperature and age."""
+    gain, slope, bend = rng.normal(size=3)
+    return 0.04 * gain + 0.02 * slope * ALONG + 0.01 * bend * ALONG**2 + 0.01j * slope
+
+
+def going_on(rng):
+    """An error that holds for two points or three."""
+    cover = np.exp(-0.5 * ((ALONG[:, None] - ALONG) / 0.15) ** 2) + 1e-9 * np.eye(30)
+    return 0.01 * np.linalg.cholesky(cover) @ (rng.normal(size=30) + 1j * rng.normal(size=30))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_replicates_of_several_specimens_are_no_reason_for_doubt(seed):
+    data = three_runs(specimen, seed)
+    apart = sets_apart(average_repeats(data))
+    assert apart.curves > 0.9
+    assert springpot.diagnose(data, MODEL.name).verdict == "adequate"
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_an_error_that_goes_on_from_point_to_point_is_no_independent_noise(seed):
+    data = three_runs(going_on, seed)
+    found = springpot.diagnose(data, MODEL.name)
+    assert found.verdict == "unexplained"
+
+
+def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
+    drift = 0.1 * np.linspace(0.0, 1.0, 90) ** 2
+    rows = iter(np.split(drift, 3))
+    creeping = sets_apart(average_repeats(three_runs(lambda rng: next(rows))))
+    assert creeping.one_curve
+    assert creeping.drift > 0.75
+    steps = iter([0.05, -0.1, 0.05])
+    jumping = sets_apart(average_repeats(three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal())))
+    assert not jumping.one_curve

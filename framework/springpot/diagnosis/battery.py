@@ -33,6 +33,9 @@ NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
 """Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
 sum over them sees it where the products of next neighbours alone are too few."""
 
+WITHIN = "within runs"
+"""The test of repeats for errors that go on from point to point."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -154,7 +157,10 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
-    """Test whether repeats differ by chance alone, or drift in time or move together along a sweep.
+    """Test whether repeats differ by chance alone, or drift in time, or move together along a sweep.
+
+    Replicates of several specimens differ by a gain, a shift and a bend each: neighbours are alike, but not beyond
+    such curves. Where they still are (`WITHIN`), the error of one point goes on in the next.
 
     Parameters
     ----------
@@ -175,29 +181,59 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
     drift = orthonormal(drift_curves(len(data.raw)))
+    lines = [sweep.rows for sweep in sweeps_of(data.raw)]
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
-        "neighbours": sum(np.sum(_kinship(sample[:, :, sweep.rows]), axis=1) for sweep in sweeps_of(data.raw)),
+        "neighbours": sum(np.sum(_kinship(sample[:, :, rows]), axis=1) for rows in lines),
+        WITHIN: sum(np.sum(_kinship(_without_bend(sample[:, :, rows])), axis=1) for rows in lines),
     }
     return _judged(statistics)
 
 
-def drift_share(data: Averaged) -> float:
-    """Share of what sets repeats apart that one slow curve from row to row explains; one is a drift and nothing else.
+def _without_bend(values: Drawn) -> Drawn:
+    """Values along the last axis without their own gain, slope and bend."""
+    count = values.shape[-1]
+    curves = orthonormal(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), min(2, count - 1)))
+    return values - (values @ curves) @ curves.T
 
-    Replicates of several specimens differ by a smooth curve each, which no one curve explains.
+
+class Apart(NamedTuple):
+    """What sets repeats apart, beside the scatter of points.
+
+    Attributes
+    ----------
+    drift : float
+        Share that one slow curve from row to row explains; one is a drift and nothing else.
+    curves : float
+        Share that a gain, a slope and a bend of each run explain, as of replicates of several specimens.
+    one_curve : bool
+        Whether the one slow curve leaves about as little as the curves of all runs: else it is no drift.
     """
+
+    drift: float
+    curves: float
+    one_curve: bool
+
+
+def sets_apart(data: Averaged) -> Apart:
+    """What sets the repeats of data apart."""
     measured = data.deviations()
-    size = float(np.sum(np.abs(measured) ** 2))
+    parts = np.stack([measured.real, measured.imag])
+    size = float(np.sum(parts**2))
     if size == 0.0:
-        return 0.0
+        return Apart(0.0, 0.0, False)
     slow = drift_curves(len(measured))
     count = np.bincount(data.group)
     # The deviations have lost the means of the repeats; so must the curves.
     lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]
     drift = orthonormal(slow - lost)
-    along = drift.T @ np.column_stack([measured.real, measured.imag])
-    return float(np.sum(along**2)) / size
+    by_drift = float(np.sum((parts @ drift) ** 2))
+    lines = [sweep.rows for sweep in sweeps_of(data.raw)]
+    left = sum(float(np.sum(_without_bend(parts[:, rows]) ** 2)) for rows in lines)
+    free = len(measured) - len(count)
+    left_of_each = left / max(free - 3 * len(lines), 1)
+    one_curve = (size - by_drift) / max(free - drift.shape[1], 1) < VERDICT.one_curve * left_of_each
+    return Apart(by_drift / size, 1.0 - left / size, one_curve)
 
 
 def _statistics(frame: Frame, sample: Drawn) -> dict[str, Real]:
@@ -330,8 +366,14 @@ def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callabl
 
 
 def _ripple(frame: Frame, sample: Drawn) -> Real:
-    """Largest power of a periodic residual along the sweeps, of one period in all of them."""
-    return np.asarray(spectrum(frame.measurement, sample).max(axis=1))
+    """Largest energy of a periodic residual along the sweeps, of one period in all of them.
+
+    Where the noise is told by these data, as a share of all: the scatter beside slow curves holds the ripple itself.
+    """
+    largest = spectrum(frame.measurement, sample).max(axis=1)
+    if frame.estimated:
+        largest = largest / np.einsum("ij,ij->i", sample, sample)
+    return np.asarray(largest)
 
 
 def _ripple_in_words(frame: Frame) -> tuple[float, str]:

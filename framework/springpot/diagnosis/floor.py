@@ -295,7 +295,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     if first + 1 >= len(power):
         return 0.0
     peak = first + int(np.argmax(power[first:]))
-    mean = float(np.sum(left**2)) / lines
+    mean = float(np.sum(left**2)) / len(frame.measurement)
     chance = longest * float(gamma_sf(power[peak] / mean, lines))
     if chance > SCATTER.ripple_alarm:
         return 0.0

@@ -187,11 +187,19 @@ class VerdictLevels:
     """Degrees of freedom below which data cannot be judged."""
     harmonic_alarm: float = 0.05
     """Chance that any harmonic of the force is held to be real where all are noise."""
-    drift_share: float = 0.75
-    """Share of what sets repeats apart from which one slow curve in time is its cause: 0.49 to 0.64 for replicates of
-    three bitumen specimens (fhwa-ptf-binder-dsr), 0.88 for an artificial drift."""
+    set_apart: float = 0.75
+    """Share of what sets repeats apart from which some curves are its cause. A curve of each run takes 0.998 or more
+    for bitumen specimens (fhwa-ptf-binder-dsr), and 0.24 to 0.51 of noise that goes on from point to point; one slow
+    curve takes 0.88 of an artificial drift."""
+    one_curve: float = 4.0
+    """Mean square that one slow curve leaves, over that of curves of each run, up to which there was one drift: 1 to
+    2 for an artificial drift, 100 for specimens measured one after the other."""
     repeats_alarm: float = 0.002
     """Chance of a false alarm granted to the test of the repeats' scatter."""
+    ruled_out: float = 0.02
+    """Probability of "nothing" below which something is missing though no test raises its alarm: of a narrow feature
+    the tests, which look everywhere, see less than the evidence for one place. Of 1,023 data sets from which nothing
+    is missing one has less."""
     likely: float = 0.5
     """Probability from which an effect of the first class is called missing."""
     clear_evidence: float = 6.0

@@ -12,7 +12,7 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.measurement import sweeps_of
 
-from .battery import drift_share
+from .battery import WITHIN, sets_apart
 from .evidence import Evidence
 from .floor import undragged
 from .marginal import likeliest_unknown
@@ -30,7 +30,7 @@ class Facts:
     Attributes
     ----------
     repeats : bool
-        Repeats drift by more than chance.
+        Repeats drift by more than chance, or the error of one of their points goes on in the next.
     by_scan : bool
         The scan of the library raises its alarm.
     by_battery : bool
@@ -43,6 +43,8 @@ class Facts:
         The evidence prefers some effect to nothing.
     unknown : bool
         The evidence prefers something unknown to every effect.
+    ruled_out : bool
+        The evidence all but rules out that nothing is missing.
     chain : bool
         What it prefers is a fault of the measuring chain that has a description.
     left : bool
@@ -70,6 +72,7 @@ class Facts:
     gain: float = 0.0
     named: bool = False
     unknown: bool = False
+    ruled_out: bool = False
     chain: bool = False
     left: bool = False
     nearly_all: bool = False
@@ -83,7 +86,7 @@ class Facts:
     @property
     def alarm(self) -> bool:
         """Noise alone does not explain the residual."""
-        return self.by_scan or self.by_battery
+        return self.by_scan or self.by_battery or self.ruled_out
 
     @property
     def clear(self) -> bool:
@@ -116,6 +119,7 @@ RULES = (
     Rule("no effect helps clearly", lambda f: f.by_battery and not f.clear and not f.nearly_all, "unexplained"),
     Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
     Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
+    Rule("structure, and no effect that is preferred to nothing", lambda f: f.by_battery, "unexplained"),
     Rule("something, but not what", lambda f: True, "inconclusive"),
 )
 """The first rule that holds gives the verdict."""
@@ -142,13 +146,14 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     unknown = evidence.unknown > VERDICT.likely
     exceeds = _exceeds(search)
     return Facts(
-        repeats=drifted(search),
+        repeats=drifted(search) or _carried_on(search),
         by_scan=search.scan.p_value < VERDICT.library_alarm,
         by_battery=search.structure.p_value < VERDICT.structure_alarm,
         certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
         gain=search.gain,
         named=evidence.nothing < VERDICT.likely,
         unknown=unknown,
+        ruled_out=evidence.nothing < VERDICT.ruled_out,
         chain=unknown and bool(likeliest_unknown(search).says),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
@@ -191,7 +196,15 @@ def _stand_out_together(base: Refit) -> bool:
 def drifted(search: Search) -> bool:
     """Whether repeats differ by a drift: what they tell of the noise is then the drift's size."""
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
-    return beyond_chance and drift_share(search.base.data) > VERDICT.drift_share
+    apart = sets_apart(search.base.data)
+    return beyond_chance and apart.one_curve and apart.drift > VERDICT.set_apart
+
+
+def _carried_on(search: Search) -> bool:
+    """Whether the errors of repeats go on from point to point: then the scatter that they tell is not the noise."""
+    beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
+    go_on = beyond_chance and search.repeats.parts[WITHIN] < VERDICT.repeats_alarm
+    return go_on and sets_apart(search.base.data).curves < VERDICT.set_apart
 
 
 def _all_but_explained(search: Search) -> bool:
@@ -236,6 +249,8 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         return f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
     if own.alarm > VERDICT.structure_alarm and drifted(own):
         return f"{error}, but repeats drift by more than chance: something changed while they were measured"
+    if own.alarm > VERDICT.structure_alarm and _carried_on(own):
+        return f"{error}, but the error of a repeat goes on from point to point: that is no independent noise"
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
     if most := _most_of_it(own):

@@ -269,7 +269,7 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > WHERE.one_period * float(np.sum(excess))
     if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), WHERE.alarm, scale):
         return 0.0, 0.0
-    return 2.0 * (len(power) - 1) / peak, float(np.sqrt(2.0 * power[peak] / (len(power) - 1)))
+    return 2.0 * (len(power) - 1) / peak, float(np.sqrt(power[peak]))
 
 
 def _parts(frame: Frame) -> Iterator[Part]:
