@@ -279,4 +279,8 @@ def _disturb(
             return pattern(k0, 0.01 * scale)
 
     scale, chi2 = scale_to(truth, network, theta, sweep, noise, target)
+    if outside == ASYMMETRY and own[-1] * np.exp(-0.01 * sign * scale) > 1.0:
+        # Its spectrum would be negative somewhere, and no passive material is like that: skewed the other way.
+        sign = 1.0
+        scale, chi2 = scale_to(truth, network, theta, sweep, noise, target)
     return Truth(truth(scale), chi2, outside=outside, details=details | {"size": 0.01 * scale})

@@ -270,7 +270,7 @@ def _answer(
             "p_left": naming.left.p_value,
             "p_repeats": search.repeats.p_value,
             "nothing": evidence.nothing,
-            "unknown": evidence.unknown + evidence.narrow,
+            "unknown": evidence.unknown + evidence.narrow + evidence.other_shape,
         },
         parameters=printed(search.base),
     )

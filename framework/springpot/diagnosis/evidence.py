@@ -37,6 +37,11 @@ class Explanation:
         """Names of its effects in order; one that is missing twice stands twice."""
         return tuple(sorted(self.grown.names))
 
+    @property
+    def twice(self) -> bool:
+        """Whether one effect is not enough of itself: two modes stand for a broad spectrum as well as for two modes."""
+        return len(set(self.names)) < len(self.names)
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -103,10 +108,11 @@ class Evidence:
         """For each effect, that it is among what is missing."""
         chances: dict[str, float] = {}
         for one in self.explanations:
-            doubtful = not self.imitators.isdisjoint(one.names)
             for name in set(one.names):
                 share = 1.0
-                if doubtful:
+                if one.twice:
+                    share -= EVIDENCE.other_shape
+                elif self._is_imitated(one):
                     share = self.trust(name)
                 chances[name] = chances.get(name, 0.0) + one.probability * share
         return chances
@@ -114,13 +120,22 @@ class Evidence:
     @property
     def narrow(self) -> float:
         """That something narrow is missing which only looks like an effect of the library."""
-        imitated = [one.probability for one in self.explanations if not self.imitators.isdisjoint(one.names)]
-        return EVIDENCE.other_narrow * sum(imitated)
+        imitated = (one.probability for one in self.explanations if self._is_imitated(one) and not one.twice)
+        return EVIDENCE.other_shape * sum(imitated)
+
+    @property
+    def other_shape(self) -> float:
+        """That what one effect describes only when it is taken twice is of another shape."""
+        return EVIDENCE.other_shape * sum(one.probability for one in self.explanations if one.twice)
+
+    def _is_imitated(self, one: Explanation) -> bool:
+        """Whether something else as narrow may hold the place of one of its effects."""
+        return not self.imitators.isdisjoint(one.names)
 
     def trust(self, name: str) -> float:
         """Chance that what looks like an effect is that effect."""
         if name in self.imitators | self.leaning:
-            return 1.0 - EVIDENCE.other_narrow
+            return 1.0 - EVIDENCE.other_shape
         return 1.0
 
     def doubted(self, p_value: float) -> Evidence:

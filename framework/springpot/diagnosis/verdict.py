@@ -289,4 +289,6 @@ def _named(evidence: Evidence) -> str:
         words = f"{words}, and beside it {' or '.join(beside)}"
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
+    if evidence.other_shape > VERDICT.worth_a_word:
+        words = f"{words} (or, in place of both, a part of another shape)"
     return words
