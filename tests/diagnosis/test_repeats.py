@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.battery import repeats_structure, sets_apart
 from springpot.diagnosis.policy import BATTERY
+from springpot.diagnosis.repeats import repeats_structure, sets_apart
 from springpot.measurement import Measurement, average_repeats
 
 
@@ -88,5 +88,7 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
     assert creeping.one_curve
     assert creeping.drift > 0.75
     steps = iter([0.05, -0.1, 0.05])
-    jumping = sets_apart(average_repeats(three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal())))
+    jumping = sets_apart(
+        average_repeats(three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal()))
+    )
     assert not jumping.one_curve

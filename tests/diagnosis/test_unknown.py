@@ -79,3 +79,15 @@ def test_a_step_is_sought_among_many_frequencies_too(monkeypatch):
         "steps at",
     )
     assert placed(note) == pytest.approx(5.0, rel=0.15)
+
+
+def test_an_effect_that_is_needed_twice_may_be_a_part_of_another_shape():
+    """A skewed spectrum (Havriliak and Negami 1967) looks like two modes, and like more than that."""
+    omega, rng = np.geomspace(0.01, 1000.0, 60), np.random.default_rng(1)
+    exact = 1000.0 + 9000.0 * (1.0 - (1.0 + (1j * omega) ** 0.7) ** -0.75)
+    noise = 0.003 * (rng.normal(size=60) + 1j * rng.normal(size=60))
+    found = springpot.diagnose(springpot.Measurement(omega, exact * (1.0 + noise)), "fractional-zener")
+    assert found.verdict == "effect-missing"
+    assert found.candidates[0].probability < 0.8
+    assert "in place of both" in found.says
+    assert found.evidence["unknown"] == pytest.approx(0.3, abs=0.05)

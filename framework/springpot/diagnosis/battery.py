@@ -16,10 +16,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.measurement import CONDITIONS, Averaged, sweeps_of
+from springpot.measurement import CONDITIONS, sweeps_of
 from springpot.rheology import Real
 
-from .frame import DRAWN, Drawn, Frame, drift_curves, near_an_alarm, orthonormal, spectrum
+from .frame import DRAWN, Drawn, Frame, near_an_alarm, spectrum
 from .outliers import outlying, point_in_words
 from .policy import BATTERY, OUTLIERS, VERDICT
 from .result import plain, times
@@ -32,9 +32,6 @@ MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
 """Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
 sum over them sees it where the products of next neighbours alone are too few."""
-
-WITHIN = "within runs"
-"""The test of repeats for errors that go on from point to point."""
 
 
 @dataclass(frozen=True)
@@ -146,94 +143,14 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
     measured = frame.standard(frame.rest[None, :]).astype(DRAWN)
     sample = np.concatenate([measured, frame.draws(BATTERY.draws, rng)])
     statistics = _statistics(frame, sample)
-    tested = _judged(statistics, frame)
+    tested = judged(statistics, frame)
     for rounds in BATTERY.further:
         if not near_an_alarm(tested.p_value, len(statistics["runs"])):
             break
         more = [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(rounds)]
         statistics = {name: np.concatenate([known, *(m[name] for m in more)]) for name, known in statistics.items()}
-        tested = _judged(statistics, frame)
+        tested = judged(statistics, frame)
     return replace(tested, points=tuple(outlying(frame).tolist()))
-
-
-def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
-    """Test whether repeats differ by chance alone, or drift in time, or move together along a sweep.
-
-    Replicates of several specimens differ by a gain, a shift and a bend each: neighbours are alike, but not beyond
-    such curves. Where they still are (`WITHIN`), the error of one point goes on in the next.
-
-    Parameters
-    ----------
-    data : Averaged
-        Data with repeats; without them nothing can be said and the chance is one.
-    rng : numpy.random.Generator
-        For the simulated noise.
-    """
-    if np.sum(data.scatter.dof) < BATTERY.fewest_repeats:
-        return Battery(1.0, {})
-    count = data.scatter.dof + 1.0
-    noise = rng.standard_normal((BATTERY.draws, 2, len(data.raw)))
-    order = np.argsort(data.group, kind="stable")
-    starts = np.searchsorted(data.group[order], np.arange(len(count)))
-    mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count
-    noise -= mean[:, :, data.group]
-    measured = data.deviations()
-    sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
-    sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
-    drift = orthonormal(drift_curves(len(data.raw)))
-    lines = [sweep.rows for sweep in sweeps_of(data.raw)]
-    statistics = {
-        "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
-        "neighbours": sum(np.sum(_kinship(sample[:, :, rows]), axis=1) for rows in lines),
-        WITHIN: sum(np.sum(_kinship(_without_bend(sample[:, :, rows])), axis=1) for rows in lines),
-    }
-    return _judged(statistics)
-
-
-def _without_bend(values: Drawn) -> Drawn:
-    """Values along the last axis without their own gain, slope and bend."""
-    count = values.shape[-1]
-    curves = orthonormal(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), min(2, count - 1)))
-    return values - (values @ curves) @ curves.T
-
-
-class Apart(NamedTuple):
-    """What sets repeats apart, beside the scatter of points.
-
-    Attributes
-    ----------
-    drift : float
-        Share that one slow curve from row to row explains; one is a drift and nothing else.
-    curves : float
-        Share that a gain, a slope and a bend of each run explain, as of replicates of several specimens.
-    one_curve : bool
-        Whether the one slow curve leaves about as little as the curves of all runs: else it is no drift.
-    """
-
-    drift: float
-    curves: float
-    one_curve: bool
-
-
-def sets_apart(data: Averaged) -> Apart:
-    """What sets the repeats of data apart."""
-    measured = data.deviations()
-    parts = np.stack([measured.real, measured.imag])
-    size = float(np.sum(parts**2))
-    if size == 0.0:
-        return Apart(0.0, 0.0, False)
-    slow = drift_curves(len(measured))
-    count = np.bincount(data.group)
-    # The deviations have lost the means of the repeats; so must the curves.
-    lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]
-    drift = orthonormal(slow - lost)
-    by_drift = float(np.sum((parts @ drift) ** 2))
-    lines = [sweep.rows for sweep in sweeps_of(data.raw)]
-    left = sum(float(np.sum(_without_bend(parts[:, rows]) ** 2)) for rows in lines)
-    free = len(measured) - len(count)
-    left_of_each = left / max(free - 3 * len(lines), 1)
-    one_curve = (size - by_drift) / max(free - drift.shape[1], 1) < VERDICT.one_curve * left_of_each
-    return Apart(by_drift / size, 1.0 - left / size, one_curve)
 
 
 def _statistics(frame: Frame, sample: Drawn) -> dict[str, Real]:
@@ -241,7 +158,7 @@ def _statistics(frame: Frame, sample: Drawn) -> dict[str, Real]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _judged(statistics: dict[str, Real], frame: Frame | None = None) -> Battery:
+def judged(statistics: dict[str, Real], frame: Frame | None = None) -> Battery:
     """Chances of the first member of the sample, the smallest judged against its own distribution."""
     chances = {name: _chances(values) for name, values in statistics.items()}
     smallest = np.min(np.array(list(chances.values())), axis=0)
@@ -338,13 +255,13 @@ def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Re
         total: Real = np.zeros(len(sample))
         for rows in orders(frame):
             for offset in (0, n):
-                total += _kinship(sample[:, rows + offset])
+                total += kinship(sample[:, rows + offset])
         return total
 
     return statistic
 
 
-def _kinship(rows: Drawn) -> Real:
+def kinship(rows: Drawn) -> Real:
     """Weighted sum of products of neighbours along the last axis."""
     total: Drawn = np.zeros(rows.shape[:-1], dtype=rows.dtype)
     for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):

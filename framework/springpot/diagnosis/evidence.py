@@ -39,7 +39,7 @@ class Explanation:
 
     @property
     def twice(self) -> bool:
-        """Whether one effect is not enough of itself: two modes stand for a broad spectrum as well as for two modes."""
+        """Whether one effect is not enough of itself: two modes may stand for a broad spectrum as well."""
         return len(set(self.names)) < len(self.names)
 
 

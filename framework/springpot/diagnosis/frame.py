@@ -102,7 +102,7 @@ def shared_shapes(measurement: Measurement) -> Real:
 
 
 def spectrum(measurement: Measurement, sample: Drawn) -> Drawn:
-    """Energy of whitened residuals (m, 2n) along a cosine and a sine on the sweeps, all sweeps and both parts together.
+    """Energy of whitened residuals (m, 2n) along a cosine and a sine, all sweeps and both parts together.
 
     By least squares, not by a Fourier transform: the two waves of a slow or a fast period are not at right angles on
     few points, and their periods would stand out from noise that has none (Lomb 1976, doi:10.1007/BF00648343).

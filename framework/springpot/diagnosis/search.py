@@ -15,12 +15,13 @@ from springpot.identification import EDGE, Effort, is_material, within_material
 from springpot.measurement import CONDITIONS, Measurement, spread_of, telling
 from springpot.rheology import Effect, Model, Real
 
-from .battery import Battery, battery, repeats_structure
+from .battery import Battery, battery
 from .floor import as_given, borne_out, fitted_to_floor, sharpened
 from .frame import Frame
 from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
 from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
+from .repeats import repeats_structure
 from .result import counted
 from .scan import Scan, Score, best_pairs, influence, scan
 

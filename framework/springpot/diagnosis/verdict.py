@@ -12,13 +12,13 @@ import numpy as np
 from springpot.distributions import f_sf
 from springpot.measurement import sweeps_of
 
-from .battery import WITHIN, sets_apart
 from .evidence import Evidence
 from .floor import undragged
 from .marginal import likeliest_unknown
 from .outliers import Outlier
 from .policy import EVIDENCE, SEARCH, VERDICT
 from .refit import Refit
+from .repeats import WITHIN, sets_apart
 from .result import Verdict, percent, times
 from .search import Grown, Search
 
