@@ -138,6 +138,7 @@ class Identification(Estimate):
         factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
         lost, finite = lost_and_known(known)
         covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
+        # What hangs on a direction that the data do not determine is not determined either.
         touched = np.any(np.abs(turn[:, lost]) > 0.0, axis=1)
         covariance[touched, touched] = np.inf
         return covariance

@@ -67,8 +67,10 @@ class Averaged:
 
     def deviations(self) -> Complex:
         """Each measured row, its run's own gain taken away, less the mean of its repeats, over |K|; shape (N,)."""
-        gains = 0.0 if self.gains is None else self.gains
-        return (self.raw.stiffness / (1.0 + gains) - self.mean.stiffness[self.group]) / self.raw.magnitude
+        stiffness = self.raw.stiffness
+        if self.gains is not None:
+            stiffness = stiffness / (1.0 + self.gains)
+        return (stiffness - self.mean.stiffness[self.group]) / self.raw.magnitude
 
     def without(self, rows: NDArray[np.bool_]) -> Averaged:
         """The averages without some of them, (n,); the reference temperature stays."""
@@ -151,23 +153,28 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
     usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
     if not np.any(usable):
         return None, 0.0
+    # Numbered anew without the runs that are too short, so that no mean is taken of nothing.
     run, values = np.unique(run[usable], return_inverse=True)[1], relative[usable]
     x = np.log(measurement.omega[usable])
     mean = _means(values, run)
     gain_spent = float(np.max(run) + 1) * (1.0 - float(np.mean(1.0 / count[usable])))
+    # About the middle of each run, so that its gain and its slope do not share what sets it apart.
     x = x - _means(x.astype(np.complex128), run).real[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
     slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
     by_gain = float(np.sum(np.abs(mean[run]) ** 2))
     by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
     left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
+    # Twice, as each row has a real and an imaginary part; what gains and slopes take is taken away.
     free = 2.0 * (float(np.sum(1.0 - 1.0 / count[usable])) - 2.0 * gain_spent)
     if free < 1.0:
         return None, 0.0
+    # Replicates may be equal to the last digit.
     unit = max(left / free, 1e-300)
-    differ = [f_sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
-              for part in (by_gain, by_slope)]  # fmt: skip
-    if not differ[0] or differ[1]:
+    gain_differs, slope_differs = (
+        f_sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER for part in (by_gain, by_slope)
+    )
+    if not gain_differs or slope_differs:
         return None, 0.0
     gains = np.zeros(len(relative), dtype=np.complex128)
     gains[usable] = mean[run]
@@ -181,6 +188,7 @@ def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     if measurement.repeat is None:
         columns = [np.arange(len(measurement), dtype=float)]
     _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
+    # In the order of the data, not in that of the numbers, by which `unique` sorts.
     order = np.argsort(first)
     rank = np.empty(len(first), dtype=np.int64)
     rank[order] = np.arange(len(first))

@@ -21,12 +21,18 @@ LEAST_RELATIVE = 1e-7
 """No measurement scatters less than this share of |K|; smaller differences are arithmetic."""
 LEAST_VARIANCE = 1e-30
 """Stands for no scatter at all, of which there is no logarithm."""
+LEAST_PART = 1e-6
+"""Least share of |K| that a part counts with where noise goes by it: a part may cross zero, its noise does not."""
+LEAST_RSS = 1e-300
+"""Stands for a residual of nothing, of which there is no logarithm."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
 DOUBT = 0.0001
 """Chance below which given standard deviations are held to be misstated."""
 FEWEST_TO_DOUBT = 10
 """Degrees of freedom of the data's scatter below which it says nothing against given standard deviations."""
+WHOLE = 1e-9
+"""Relative distance from a whole number that arithmetic leaves."""
 STUDENT_DOF = 4.0
 """Degrees of freedom of the tails by which shapes are compared: outliers count little, and normal noise is still
 judged nearly as well as by its own likelihood."""
@@ -80,9 +86,11 @@ class Noise:
         """Log-likelihood of a whitened residual sum of squares, an unknown scale integrated or profiled out."""
         if self.dof == inf:
             return -0.5 * rss
+        # The scale integrated out: a normal whose variance is estimated with so many degrees of freedom is a
+        # Student's t.
         if self.source == "repeats":
             return -0.5 * (self.dof + size) * float(np.log1p(rss / self.dof))
-        return -0.5 * size * float(np.log(max(rss, 1e-300)))
+        return -0.5 * size * float(np.log(max(rss, LEAST_RSS)))
 
     def of(self, rows: NDArray[np.bool_]) -> Noise:
         """The noise of some of the points, (n,)."""
@@ -144,6 +152,7 @@ class Shape:
         real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
         cost = total * (np.log(real) + np.log(imag)) + logs
+        # As the Bayesian information criterion counts a parameter: by the logarithm of the number of data.
         penalty = scales * np.log(2.0 * max(total, 1.0))
         sd = np.sqrt(real) * self.real + 1.0j * np.sqrt(imag) * self.imag
         return float(cost + penalty + self.price), np.asarray(sd, dtype=np.complex128)
@@ -152,7 +161,7 @@ class Shape:
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """Noise proportional to |K|, to each part by itself, or with a constant-force floor beside it."""
     size = measurement.magnitude
-    parts = [np.maximum(np.abs(part), 1e-6 * size) for part in (measurement.storage, measurement.loss)]
+    parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
     yield Shape(size, size, True, 0.0)
     yield Shape(size, size, False, UNUSUAL_SHAPE)
     yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
@@ -211,6 +220,7 @@ def _student_scales(shape: Shape, residual: Complex) -> tuple[float, float]:
 
 def _student_scale(size: Real) -> float:
     square = size**2
+    # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
     variance = max(float(np.mean(square)), LEAST_VARIANCE)
     for _ in range(STUDENT_ROUNDS):
         weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance)
@@ -285,6 +295,7 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     measurement : Measurement
         The values as they were written.
     """
+    # A number that is rounded lies anywhere within its step: the standard deviation of that is step / sqrt(12).
     least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
     size = LEAST_RELATIVE * measurement.magnitude
     parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
@@ -312,6 +323,7 @@ def rounding_step(values: Real) -> Real:
     if len(size) == 0:
         return np.zeros(len(values))
     decimals = _fewest(lambda power: np.full(len(size), float(power)), size)
+    # Zero has no first digit: it is taken to be written as the smallest value beside it is.
     exponent = np.floor(np.log10(np.maximum(np.abs(values), size.min())))
     digits = _fewest(lambda power: np.floor(np.log10(size)) + power, size)
     step = np.zeros(len(values))
@@ -324,9 +336,12 @@ def rounding_step(values: Real) -> Real:
 
 def _fewest(power_of: Callable[[int], Real], size: Real) -> int | None:
     """The largest number whose powers of ten (n,) divide all values; None where only a full number's digits do."""
+    # The coarsest first: all finer powers divide the values as well.
     for power in range(12, -MOST_DIGITS, -1):
         step = 10.0 ** power_of(power)
         steps = size / step
-        if np.all(np.abs(steps - np.round(steps)) <= 1e-9 * np.abs(steps)):
-            return power if np.max(np.abs(steps)) < 10.0**MOST_DIGITS else None
+        if np.all(np.abs(steps - np.round(steps)) <= WHOLE * np.abs(steps)):
+            if np.max(np.abs(steps)) < 10.0**MOST_DIGITS:
+                return power
+            return None
     return None

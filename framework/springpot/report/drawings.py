@@ -89,6 +89,7 @@ def _predicted(result: Prediction, path: Any) -> Any:
 
 @onto.register
 def _predicted_onto(result: Prediction, axes: Any) -> None:
+    # A line follows its points in their order, and one may ask for frequencies in any.
     order = result.frequency.argsort(kind="stable")
     x = result.frequency[order]
     parts = ((result.storage, result.low.real, result.high.real), (result.loss, result.low.imag, result.high.imag))
@@ -99,6 +100,7 @@ def _predicted_onto(result: Prediction, axes: Any) -> None:
     for colour, label, (value, low, high) in zip(COLOURS, ("storage", "loss"), parts, strict=False):
         axes.plot(x, value[order], color=colour, label=label, marker=marker)
         axes.fill_between(x, low[order], high[order], color=colour, alpha=0.2, linewidth=0.0)
+    # The limit at rest, frequency zero, has no place on a logarithmic axis.
     if x[0] > 0.0 and len(x) > 1:
         logarithmic(axes, "x")
     axes.set(xlabel="frequency f [Hz]", ylabel=f"storage, loss [{result.units.stiffness}]")

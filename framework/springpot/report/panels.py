@@ -43,8 +43,10 @@ def panel(draw: Callable[[Axes], None], caption: str, width: float = WIDTH, heig
     picture = BytesIO()
     with blank(width, height) as figure:
         draw(figure.subplots())
+        # Without a date: the same answer gives the same page.
         figure.savefig(picture, format="svg", metadata={"Date": None})
     source = f"data:image/svg+xml;base64,{b64encode(picture.getvalue()).decode()}"
+    # The browser knows the room before the picture is there; an inch of a page is 96 pixels.
     size = {"width": f"{96 * width:.0f}", "height": f"{96 * height:.0f}"}
     return tag("figure", tag("img", src=source, alt=caption, **size), tag("figcaption", caption))
 

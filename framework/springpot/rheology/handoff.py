@@ -127,6 +127,7 @@ class Writer:
                 f"{self.name} needs a solid, and {handoff.model} is a liquid on this band (long-term modulus "
                 f"{prony.equilibrium:.3g}): add parallel-spring or begin the band lower"
             )
+        # At 0.5 the bulk modulus is without end, and below -1 the shear modulus is negative.
         if self.solid and (handoff.poisson is None or not -1.0 < handoff.poisson < 0.5):
             raise ModelError(f"{self.name} needs Poisson's ratio, above -1 and below 0.5: give --poisson 0.49")
         if not self.dashpot and prony.viscosity > 0.0:

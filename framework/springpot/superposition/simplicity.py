@@ -38,6 +38,8 @@ LEAST_SHARE = 0.1
 """Share of what superposition leaves that a place must explain to be told: many small ones are no answer."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
+ROUNDING = 1e-8
+"""Share of a direction's power that is left by rounding where spectrum and factors can do all of it."""
 
 
 @dataclass(frozen=True)
@@ -346,6 +348,8 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     """Levels at which the loss would have to be shifted otherwise than the storage."""
     data = rows.fit.measurement
     slope = rows.fit.model.slope(rows.fit.theta, data.points)
+    # Half forward and half back: the one then runs ahead of the other by all of it, and the common factor is left
+    # alone.
     apart = 0.5 * (1j * slope.imag - slope.real)
     columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(int(rows.number.max()) + 1)])
     size, chance, share = _one_step(rows, alone, columns)
@@ -368,6 +372,7 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
     turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
     by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
+    # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
     share = np.abs(weights[:, None] * turn * factor) / data.magnitude
     band = np.floor(log_rates / BAND).astype(np.int64)
     columns, places = [], []
@@ -410,7 +415,7 @@ def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tupl
     slopes = without(basis, weighted(columns, rows.weights).T / scale)
     square = np.sum(slopes**2, axis=0)
     whole = np.sum((weighted(columns, rows.weights).T / scale) ** 2, axis=0)
-    seen = square > 1e-8 * np.maximum(whole, 1e-300)
+    seen = square > ROUNDING * np.maximum(whole, 1e-300)
     square = np.where(seen, square, 1.0)
     residual = rows.residual / scale[:, 0]
     size = np.where(seen, slopes.T @ residual / square, 0.0)

@@ -128,6 +128,7 @@ def _by_log_omega(model: Model, theta: Real) -> float:
 def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -> Real:
     """Relative error of `exact`; none where a kink lies so near that two radii disagree."""
     near, nearer = (derivative(function, x, reach) for reach in (3e-3, 1e-3))
+    # A derivative that is nothing beside the others is held against them, not against its own roundings.
     natural = np.maximum(natural, 1e-9 * np.max(natural))
     smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
     wrong = np.abs(exact - nearer) / natural

@@ -91,6 +91,7 @@ class PartResult:
             return cls(test.name, test.kind, len(test), error, floor, ratio, alone, test.seen)
         sd = np.concatenate([part.sd.real, part.sd.imag])
         size_of_each = np.tile(test.magnitude, 2)
+        # Twice the mean over both parts is the mean of |dK|^2 / |K|^2.
         error = float(np.sqrt(2.0 * np.mean((weighted * sd / size_of_each) ** 2)))
         floor = float(np.sqrt(2.0 * np.mean((sd / size_of_each) ** 2)))
         seen = float(test.omega.min()), float(test.omega.max())

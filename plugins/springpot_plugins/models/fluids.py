@@ -86,12 +86,12 @@ def _unequal_orders_form() -> SearchForm:
     """(k, tau, alpha, beta) of eq. (27), alpha <= beta."""
     searched = (stiffness(), relaxation_time(), order(), order("beta", "β"))
     return SearchForm(
-        # Equal orders are lawful: one that is violated is mended to the other.
         searched,
         _ab_form_to_elements,
         _ab_form_jacobian,
         _ab_form_from_elements,
         ordered=(2, 3),
+        # Equal orders are lawful: one that is violated is mended to the other.
         margin=1.0,
     )
 
