@@ -12,11 +12,11 @@ import numpy as np
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
-from springpot.rheology import Effect, Model
+from springpot.rheology import Effect, Model, Real
 
 from .diagnose import Case, Progress, examine, printed, silent, within
 from .policy import LADDER, SEARCH
-from .refit import Refit, refit
+from .refit import refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
 from .unseen import prediction_gain
@@ -156,25 +156,36 @@ def discover(
         Given the ladder as it stands after each rung, so that what was reached is there even if the rest is
         interrupted. The ladder that is returned may be shorter: rungs that led nowhere are taken back.
     """
-    case = examine(measurement, model, library, rng, progress=within("step 0", progress))
-    steps = [_step(case, None, None)]
-    _hand_out(measurement, steps, reached)
-    wanted = list(accept) if accept is not None else None
-    while _open(steps) if wanted is None else wanted:
-        effect = _decisive(case) if wanted is None else wanted.pop(0)
+    steps: list[Step] = []
+
+    def examined(model: Model, starts: Sequence[Real] = ()) -> Case:
+        return examine(measurement, model, library, rng, starts, within(f"step {len(steps)}", progress))
+
+    def climb(step: Step) -> None:
+        steps.append(step)
+        if reached is not None:
+            reached(_ladder(measurement, steps))
+
+    given = iter(accept or ())
+    climb(_step(examined(model)))
+    while True:
+        effect = next(given, None)
+        if accept is None:
+            effect = _decisive(steps)
         if effect is None:
             break
-        predicted = _predicted(case, effect)
-        rung = within(f"step {len(steps)}", progress)
-        previous, case = case, _grown(measurement, case, effect, library, rng, rung)
-        steps.append(replace(_step(case, effect.name, predicted, previous), alike=_alike(previous, effect)))
-        _hand_out(measurement, steps, reached)
+        before = steps[-1].case
+        grown = before.search.base.model + effect
+        require_conditions(grown, measurement)
+        climb(_step(examined(grown, _starts(before, effect)), before, effect))
     if accept is None:
+        # Who chose the effects keeps them all; a machine's choice is looked over once more.
         steps = _explained(steps)
-        case = steps[-1].case
-    if accept is None and len(steps) > 2:
-        rung = within(f"step {len(steps)}", progress)
-        case, steps = _pruned(measurement, case, steps, library, rng, rung)
+        needless = _needless(steps)
+        if needless:
+            before = steps[-1].case
+            case = examined(before.search.base.model - needless)
+            steps.append(replace(_step(case, before), accepted=f"-{needless}"))
     return _ladder(measurement, steps)
 
 
@@ -184,43 +195,25 @@ def _ladder(measurement: Measurement, steps: Sequence[Step]) -> Ladder:
     return Ladder(measurement.name, tuple(steps), diagnosis.verdict, diagnosis)
 
 
-def _hand_out(measurement: Measurement, steps: Sequence[Step], reached: Reached | None) -> None:
-    """Give away what there is so far."""
-    if reached is not None:
-        reached(_ladder(measurement, steps))
+def _starts(case: Case, effect: Effect) -> list[Real]:
+    """Parameters (p,) of the smaller model with the effect as the scan saw it: the next rung cannot do worse."""
+    scanned = scan_effects(case.search.base, case.search.frame, [effect]).scores
+    starts = [start for score in scanned for start in score.starts]
+    return starts + [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
 
 
-def _open(steps: Sequence[Step]) -> bool:
-    """Whether further rungs could count: see `_explained`."""
+def _decisive(steps: Sequence[Step]) -> Effect | None:
+    """The effect whose absence is beyond doubt, if there is one and a further rung could count: see `_explained`."""
     verdicts = [step.case.diagnosis.verdict for step in steps]
-    beyond = len(verdicts) - 1 - verdicts.index("unexplained") if "unexplained" in verdicts else 0
-    return len(steps) <= LONGEST and beyond < MOST_HIDDEN
-
-
-def _grown(
-    measurement: Measurement,
-    case: Case,
-    effect: Effect,
-    library: Sequence[Effect],
-    rng: np.random.Generator,
-    progress: Progress,
-) -> Case:
-    """The next rung, fitted also from the smaller model with the effect as the scan saw it: it cannot do worse."""
-    base = case.search.base
-    require_conditions(base.model + effect, measurement)
-    seeds = [start for score in scan_effects(base, case.search.frame, [effect]).scores for start in score.starts]
-    seeds += [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
-    return examine(measurement, base.model + effect, library, rng, seeds, progress)
-
-
-def _decisive(case: Case) -> Effect | None:
-    """The effect whose absence is beyond doubt, if there is one."""
-    diagnosis = case.diagnosis
-    if diagnosis.verdict not in ("effect-missing", "unexplained") or not diagnosis.candidates:
+    if len(steps) > LONGEST or "unexplained" in verdicts[:-MOST_HIDDEN]:
+        return None
+    case = steps[-1].case
+    candidates = case.diagnosis.candidates
+    if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
         return None
     if case.naming.alarm > LADDER.clear or case.naming.gain < SEARCH.decisive:
         return None
-    return diagnosis.candidates[0].physics
+    return candidates[0].physics
 
 
 def _explained(steps: list[Step]) -> list[Step]:
@@ -245,45 +238,32 @@ def _explained(steps: list[Step]) -> list[Step]:
     return steps[:kept]
 
 
-def _predicted(case: Case, effect: Effect) -> float | None:
-    foretold = (each.predicted_error for each in case.diagnosis.candidates if each.effect == effect.name)
-    return next(foretold, None)
-
-
-def _alike(case: Case, effect: Effect) -> tuple[str, ...]:
-    alike = (each.alike for each in case.diagnosis.candidates if each.effect == effect.name)
-    return next(alike, (effect.name,))
-
-
-def _step(case: Case, accepted: str | None, predicted: float | None, before: Case | None = None) -> Step:
-    base = case.search.base
-    parameters = printed(base)
-    changed = {}
-    if before is not None:
-        for name, old in printed(before.search.base).items():
-            new = parameters.get(name)
-            if new is not None and old.value and not old.low <= new.value <= old.high:
-                changed[name] = new.value / old.value
-    error = case.diagnosis.error
-    errors = error.relative_rms, error.noise_floor, error.material_floor
-    return Step(base.model, accepted, *errors, predicted, parameters, changed, case)
-
-
-def _pruned(
-    measurement: Measurement,
-    case: Case,
-    steps: list[Step],
-    library: Sequence[Effect],
-    rng: np.random.Generator,
-    progress: Progress,
-) -> tuple[Case, list[Step]]:
-    """Drop accepted effects that later ones have made needless."""
-    base = case.search.base
-    added = [step.accepted for step in steps[1:] if step.accepted]
+def _needless(steps: Sequence[Step]) -> str:
+    """An accepted effect without which the evidence is larger, as later ones do what it did; empty if none is."""
+    base = steps[-1].case.search.base
+    added = [step.accepted for step in steps if step.accepted]
     for name in added[:-1]:
-        smaller: Refit = refit(base.model - name, base.data, base.noise)
-        if smaller.log_evidence > base.log_evidence:
-            previous, case = case, examine(measurement, smaller.model, library, rng, progress=progress)
-            dropped = replace(_step(case, None, None, previous), accepted=f"-{name}")
-            return case, [*steps, dropped]
-    return case, steps
+        if refit(base.model - name, base.data, base.noise).log_evidence > base.log_evidence:
+            return name
+    return ""
+
+
+def _step(case: Case, before: Case | None = None, accepted: Effect | None = None) -> Step:
+    """A rung, told beside the one before and what that foretold of the effect that was accepted."""
+    base, error = case.search.base, case.diagnosis.error
+    parameters = printed(base)
+    errors = error.relative_rms, error.noise_floor, error.material_floor
+    step = Step(base.model, None, *errors, None, parameters, {}, case)
+    if before is None:
+        return step
+    for name, old in printed(before.search.base).items():
+        new = parameters.get(name)
+        if new is not None and old.value and not old.low <= new.value <= old.high:
+            step.changed[name] = new.value / old.value
+    if accepted is None:
+        return step
+    step = replace(step, accepted=accepted.name, alike=(accepted.name,))
+    for candidate in before.diagnosis.candidates:
+        if candidate.effect == accepted.name:
+            return replace(step, predicted_error=candidate.predicted_error, alike=candidate.alike)
+    return step
