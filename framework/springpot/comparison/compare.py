@@ -260,6 +260,7 @@ def judgements(
     """Fits in units of one noise, each beside the material floor with the same effects."""
     least = min(-2.0 * found.log_evidence for found in fits)
     # A generator for each: what is drawn for one model hangs on no other.
+    # Each has its own stream: its tests may be asked for in any order, or not at all.
     for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
         error = error_of(found, floors[effects_of(found)])
         yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)

@@ -166,6 +166,7 @@ def rank(
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     # The fewest parameters first; of equally many, as they stood, the likelier one.
+    # Sorting keeps the order of equals: of models with as many parameters the likelier comes first.
     adequate.sort(key=lambda one: len(one.refit.theta))
     others = [one for one in ordered if one not in adequate]
     notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])

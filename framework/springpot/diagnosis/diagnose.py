@@ -191,6 +191,7 @@ def examine(
     if verdict == "adequate" and error_of(search.base, floor).is_hardly_noise:
         # Nothing is adequate beside an error of 40 %, whatever the scatter looks like.
         verdict = "inconclusive"
+    # The chance of "unknown" must agree with the verdict, which rests on more than the evidence.
     if verdict == "effect-missing":
         evidence = evidence.without_unknown()
     elif verdict == "unexplained":
@@ -350,6 +351,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
         else:
             row = _candidate(search.base, score, alone.get(name), standing)
         rows.append(row)
+    # The leader first: it stands for its class, of which another member may be as likely.
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
     return rows
 

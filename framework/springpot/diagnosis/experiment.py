@@ -194,6 +194,7 @@ class Clash:
         """Standard deviations between the two where the rival follows as its slopes tell."""
         residual, slopes = self._seen(self.rival.theta)
         usable = np.all(np.isfinite(slopes), axis=1) & (np.sum(slopes**2, axis=1) > 0)
+        # A rival that overflows under the new conditions has no slopes to go by: it is worth no trial.
         if not np.all(np.isfinite(residual)):
             return 0.0
         absorbed = orthonormal(slopes[usable].T)
@@ -353,7 +354,9 @@ def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
     told = plain(separation(shares, sigmas), 2)
     if _either_way(sigmas):
         return f"it separates {names[0]} from {names[1]} by {told} sigma"
-    verb = "rules out" if sigmas[more] >= EXPERIMENT.settled else "speaks against"
+    verb = "speaks against"
+    if sigmas[more] >= EXPERIMENT.settled:
+        verb = "rules out"
     return (
         f"if {names[more]} is right it {verb} {names[less]} by {plain(sigmas[more], 2)} sigma; "
         f"if not, {names[more]} stays possible; {told} sigma are to be expected"

@@ -230,6 +230,7 @@ def _explained(steps: list[Step]) -> list[Step]:
     if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= MOST_HIDDEN:
         return steps
     kept = first + 1
+    # One after the other: a rung that predicts nothing new ends what may be believed of those above it.
     while kept < len(steps):
         before, after = (step.case.search.base for step in steps[kept - 1 : kept + 1])
         if prediction_gain(before, after) > LADDER.predicts:

@@ -67,6 +67,7 @@ def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
         total: dict[str, Real] = {}
         for rows in groups:
             both = np.concatenate([rows, rows + n])
+            # Each group by itself: what the parameters follow in the others is no matter of its curve.
             absorbed = orthonormal(frame.absorbed[both])
             values = frame.residual[both]
             values = values - absorbed @ (absorbed.T @ values)
@@ -117,6 +118,7 @@ def _shapes(x: Real, stiffness: Complex, width: float) -> Iterator[Complex]:
 def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
     """Log-evidence of a sum of columns with normal coefficients of each size, over that of noise alone."""
     power, directions = np.linalg.eigh(columns.T @ columns)
+    # Directions of hardly any power are differences of nearly equal bumps: rounding.
     kept = power > 1e-10 * max(float(power[-1]), 1e-300)
     power = power[kept]
     along = (directions[:, kept].T @ (columns.T @ values)) ** 2 / power
@@ -236,7 +238,9 @@ def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
     x, groups = np.log(frame.measurement.omega), [sweep.rows for sweep in sweeps_of(frame.measurement)]
     if np.ptp(x) == 0.0:
         return ""
-    reduced = x + log_shift if pattern == "moving" and log_shift is not None else x
+    reduced = x
+    if pattern == "moving" and log_shift is not None:
+        reduced = x + log_shift
     if pattern and _is_one(frame, _curve(frame, reduced)):
         x, groups = reduced, [np.arange(len(x))]
     frame = _no_rougher(frame)

@@ -190,6 +190,7 @@ def _no_material(levels: Sequence[Level]) -> list[Level]:
     middle = float(np.median([level.error for level in levels]))
     strange = []
     for level in levels:
+        # Without the level itself: one that fails badly must not raise what it is held against.
         others = [other for other in levels if other is not level]
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
@@ -211,6 +212,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
     if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
         return
+    # With many points the slightest difference is sure; it must be large enough to matter too.
     if together.relative_rms < VERDICT.misfit * _rms(levels):
         return
     yield (

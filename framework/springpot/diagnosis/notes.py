@@ -57,7 +57,9 @@ def notes(
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
-    kind = _unknown(search) if verdict == "unexplained" else ""
+    kind = ""
+    if verdict == "unexplained":
+        kind = _unknown(search)
     if kind:
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
     elif search.left.p_value < VERDICT.structure_alarm:
@@ -89,7 +91,9 @@ def _of_one_frequency(search: Search) -> Iterator[str]:
 def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
     if outliers:
         places = ", ".join(map(str, outliers))
-        kind = "a single point stands out and was" if len(outliers) == 1 else "single points stand out and were"
+        kind = "single points stand out and were"
+        if len(outliers) == 1:
+            kind = "a single point stands out and was"
         yield f"{kind} set aside, an outlier or narrow interference: {places}"
     if search.base.noise.doubt:
         yield search.base.noise.doubt
@@ -127,7 +131,9 @@ def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
     """
-    refit = search.best if verdict == "effect-missing" else search.base
+    refit = search.base
+    if verdict == "effect-missing":
+        refit = search.best
     odd = harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic
     told = judged(overtones(search.base.data.mean, search.base.noise.sd))
     return [
@@ -156,7 +162,9 @@ def _unknown(search: Search) -> str:
     left = misfit - kind.drop
     all_of_it = left < VERDICT.explained * spare
     most_of_it = left - spare < VERDICT.most_of_it * (misfit - spare)
-    return kind.says if all_of_it or most_of_it else ""
+    if all_of_it or most_of_it:
+        return kind.says
+    return ""
 
 
 def _confounded(evidence: Evidence) -> Iterator[str]:

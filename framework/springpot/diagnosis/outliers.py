@@ -134,6 +134,7 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
         n = len(frame.measurement)
         basis = np.stack([frame.absorbed[:n], frame.absorbed[n:]], axis=1)
         rest = np.stack([frame.rest[:n], frame.rest[n:]], axis=1)
+        # Of each point the 2 x 2 block of I - H: what the parameters leave of its storage and its loss.
         free = np.eye(2) - basis @ basis.transpose(0, 2, 1)
         seen = np.linalg.eigvalsh(free)[:, 0] > LEAST_LEFT
         lost = np.zeros(n)

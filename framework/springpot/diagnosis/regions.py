@@ -143,6 +143,7 @@ class Blocks:
         """
         free = np.ones(len(whitened), dtype=bool)
         found: list[Region] = []
+        # The furthest is taken out before the next is sought: every block that touches a large misfit is off.
         for _ in range(MOST_BLOCKS):
             count = self._sums(free.astype(float))
             usable = (count > 0) & (count >= WHOLE * self._count)
@@ -209,7 +210,10 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
         with np.errstate(over="ignore"):
             return float(np.mean(-np.expm1(-np.exp((middle - value * divisor) / width)))) - alarm
 
-    return low if high - low <= 1e-12 * abs(high) else float(brentq(above, low, high))
+    # Where the scale is known there is nothing between the two.
+    if high - low <= 1e-12 * abs(high):
+        return float(low)
+    return float(brentq(above, low, high))
 
 
 def _neighbours(one: Sequence[Span], other: Sequence[Span]) -> bool:

@@ -229,7 +229,9 @@ class Diagnosis:
     @property
     def best(self) -> Candidate | None:
         """The effect that should be added, or None if none is missing."""
-        return self.candidates[0] if self.candidates and self.verdict == "effect-missing" else None
+        if self.candidates and self.verdict == "effect-missing":
+            return self.candidates[0]
+        return None
 
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure | Axes | Path:
         """The error as it is and with each leading effect, beside the floors; see `springpot.drawing.draw`."""

@@ -75,7 +75,10 @@ class Influence:
     def sized(self, setting: int, factor: float) -> dict[str, float]:
         """The effect's own parameters at a setting, its size changed so that it changes K `factor` times as much."""
         values = {name: float(self.theta[setting, self.model.names.index(name)]) for name in self.added}
-        values[self.added[0]] *= factor if self.effect.vanishes_at == 0.0 else 1.0 / factor
+        # What vanishes where it is infinite, such as a rigid mounting, changes K as the reciprocal of its size.
+        if self.effect.vanishes_at != 0.0:
+            factor = 1.0 / factor
+        values[self.added[0]] *= factor
         return values
 
 
@@ -240,6 +243,7 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
     if unit.shape[1] == 0:
         return np.zeros(0)
     maxima = np.empty(DRAWS)
+    # In four parts, which need a quarter of the memory at a time.
     for part in np.array_split(np.arange(DRAWS), 4):
         noise = frame.draws(len(part), rng)
         maxima[part] = np.max(noise @ unit, axis=1)
@@ -255,6 +259,7 @@ def _score(frame: Frame, influence: Influence, directions: Directions, threshold
         # Nine settings in ten would have been seen at this size; the last may lie where these data hardly show it.
         bound = float(np.quantile(needed, 0.9))
     left = frame.project(frame.whiten(influence.change).T)
+    # Settings as they are, beside the tangent: a large change follows its own curve.
     cost = np.sum((frame.rest[:, None] - left) ** 2, axis=0)
     starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
     if score > 0.0:

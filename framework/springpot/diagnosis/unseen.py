@@ -84,6 +84,7 @@ def left_out_error(fitted: Refit, folds: list[NDArray[np.bool_]]) -> float:
     for fold in folds:
         less = fitted.without(fold)
         off = fitted.fit.measurement.stiffness - less.model.stiffness(less.theta, fitted.fit.measurement.points)
+        # In units of the noise of all data: a fit of less has no better one.
         sd = fitted.noise.sd
         total += float(np.sum((off.real / sd.real)[fold] ** 2 + (off.imag / sd.imag)[fold] ** 2))
         count += 2 * int(np.sum(fold))

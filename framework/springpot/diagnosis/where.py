@@ -99,7 +99,9 @@ def level_words(measurement: Measurement, axis: Axis, rows: Rows) -> str:
     if level.min() == 0 and level.max() == axis.count - 1:
         return ""
     low, high = float(column[rows].min()), float(column[rows].max())
-    start = "at " if axis.name == "temperature" else "at amplitudes of "
+    start = "at amplitudes of "
+    if axis.name == "temperature":
+        start = "at "
     if _number(low) == _number(high):
         return f"{start.replace('amplitudes', 'an amplitude')}{with_unit(measurement, axis.name, low)}"
     if level.min() == 0:
@@ -174,7 +176,9 @@ def _power(amplitude: Real, residual: Real) -> str:
         return ""
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
     power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
-    return AMPLITUDE_POWERS[power] if abs(power - slope) < WHERE.close_power else ""
+    if abs(power - slope) < WHERE.close_power:
+        return AMPLITUDE_POWERS[power]
+    return ""
 
 
 def in_plane(plane: str, measured: Complex, modelled: Complex) -> Complex:
@@ -209,6 +213,7 @@ def where(frame: Frame) -> list[Where]:
     found = [(part, region) for part in _parts(frame) for region in blocks.regions(part.whitened, threshold)]
     period, clear = _period(frame, rng)
     if period:
+        # Half a swing is a band that is off to one side: the period says so once, not each of its halves.
         found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
     found = [(part, region) for part, region in found if abs(region.sigma) > WHERE.slight * abs(found[0][1].sigma)]
@@ -328,6 +333,7 @@ def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     omega = measurement.omega[rows]
     if np.ptp(np.log(omega)) < WIDE or len(rows) < FEWEST_OF_A_LAW:
         return ""
+    # Points that scatter to the other side have no logarithm, and say nothing of how the misfit grows.
     sign = np.sign(np.sum(part.residual[rows]))
     kept = sign * part.residual[rows] > 0
     if np.sum(kept) < FEWEST_OF_A_LAW:
@@ -347,6 +353,7 @@ def _simplest_plane(frame: Frame) -> str:
     """The plane in which one straight line in omega^0, omega^1 or omega^2 explains most of the misfit."""
     modelled = Response(frame.model_stiffness)
     share: dict[str, float] = {}
+    # Over their geometric mean, so that no power of the frequencies is beyond what numbers hold.
     scale = frame.measurement.omega / np.exp(np.mean(np.log(frame.measurement.omega)))
     for plane, kind in PLANES.items():
         slope = kind.slope(modelled)
