@@ -113,3 +113,14 @@ def test_degenerate_directions_do_no_harm():
 
     found = levenberg_marquardt(evaluate, np.zeros((5, 2)), np.full(2, -np.inf), np.full(2, np.inf))
     assert found.u.sum(axis=1) == pytest.approx(3.0)
+
+
+def test_a_team_stops_sooner_where_ends_need_agree_less_closely(many, rng):
+    _, data = many
+    data = np.repeat(data[:1] + 0.1 * rng.standard_normal(data[:1].shape), 8, axis=0)
+    starts, team = rng.uniform(0.2, 4.0, (8, 3)), np.zeros(8, dtype=int)
+    closely, loosely = Exponentials(data), Exponentials(data)
+    exact = levenberg_marquardt(closely, starts, *NO_BOX, team=team, flat=1e-3)
+    found = levenberg_marquardt(loosely, starts, *NO_BOX, team=team, flat=1e-3, alike=1e-2)
+    assert loosely.rows < closely.rows
+    assert found.cost.min() == pytest.approx(exact.cost.min(), rel=1e-2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TypeAlias
 
@@ -123,7 +123,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search.left = search.structure
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
-        search.grown.append(_grow(search, base, (), score))
+        search.grown.append(_grow(search, score))
     _sort(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
@@ -142,7 +142,7 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
         if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
             for score in scan_effects(base, search.frame, [effect], threshold=search.scan.threshold).scores:
                 search.scan.scores.append(score)
-                search.grown += _clear(search, [_grow(search, base, (), score)])
+                search.grown += _clear(search, [_grow(search, score)])
                 effects.append(effect)
     _sort(search)
     return effects
@@ -221,12 +221,11 @@ def scan_effects(
     return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
-def _grow(search: Search, fitted: Refit, before: tuple[Effect, ...], score: Score) -> Grown:
+def _grow(search: Search, score: Score) -> Grown:
     """Refit with one more effect."""
-    # Beside another effect the scan's own starts are near enough; those read off the data know of neither.
-    starts = 0 if before else 2
-    grown = refit(score.influence.model, fitted.data, fitted.noise, list(score.starts), starts, _effort(search))
-    return Grown((*before, score.influence.effect), grown, score.predicted)
+    base = search.base
+    grown = refit(score.influence.model, base.data, base.noise, list(score.starts), starts=2, effort=_effort(search))
+    return Grown((score.influence.effect,), grown, score.predicted)
 
 
 def _effort(search: Search) -> Effort:
@@ -242,18 +241,48 @@ def _sort(search: Search) -> None:
     search.grown.sort(key=lambda grown: -grown.refit.log_evidence)
 
 
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A pair of effects to be refitted: from given starts (p,), and from so many read off the data."""
+
+    effects: tuple[Effect, ...]
+    model: Model
+    starts: list[Real]
+    read_off: int
+    predicted: float
+
+    def joined(self, other: _Asked) -> _Asked:
+        """The same pair with the starts of both."""
+        starts, predicted = [*self.starts, *other.starts], min(self.predicted, other.predicted)
+        return replace(self, starts=starts, read_off=max(self.read_off, other.read_off), predicted=predicted)
+
+
 def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Generator) -> None:
     """Seek a second effect beside several first ones, and pairs that only work together."""
-    base = search.base
-    pairs = [
-        Grown(
-            (pair.first.influence.effect, pair.second.influence.effect),
-            refit(pair.model, base.data, base.noise, [pair.start], starts=1, effort=_effort(search)),
-            base.rss - pair.gain,
-        )
-        for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together)
-        if _fits(base, pair.model)
-    ]
+    base, effort = search.base, _effort(search)
+    pairs = []
+    for each in _once([*_together(search), *_one_by_one(search, effects)]):
+        if _fits(base, each.model):
+            fitted = refit(each.model, base.data, base.noise, each.starts, each.read_off, effort)
+            pairs.append(Grown(each.effects, fitted, each.predicted))
+    search.grown += _clear(search, pairs)
+    _sort(search)
+    _add_singles(search)
+    search.left = battery(search.best.frame(), rng)
+
+
+def _together(search: Search) -> list[_Asked]:
+    """Pairs that explain the residual together."""
+    base, asked = search.base, []
+    for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together):
+        both = (pair.first.influence.effect, pair.second.influence.effect)
+        asked.append(_Asked(both, pair.model, [pair.start], 1, base.rss - pair.gain))
+    return asked
+
+
+def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[_Asked]:
+    """The best second effects beside each of the best first ones."""
+    asked = []
     for first in search.grown[: SEARCH.beam]:
         frame = first.refit.frame()
         others = [
@@ -262,16 +291,22 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
             if not (effect.narrow and any(one.narrow for one in first.effects))
             and not _twice(first.refit.model, effect)
         ]
-        seconds = scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]
-        pairs += [
-            _grow(search, first.refit, first.effects, score)
-            for score in seconds
-            if _fits(base, score.influence.model)
-        ]
-    search.grown += _clear(search, pairs)
-    _sort(search)
-    _add_singles(search)
-    search.left = battery(search.best.frame(), rng)
+        for score in scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]:
+            both = (*first.effects, score.influence.effect)
+            # Beside another effect the scan's own starts are near enough; those read off the data know of neither.
+            asked.append(_Asked(both, score.influence.model, list(score.starts), 0, score.predicted))
+    return asked
+
+
+def _once(asked: Sequence[_Asked]) -> list[_Asked]:
+    """Each pair once, with the starts of all its ways: ten starts take hardly longer than five."""
+    pairs: dict[tuple[str, ...], _Asked] = {}
+    for each in asked:
+        key = tuple(sorted(effect.name for effect in each.effects))
+        if key in pairs:
+            each = pairs[key].joined(each)
+        pairs[key] = each
+    return list(pairs.values())
 
 
 def _add_singles(search: Search) -> None:
@@ -279,7 +314,7 @@ def _add_singles(search: Search) -> None:
     alone = {grown.names[0] for grown in search.grown if len(grown.effects) == 1}
     wanted = {name for grown in search.grown[: SEARCH.singles] for name in grown.names} - alone
     scores = [score for score in search.scan.scores if score.influence.effect.name in wanted]
-    search.grown += _clear(search, [_grow(search, search.base, (), score) for score in scores])
+    search.grown += _clear(search, [_grow(search, score) for score in scores])
     _sort(search)
 
 
@@ -394,7 +429,7 @@ def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
     alike = []
     for score in scan_effects(base, search.frame, effects, threshold=search.scan.threshold).scores:
-        grown = _grow(search, base, (), score)
+        grown = _grow(search, score)
         if grown.refit.log_evidence > least:
             search.scan.scores.append(score)
             alike.append(grown)

@@ -27,6 +27,8 @@ FLAT = 1e-13
 """A predicted drop of this fraction of the objective moves no parameter by a millionth of its deviation."""
 STILL = 1e-12
 """A step of this size in search coordinates (ratios) changes nothing that is printed."""
+ALIKE = 1e-9
+"""Ends of two descents within this fraction of the objective are one optimum."""
 REACH = 3.0
 """Longest step in one search coordinate: a factor of e^3 for a parameter searched by its logarithm."""
 
@@ -99,6 +101,7 @@ class _Rules:
     team: Rows | None
     confirm: int
     flat: float
+    alike: float
 
     @classmethod
     def of(
@@ -110,16 +113,15 @@ class _Rules:
         team: Rows | None,
         confirm: int,
         flat: float,
+        alike: float,
     ) -> _Rules:
         """The rules with one box and one floor for each row of `u0`."""
         floors = np.broadcast_to(np.asarray(floor, dtype=float), (len(u0),))
         boxes = np.broadcast_to(lower, u0.shape), np.broadcast_to(upper, u0.shape)
-        return cls(*boxes, floors, team, confirm, flat)
+        return cls(*boxes, floors, team, confirm, flat, alike)
 
     def of_rows(self, rows: Rows) -> _Rules:
-        """Those of the rows still at work; the same object while these are all."""
-        if len(rows) == len(self.floors):
-            return self
+        """Those of the rows still at work."""
         return replace(self, lower=self.lower[rows], upper=self.upper[rows], floors=self.floors[rows])
 
 
@@ -135,6 +137,7 @@ def levenberg_marquardt(
     iterations: int = 100,
     damping: float = START_DAMPING,
     flat: float = FLAT,
+    alike: float = ALIKE,
 ) -> Solution:
     """Minimise the sum of squared residuals of every row, within its box.
 
@@ -160,6 +163,8 @@ def levenberg_marquardt(
     flat : float
         A row has converged once the drop foretold is this fraction of its objective. Only a step that is hardly
         damped foretells all that is left to gain; a damped one counts from `FLAT` on.
+    alike : float
+        Ends within this fraction of the best objective agree with it.
 
     Returns
     -------
@@ -172,7 +177,7 @@ def levenberg_marquardt(
     grows as in H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05. A variable at a bound towards
     which the objective falls is frozen for the step.
     """
-    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat)
+    rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted for it.
     with np.errstate(all="ignore"):
         state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping)
@@ -186,7 +191,7 @@ def _descend(
 ) -> tuple[NDArray[np.bool_], int]:
     """Step until all rows have retired to `ended`; says which converged (R,), and how many steps rows took in all."""
     converged = np.zeros(len(state.rows), dtype=bool)
-    steps = 0
+    steps, own = 0, rules
     finished = state.cost <= rules.floors
     for _ in range(iterations):
         if finished.any():
@@ -195,7 +200,10 @@ def _descend(
         if not len(state.rows):
             break
         steps += len(state.rows)
-        finished = _advance(evaluate, state, rules.of_rows(state.rows))
+        # Rows only ever leave: while their number stays, so do they.
+        if len(state.rows) != len(own.floors):
+            own = rules.of_rows(state.rows)
+        finished = _advance(evaluate, state, own)
     if len(state.rows):
         converged[state.rows[finished]] = True
         _store(state, ended)
@@ -307,7 +315,7 @@ def _done_teams(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Ru
     teams = int(team.max()) + 1
     best = np.full(teams, np.inf)
     np.minimum.at(best, team, cost)
-    agree = converged & (cost <= best[team] * (1.0 + 1e-9))
+    agree = converged & (cost <= best[team] * (1.0 + rules.alike))
     votes = np.bincount(team, weights=agree, minlength=teams)
     reached = np.bincount(team, weights=converged & (cost <= rules.floors), minlength=teams)
     settled: NDArray[np.bool_] = (votes >= rules.confirm) | (reached > 0)

@@ -15,7 +15,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Complex, Continuum, Model, Points, Real
 
 from .alignment import superposed
-from .leastsquares import FLAT, Rows, Solution
+from .leastsquares import ALIKE, FLAT, Rows, Solution
 from .material import STILL, fit_spectrum, is_material, own_parameters
 from .objective import Objective, sizes
 from .problem import Problem
@@ -29,7 +29,7 @@ LAST = 20
 """Steps with all points of a large data set; most of the way was gone with a few of them."""
 QUICK = 10
 """Steps in all parameters before the shapes are searched."""
-ALIKE = 10.0
+STOPS = 10.0
 """Ends within so many times what is not worth a step are one end: each may stop that far above it."""
 AGREE = 3
 """Starts that must end in the same optimum for it to be believed."""
@@ -338,7 +338,8 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
     quick = task.solve(u[None], iterations=QUICK, damping=SCANNED, flat=effort.negligible)
     evaluations += quick.evaluations
-    agreed = _agreed(quick, task.floor[0], AGREE, max(1e-9, ALIKE * effort.negligible))
+    alike = max(ALIKE, STOPS * effort.negligible)
+    agreed = _agreed(quick, task.floor[0], AGREE, alike)
     if agreed or float(quick.cost.min()) > effort.hopeless:
         return quick, evaluations
     # What was reached goes along, so that the longer way cannot end higher.
@@ -348,7 +349,9 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         v = np.concatenate([v, shapes[0]])
     valley = task.solve_shapes(v[None], flat=max(effort.negligible, FLAT_SHAPES))
     keen = valley.u[np.argsort(valley.cost)[:POLISHED]]
-    last = task.solve(np.concatenate([task.full(keen[None])[0], best])[None], damping=NEAR, flat=effort.negligible)
+    # Descents that stop that far above their end agree as the quick ones do; else all would go on to the last step.
+    near_ends = np.concatenate([task.full(keen[None])[0], best])[None]
+    last = task.solve(near_ends, damping=NEAR, flat=effort.negligible, alike=alike)
     return last, evaluations + valley.evaluations + last.evaluations
 
 

@@ -12,7 +12,7 @@ from springpot.rheology import GRADIENT, Complex, Model, Points, Real
 from .branches import Branches, branches_of, interleaved, plane_data, project
 from .coordinates import Coordinates
 from .derivative import require_derivative
-from .leastsquares import FLAT, Evaluate, Rows, Solution, levenberg_marquardt
+from .leastsquares import ALIKE, FLAT, Evaluate, Rows, Solution, levenberg_marquardt
 from .starts import Grid, shapes_of, thinned
 
 SCAN_POINTS = 64
@@ -252,7 +252,9 @@ class Task:
             iterations=iterations,
         )
 
-    def solve(self, u: Real, iterations: int = 100, damping: float = 1e-2, flat: float = FLAT) -> Solution:
+    def solve(
+        self, u: Real, iterations: int = 100, damping: float = 1e-2, flat: float = FLAT, alike: float = ALIKE
+    ) -> Solution:
         """Descend from search coordinates (B, s, p); rows of the result run over data sets, then starts."""
         count, starts, p = u.shape
         owner = np.repeat(np.arange(count), starts)
@@ -267,6 +269,7 @@ class Task:
             iterations=iterations,
             damping=damping,
             flat=flat,
+            alike=alike,
         )
 
     def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,8 @@ class Spread:
         return self.varied and self.own >= self.chosen
 
 
+# Every search asks anew, of the same data: of a few it is remembered.
+@lru_cache(maxsize=8)
 def spread_of(measurement: Measurement, condition: str) -> Spread | None:
     """How much a condition varied, and how much of that nothing else explains.
 

@@ -8,7 +8,7 @@ they are left out, which is exact for weak nonlinearity and where one of the two
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -61,22 +61,23 @@ class BalancedSeries(Composition):
         value = body.value * element.value / both
         if depth == VALUE:
             return Response(value)
-        by_body, by_element = (element.value / both) ** 2, (body.value / both) ** 2
-        stiffening = 1.0 + np.real(slope / both)
+        columns = (body.value, element.value, both, slope)
+        alone, other, whole, steeper = (column[..., None, :] for column in columns)
+        by_body, by_element = (other / whole) ** 2, (alone / whole) ** 2
+        stiffening = 1.0 + np.real(steeper / whole)
 
-        def total(of_body: Complex, of_element: Complex) -> Complex:
-            """Change of the whole K, the share of the displacement that the element takes moving along."""
-            moved = np.real((of_body + of_element) / both - of_body / body.value)
+        def total(of_body: Complex | float, of_element: Complex | float) -> Complex:
+            """Changes (..., q, n) of the whole K, the share of displacement that the element takes moving along."""
+            moved = np.real((of_body + of_element) / whole - of_body / alone)
             shift = -moved / stiffening
-            found: Complex = by_body * of_body + by_element * (of_element + slope * shift)
+            found: Complex = by_body * of_body + by_element * (of_element + steeper * shift)
             return found
 
-        columns = [total(body.by_theta[..., i, :], 0.0 * value) for i in range(body.by_theta.shape[-2])]
-        columns += [total(0.0 * value, element.by_theta[..., i, :]) for i in range(element.by_theta.shape[-2])]
-        by_theta = np.stack(columns, axis=-2)
+        by_theta = np.concatenate([total(body.by_theta, 0.0), total(0.0, element.by_theta)], axis=-2)
         if depth == GRADIENT:
             return Response(value, by_theta)
-        return Response(value, by_theta, total(body.by_log_omega, element.by_log_omega))
+        slopes = total(body.by_log_omega[..., None, :], element.by_log_omega[..., None, :])
+        return Response(value, by_theta, slopes[..., 0, :])
 
     def _balanced(self, body: Complex, own: Real, at: Points, depth: int) -> tuple[Response, Complex]:
         """The element's response at the amplitude that it takes, and dK_e / d ln X_e there."""
@@ -88,7 +89,7 @@ class BalancedSeries(Composition):
         shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
         log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
         for _ in range(NEWTON_STEPS):
-            there = replace(at, amplitude=np.exp(log_own))
+            there = at.at_amplitude(np.exp(log_own))
             found = element.respond(theta, there).value
             both = body + found
             # In logarithms of the amplitude, which then cannot become negative on the way.
@@ -97,7 +98,7 @@ class BalancedSeries(Composition):
             log_own = log_own + step
             if np.max(np.abs(step), initial=0.0) < CONVERGED:
                 break
-        there = replace(at, amplitude=np.exp(log_own))
+        there = at.at_amplitude(np.exp(log_own))
         # By the outer node again: the derivative is asked for by the parameters that are free.
         response = outer.respond(own, there, depth)
         return response, element.log_slope(theta, response.value)

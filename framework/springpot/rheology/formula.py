@@ -98,4 +98,8 @@ class Formula(Node):
 
 
 def _spread(value: Any, shape: tuple[int, ...]) -> Complex:
-    return np.broadcast_to(np.asarray(value, dtype=complex), shape)
+    whole = np.asarray(value, dtype=complex)
+    # Mostly it has that shape; a view takes longer than the law itself.
+    if whole.shape == shape:
+        return whole
+    return np.broadcast_to(whole, shape)

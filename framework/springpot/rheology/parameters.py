@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 from typing import Literal
 
@@ -107,7 +108,7 @@ class HasParameters(ABC):
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters in the order of theta."""
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """The parameters' names in the order of theta."""
         return tuple(parameter.name for parameter in self.parameters)

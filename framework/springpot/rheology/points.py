@@ -106,10 +106,17 @@ class Points:
 
     def shifted(self, log_shift: Real) -> Points:
         """The same points with `log_shift` added to the logarithm of the frequency."""
+        return self._unchecked(log_omega=self.log_omega + log_shift)
+
+    def at_amplitude(self, amplitude: Real) -> Points:
+        """The same points at other amplitudes (..., n), such as the share of one that a part takes."""
+        return self._unchecked(amplitude=amplitude)
+
+    def _unchecked(self, **changed: Real) -> Points:
         # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is checked here.
-        moved = object.__new__(Points)
-        moved.__dict__.update(self.__dict__, log_omega=self.log_omega + log_shift)
-        return moved
+        other = object.__new__(Points)
+        other.__dict__.update(self.__dict__, **changed)
+        return other
 
     def mapped(self, change: Callable[[Real], Real]) -> Points:
         """The points with every condition changed: to some of the rows, say, or interpolated; frequencies stay."""
