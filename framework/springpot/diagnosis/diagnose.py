@@ -310,14 +310,6 @@ def _openness(chances: Mapping[str, float]) -> float:
     return most[0] / most[1]
 
 
-class Standing(NamedTuple):
-    """What the evidence makes of an effect: its probability, its class and its verdict."""
-
-    probability: float
-    alike: tuple[str, ...]
-    word: EffectVerdict
-
-
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     """All scanned effects as candidates, the likeliest first; none is missing where the verdict is another."""
     search = evidence.search
@@ -340,32 +332,31 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
             least = VERDICT.likely
         missing = verdict == "effect-missing" and chance > least * evidence.trust(name)
         word = _effect_verdict(search, score, best.get(name), missing)
-        standing = Standing(chance, class_of.get(name, (name,)), word)
+        before, grown = search.base, alone.get(name)
         if name in beside:
             # An effect that only shows beside the leading one is told as it is there.
-            before = search.base
+            grown = beside[name]
             if leader in alone:
                 before = alone[leader].refit
-            row = _candidate(before, score, beside[name], standing)
+        row = _candidate(before, score, grown)
+        if name in beside:
             row = replace(row, says=f"beside {leader}: {row.says}")
-        else:
-            row = _candidate(search.base, score, alone.get(name), standing)
-        rows.append(row)
+        rows.append(replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word))
     # The leader first: it stands for its class, of which another member may be as likely.
     rows.sort(key=lambda row: (row.effect != leader, -row.probability, -row.delta_bic))
     return rows
 
 
-def _candidate(before: Refit, score: Score, grown: Grown | None, standing: Standing) -> Candidate:
-    """One effect as it is when it joins a fitted model: the user's alone, or that with the leading effect."""
+def _candidate(before: Refit, score: Score, grown: Grown | None) -> Candidate:
+    """What one effect does when it joins a fitted model: the user's alone, or that with the leading effect."""
     effect = score.influence.effect
     row = Candidate(
         physics=effect,
-        alike=standing.alike,
-        probability=standing.probability,
+        alike=(effect.name,),
+        probability=0.0,
         delta_bic=-np.inf,
         score=score.score,
-        verdict=standing.word,
+        verdict="cannot-tell",
         predicted_error=_predicted(before, score.predicted),
         error_after=before.relative_rms,
         bound=score.bound,

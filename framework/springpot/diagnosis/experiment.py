@@ -290,23 +290,26 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     """
     shares = (chances[0] / sum(chances), chances[1] / sum(chances))
 
-    def clashes(action: Action) -> tuple[Clash, Clash]:
-        return Clash(first, second, action), Clash(second, first, action)
+    def linear(action: Action) -> Pair:
+        return Clash(first, second, action).linear, Clash(second, first, action).linear
+
+    def fitted(action: Action) -> Pair:
+        return Clash(first, second, action).fitted(), Clash(second, first, action).fitted()
 
     def worth(sigmas: Pair, action: Action) -> float:
         return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
-    linear = {action: _both(clashes(action), "linear") for action in actions(first.fit.measurement)}
-    tried = sorted(linear, key=lambda action: -worth(linear[action], action))[:TRIED]
-    fitted = {action: _both(clashes(action), "fitted") for action in tried}
-    telling = [action for action in tried if max(fitted[action]) >= EXPERIMENT.telling]
+    feasible = {action: linear(action) for action in actions(first.fit.measurement)}
+    tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
+    reached = {action: fitted(action) for action in tried}
+    telling = [action for action in tried if max(reached[action]) >= EXPERIMENT.telling]
     if not telling:
-        best = max(tried, key=lambda action: max(fitted[action]))
-        expected = separation(shares, fitted[best])
+        best = max(tried, key=lambda action: max(reached[action]))
+        expected = separation(shares, reached[best])
         return NextExperiment(_no_use(best, names, expected), names, expected)
-    best = max(telling, key=lambda action: worth(fitted[action], action))
-    expected = separation(shares, fitted[best])
-    return NextExperiment(f"{best.says}: {promise(names, shares, fitted[best])}", names, expected, best.action)
+    best = max(telling, key=lambda action: worth(reached[action], action))
+    expected = separation(shares, reached[best])
+    return NextExperiment(f"{best.says}: {promise(names, shares, reached[best])}", names, expected, best.action)
 
 
 def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
@@ -318,13 +321,6 @@ def _no_use(action: Action, names: tuple[str, str], sigma: float) -> str:
         f"no feasible measurement tells {names[0]} from {names[1]}: even the best ({action.says}) would "
         f"separate them by {size} sigma"
     )
-
-
-def _both(clashes: tuple[Clash, Clash], kind: str) -> Pair:
-    first, second = clashes
-    if kind == "linear":
-        return first.linear, second.linear
-    return first.fitted(), second.fitted()
 
 
 def _expected(shares: Pair, sigmas: Pair) -> float:

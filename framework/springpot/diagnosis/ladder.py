@@ -15,7 +15,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model, Real
 
 from .diagnose import Case, Progress, examine, printed, silent, within
-from .policy import LADDER, SEARCH
+from .policy import SEARCH, VERDICT
 from .refit import refit
 from .result import Diagnosis, Value, Verdict
 from .search import scan_effects
@@ -211,7 +211,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     candidates = case.diagnosis.candidates
     if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
         return None
-    if case.naming.alarm > LADDER.clear or case.naming.gain < SEARCH.decisive:
+    if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     return candidates[0].physics
 
@@ -233,7 +233,7 @@ def _explained(steps: list[Step]) -> list[Step]:
     # One after the other: a rung that predicts nothing new ends what may be believed of those above it.
     while kept < len(steps):
         before, after = (step.case.search.base for step in steps[kept - 1 : kept + 1])
-        if prediction_gain(before, after) > LADDER.predicts:
+        if prediction_gain(before, after) > VERDICT.predicts:
             break
         kept += 1
     return steps[:kept]

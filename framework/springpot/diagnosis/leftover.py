@@ -15,7 +15,7 @@ from springpot.measurement import distinct_log_omega, sweeps_of, temperatures_di
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
-from .policy import LEFTOVER, VERDICT
+from .policy import VERDICT
 from .refit import Refit
 from .result import plain
 from .where import where
@@ -231,7 +231,7 @@ def _pattern(frame: Frame, log_shift: Real | None) -> str:
 
 def _explains_alone(one: _Seen, other: _Seen) -> bool:
     """Whether only the first of two rival descriptions explains something, beyond a remainder."""
-    return one.chance < VERDICT.sentence_alarm and other.excess < LEFTOVER.small * one.excess
+    return one.chance < VERDICT.sentence_alarm and other.excess < VERDICT.rival_rest * one.excess
 
 
 def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
@@ -245,9 +245,9 @@ def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
         x, groups = reduced, [np.arange(len(x))]
     frame = _no_rougher(frame)
     evidence = causal_evidence(frame, x, groups)
-    if evidence > LEFTOVER.sure:
+    if evidence > VERDICT.causal:
         return "it is consistent with causality, so that a material or a rig can be its cause"
-    if evidence < -LEFTOVER.sure and causal_evidence(_with_resonance(frame, x), x, groups) < -LEFTOVER.sure:
+    if evidence < -VERDICT.causal and causal_evidence(_with_resonance(frame, x), x, groups) < -VERDICT.causal:
         return (
             "it is not causal (storage and loss do not belong together): a fault of the instrument or of the "
             "analysis, or a nonlinearity, is likelier than a property of a linear material; a loss that does not "
@@ -270,7 +270,7 @@ def _is_one(frame: Frame, curve: Real) -> bool:
     """Whether one curve is all that the residual has beside noise; else each sweep is judged by itself."""
     free = frame.size - int(frame.absorbed.shape[1]) - int(curve.shape[1])
     left = float(frame.rest @ frame.rest) - _seen(frame, curve).energy
-    return _Seen(left, free, frame.scale_dof).chance > LEFTOVER.nothing
+    return _Seen(left, free, frame.scale_dof).chance > VERDICT.all_of_it
 
 
 def _with_resonance(frame: Frame, x: Real) -> Frame:

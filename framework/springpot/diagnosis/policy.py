@@ -234,6 +234,17 @@ class VerdictLevels:
     may be wrong, so that it gets a fifth of the verdict's."""
     stands_out: float = 2.0
     """Error over the median of all levels from which a level is no material: the same rig, specimen and noise."""
+    accepted: float = 0.001
+    """Chance of a false alarm below which an effect is accepted without asking."""
+    predicts: float = 0.7
+    """Error of prediction, over that of the rung before, up to which an accepted effect stays though the rest is
+    unexplained."""
+    all_of_it: float = 0.01
+    """Chance of noise alone above which one curve is held to be all that is left."""
+    rival_rest: float = 0.25
+    """Share of what one of two rival descriptions explains that the other may explain beside it."""
+    causal: float = 10.0
+    """Log-evidence from which a residual is called causal, or not."""
     predicts_better: float = 0.98
     """Share of an error of prediction from which on a smaller one is better."""
 
@@ -286,21 +297,6 @@ WHERE = WhereLevels()
 
 
 @dataclass(frozen=True)
-class LeftoverLevels:
-    """What the best model leaves."""
-
-    nothing: float = 0.01
-    """Chance of noise alone above which nothing is held to be seen."""
-    small: float = 0.25
-    """Share of the misfit of a rival description that may be left by the one that is named."""
-    sure: float = 10.0
-    """Log-evidence from which a residual is called causal, or not."""
-
-
-LEFTOVER = LeftoverLevels()
-
-
-@dataclass(frozen=True)
 class ExperimentLevels:
     """What could be measured next."""
 
@@ -313,17 +309,3 @@ class ExperimentLevels:
 
 
 EXPERIMENT = ExperimentLevels()
-
-
-@dataclass(frozen=True)
-class LadderLevels:
-    """Effects accepted without asking."""
-
-    clear: float = 0.001
-    """Chance of a false alarm below which an effect is accepted without asking."""
-    predicts: float = 0.7
-    """Error of prediction, over that of the rung before, up to which an effect stays though the rest is
-    unexplained."""
-
-
-LADDER = LadderLevels()
