@@ -16,6 +16,11 @@ from springpot.measurement import guarded
 
 from .statistics import Interval
 
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e6
+"""Sizes between which numbers stand without a power of ten."""
+WHOLE_FROM = 1e4
+"""From here on four digits would be a power of ten, which is harder to compare down a column."""
+
 Entry: TypeAlias = str | int | float | Interval | None
 
 
@@ -49,10 +54,9 @@ def number(value: float) -> str:
         return "–"
     if isinf(value):
         return str(value).replace("inf", "∞")
-    if value and not 1e-3 <= abs(value) < 1e6:
+    if value and not SMALLEST_PLAIN <= abs(value) < LARGEST_PLAIN:
         return f"{value:.3e}"
-    # From here on four digits would be a power of ten, which is harder to compare down a column.
-    if abs(value) >= 1e4:
+    if abs(value) >= WHOLE_FROM:
         return f"{value:.0f}"
     return f"{value:.4g}"
 

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 CONDITIONS = ("temperature", "amplitude")
 NEARLY = 0.85
 """Likeness of a name to one of these from which it is taken for a slip."""
+WRITTEN = 1e-6
+"""By which the decimals of a converted temperature may be off: rounding, and no more."""
 WARM = 200.0
 """degC above which a number that ends in .15, as every whole degree does in kelvin, is taken for one in kelvin."""
 _DTYPES: dict[str, np.dtype[Any]] = {
@@ -186,7 +188,7 @@ class Measurement(Rows):
         celsius = self.conditions.get("temperature")
         if celsius is not None and np.min(celsius) < -KELVIN:
             raise DataError(f"{self.name}: temperature is in degC, and below the absolute zero of -273.15")
-        if celsius is not None and np.all((celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < 1e-6)):
+        if celsius is not None and np.all((celsius > WARM) & (np.abs(celsius % 1.0 - KELVIN % 1.0) < WRITTEN)):
             raise DataError(f"{self.name}: temperature is in degC; {celsius[0]:g} looks like kelvin: subtract 273.15")
         for condition in self.conditions:
             if advice := misspelt(condition):

@@ -23,6 +23,8 @@ SIBLINGS = 2
 """Other files of the same name but for one number, from which that number is taken for a condition."""
 APART = 5
 """Kelvin between such numbers, at least."""
+LONGEST_NAME, SHOWN_BEGINNING, SHOWN_END = 80, 40, 30
+"""Signs of a name in an error, and those that stand for a longer one: both ends, which tell a path best."""
 LISTED = 2000
 """Entries of a folder that are looked at: of a very large one the rest would only take time."""
 
@@ -37,10 +39,10 @@ def is_file(text: str) -> bool:
 
 
 def short(text: str) -> str:
-    """At most 80 signs of a name, for errors."""
-    if len(text) <= 80:
+    """A name that is not too long for an error."""
+    if len(text) <= LONGEST_NAME:
         return text
-    return f"{text[:40]}...{text[-30:]}"
+    return f"{text[:SHOWN_BEGINNING]}...{text[-SHOWN_END:]}"
 
 
 def file_and_choice(text: str) -> tuple[str, Choice]:

@@ -11,6 +11,8 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology import Real
 
+FEWEST = 8
+"""Complete samples below which nothing is made of a record."""
 BLOCK = 1 << 16
 """Rows worked on at a time."""
 FORGET = 32 * BLOCK
@@ -113,8 +115,10 @@ def in_order(time: Real, displacement: Real, force: Real, name: str = "signals")
         time, displacement, force = time[keep], displacement[keep], force[keep]
     record = Record(time, displacement, force, name, tuple(notes))
     complete = sum(len(t) for t, _ in record.blocks())
-    if complete < 8:
-        raise DataError(f"{name}: {complete} complete samples of time, displacement and force; at least 8 are needed")
+    if complete < FEWEST:
+        raise DataError(
+            f"{name}: {complete} complete samples of time, displacement and force; at least {FEWEST} are needed"
+        )
     if not record.span > 0:
         raise DataError(f"{name}: time stands still at {time[0]:g} s")
     return record

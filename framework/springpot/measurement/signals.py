@@ -30,6 +30,8 @@ from .units import (
 
 SURE = 3.0
 """Standard deviations by which a stiffness is negative beyond doubt."""
+SEEN = 0.999
+"""Probability that noise alone would show less than a motion that is believed."""
 BENT = 0.05
 """Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
 LONGER = 4.0
@@ -181,7 +183,7 @@ def _check_motion(record: Record, basis: Basis, fit: Fit) -> None:
     from scipy.special import fdtri
 
     noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
-    if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, 0.999) * noise:
+    if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, SEEN) * noise:
         found = coarse_frequency(record)
         raise DataError(
             f"{record.name}: the displacement does not oscillate at {basis.omega:.4g} rad/s "

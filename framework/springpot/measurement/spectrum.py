@@ -16,6 +16,10 @@ FREEDOM = 40.0
 """Degrees of freedom that the band around omega holds where the record is long enough; sd within about 11 %."""
 FEWEST = 6.0
 NARROWEST, WIDEST = 1.25, 5.0
+BELOW_NYQUIST = 0.45
+"""Of the sampling frequency: at half of it residuals of both signs of the frequency fall together."""
+LEAST_KEPT = 0.2
+"""Share of a line's power that the fit must leave for it to be used."""
 SLOPES = np.linspace(-2.0, 2.0, 33)
 
 
@@ -104,12 +108,12 @@ class LocalSpectrum:
         spectrum = np.fft.fft(self.sums, axis=0)
         ratio = 1 + np.fft.fftfreq(bins, self.width) * 2 * np.pi / self.omega
         per_cycle = self.counts.sum() / (bins * self.width) * 2 * np.pi / self.omega
-        band = (ratio >= 1 / WIDEST) & (ratio <= min(WIDEST, 0.45 * per_cycle)) & (np.arange(bins) > 0)
+        band = (ratio >= 1 / WIDEST) & (ratio <= min(WIDEST, BELOW_NYQUIST * per_cycle)) & (np.arange(bins) > 0)
         fitted = spectrum[band, 2:]
         leverage = np.einsum("ki,ij,kj->k", fitted.conj(), inverse, fitted).real / self.counts.sum()
         kept = np.clip(1 - leverage, 0.0, 1.0)
         # A line that the fit took out almost whole holds only rounding and the harmonics' own errors.
-        solid = kept > 0.2
+        solid = kept > LEAST_KEPT
         return spectrum[band, :2][solid], kept[solid], ratio[band][solid]
 
 

@@ -21,6 +21,14 @@ MOST = 1 << 16
 """Quarters of periods in which a record is looked at; in longer ones, of several periods: memory stays the same."""
 TOLERANCE = 0.02
 """Displacement amplitudes that differ by less, relative, belong to one steady part."""
+TOLD = 2.5
+"""Times the tolerance from which the user is told how steady a steady part is."""
+LOUD = 0.2
+"""Share of the largest amplitude from which a period belongs to the motion, not to a pause."""
+TRIALS = 61
+"""Frequencies across the peak of a spectrum among which the best is taken."""
+UNLIKE = 1e4
+"""Condition number from which the samples of a period tell cosine and sine no longer apart."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +100,7 @@ def _sharpened(time: Real, values: Real, omega: float) -> float:
     step = max(1, min(len(time) // 4096, int(per_cycle // 16)))
     time, values = time[::step][: 1 << 14], values[::step][: 1 << 14]
     width = 1.5 * np.pi / (time[-1] - time[0])
-    trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, 61)
+    trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, TRIALS)
     return float(trials[int(np.argmax(_explained(time, values, trials)))])
 
 
@@ -136,7 +144,7 @@ def steady_part(record: Record, omega: float) -> Steady:
     if not np.nanmax(size, initial=0.0) > 0:
         return whole
     # Of pauses and run-ups the amplitude is mostly noise: they do not say how large that is.
-    loud = size > 0.2 * np.nanmax(size)
+    loud = size > LOUD * np.nanmax(size)
     noise = float(np.nanmedian(spread[loud] / size[loud]))
     # As strict as the noise allows, and less so only where nothing is found.
     for tolerance in max(TOLERANCE, 4 * noise) * np.array([1.0, 2.0, 4.0]):
@@ -145,7 +153,7 @@ def steady_part(record: Record, omega: float) -> Steady:
             first += _transient(force[first:last] / moved[first:last])
             start, stop = begin + first * quarter, begin + (last + QUARTERS - 1) * quarter
             notes: tuple[str, ...] = ()
-            if tolerance > 2.5 * TOLERANCE:
+            if tolerance > TOLD * TOLERANCE:
                 notes = (f"the amplitude is steady only within {100 * tolerance:.2g} %",)
             return Steady(start, min(stop, whole.stop), notes)
     return Steady(whole.start, whole.stop, ("the amplitude never settles: the whole record was used",))
@@ -189,7 +197,7 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
     rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
     normal, right = rolled[:, :9].reshape(-1, 3, 3), np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
     # A period with gaps leaves cosine and sine alike: it tells nothing.
-    good = np.linalg.cond(np.nan_to_num(normal)) < 1e4
+    good = np.linalg.cond(np.nan_to_num(normal)) < UNLIKE
     normal[~good] = np.eye(3)
     solved = np.linalg.solve(normal, right)
     amplitude = solved[:, 1] - 1j * solved[:, 2]

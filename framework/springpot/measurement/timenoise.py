@@ -37,6 +37,10 @@ EFFICIENCY = 0.37
 """Share of the samples that a median of absolute values uses: its variance is 1/0.37 of the best one's."""
 PLAINLY = 4.0
 """By which two parts must be likelier than one (twice the logarithm): a chance of 5 %."""
+NOTHING = 1e-12
+"""Share of the largest signal that stands for none, by which nothing can be divided."""
+LEAST_EXPECTED = 1e-6
+"""Share of the power found in a group that is expected there at least: weights stay finite where parts are zero."""
 LEAST = 1e-9
 """Noise, over the largest signal, below which a record is taken as exact: it was computed."""
 
@@ -165,7 +169,7 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
     Both are taken only where one alone explains the levels plainly worse: a small part that is not there would
     otherwise be found by chance, and make the noise too large where the signal is small.
     """
-    least = max(float(level.min()), 1e-12 * float(level.max()))
+    least = max(float(level.min()), NOTHING * float(level.max()))
     if level.max() < WIDE * least:
         return NORMAL * float(np.median(np.abs(scatter))), 0.0
     order = np.argsort(level)
@@ -199,7 +203,7 @@ def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
         # Weighed by what is expected: by what was found, groups that are small by chance would count for more.
         share = np.sqrt(worth) / expected
         parts = nnls(columns * share[:, None], power * share)[0]
-        expected = np.maximum(columns @ parts, 1e-6 * power)
+        expected = np.maximum(columns @ parts, LEAST_EXPECTED * power)
     return parts, float(np.sum(worth * (np.log(expected) + power / expected)))
 
 

@@ -30,6 +30,8 @@ SEEN_AT = 8
 """Absent effects that are named."""
 FAR = 1e3
 """Factor beyond which a parameter's move is told in words."""
+LEAST_CHANCE = 1e-6
+"""Chance that is told at least: of a smaller one nobody can mean the number."""
 MOVED = 1.1
 """Ratio of noise floors that are shown as two different numbers: their own uncertainty is about as large."""
 NOTHING = 1e-6
@@ -488,6 +490,6 @@ def _significant(findings: tuple[Finding, ...]) -> list[str]:
 
 def chance(value: float) -> str:
     """``p = 0.004``, with no number smaller than anyone can mean."""
-    if value < 1e-6:
+    if value < LEAST_CHANCE:
         return "p < 1e-6"
     return f"p = {number(value, 2)}"

@@ -25,8 +25,12 @@ NARROW = 1.2
 """Peaks wider than this in ln r do not disturb the trapezoidal rule, whose kernel has the width pi/2."""
 ROUNDED = 1e-13
 """Step in ln r of Newton's method after which the next one is rounding."""
+SAME = 1e-9
+"""Step after which a search has ended, and distance in ln r within which two peaks are one."""
 MOST_SAMPLES, MOST_POLES = 250, 30
 """Of the rational approximation: it takes some 20 ms."""
+AROUND = 0.3
+"""Radius of the circle about a pole, over the way to the next one, and at most in ln r."""
 CIRCLE = np.exp(2j * np.pi * np.arange(16) / 16)
 """Points of Cauchy's integral for the derivatives at a pole: error 0.3^16, a third of the way to the next one."""
 
@@ -92,7 +96,7 @@ def lines_of(branch: Branch, edge: Edge) -> Lines:
         empty = np.zeros((0, branch.chain.shape[1]))
         return Lines(u, u, empty, empty)
     gap = np.min(np.abs(u[:, None] - np.append(zeros, np.inf)[None, :]), axis=1)
-    radius = np.minimum(0.3 * gap, 0.3)[:, None]
+    radius = np.minimum(AROUND * gap, AROUND)[:, None]
     around = branch.respond((u[:, None] + radius * CIRCLE).ravel() + HALF_PI, GRADIENT)
     value = 1.0 / around.value.reshape(len(u), -1)
     by_theta = -around.by_theta.reshape(-1, *value.shape) * value**2
@@ -153,7 +157,7 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
         if np.all(np.abs(change) < ROUNDED):
             break
-    ended = (np.abs(change) < 1e-9) & (u.imag > 0.0) & (u.imag < NARROW)
+    ended = (np.abs(change) < SAME) & (u.imag > 0.0) & (u.imag < NARROW)
     within = ended & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     # Neighbouring starts end at one peak, and it must count once.
     return np.unique(np.round(u[within], 9))
@@ -176,6 +180,6 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()
-    within = (u.imag > 1e-9) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
+    within = (u.imag > SAME) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])
     # One pole may be found twice, apart by rounding.
     return np.unique(np.round(u[within], 9))

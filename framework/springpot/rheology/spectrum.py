@@ -34,12 +34,20 @@ REFUSED = 1e-2
 """Relative error of K above which a network is said to have no spectrum: those that have one stay far below."""
 NEGATIVE = 1e-7
 """Share of K by which H may be negative from rounding."""
+NARROWEST = 1e-12
+"""Half width of a peak in ln r at least: that of a line by itself is none, by which nothing can be divided."""
+CUT_OFF = 0.1
+"""Share of the tolerance that may be cut off at each end: it is not seen beside the error of the step."""
 ROUNDING = 1e-12
 """The same as a share of the largest K of the band: a network may cancel where it is soft."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
 """Twenty decades of rates either side of one, in which a model's own relaxation times are sought."""
 MARGIN = 2.0 * np.log(10.0)
 """Two decades beyond a model's own times are of interest by default."""
+ONE_POWER = 1e-6
+"""Change of the local power of |K| in a step of `SCALES` up to which it is one power throughout."""
+NOTED = 0.05
+"""Share of the largest change of that power from which a turn is a time of the model's own."""
 WITHOUT_TIME = (np.log(1e-3), np.log(1e3))
 """Band in ln omega for a model that has no time of its own, such as a springpot."""
 
@@ -330,10 +338,10 @@ class Sum:
         change = np.abs(np.diff(power))
         # Where |K| grows as one power throughout, as of a springpot alone, no time stands out.
         largest = np.max(change)
-        if not largest > 1e-6:
+        if not largest > ONE_POWER:
             return WITHOUT_TIME
         inner = change[1:-1]
-        turns = (inner >= change[:-2]) & (inner >= change[2:]) & (inner > 0.05 * largest)
+        turns = (inner >= change[:-2]) & (inner >= change[2:]) & (inner > NOTED * largest)
         at = SCALES[1:-2][turns]
         if not len(at):
             return WITHOUT_TIME
@@ -450,7 +458,7 @@ def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real
 
     With x = u + sum of a arcsinh((u - u_p) / d_p), a peak of half width d_p is as wide in x as the kernel, pi/2.
     """
-    widths = np.maximum(peaks.imag, 1e-12)
+    widths = np.maximum(peaks.imag, NARROWEST)
     # A peak as wide as the kernel needs no stretching; the narrower, the more.
     strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
 
@@ -484,8 +492,7 @@ def _needed(
     (low, high), rates, weights = np.exp(band), modes.rates, np.abs(modes.weights)
     slow = weights * rates / low * (rates < low)
     fast = weights * (high / rates) ** order * (rates > high)
-    # A tenth of the tolerance at each end: what is cut off there must not be seen beside the step's error.
-    lost_slow = (np.cumsum(slow) < 0.1 * tolerance * sizes[0]) & (rates < low)
-    lost_fast = (np.cumsum(fast[::-1])[::-1] < 0.1 * tolerance * sizes[1]) & (rates > high)
+    lost_slow = (np.cumsum(slow) < CUT_OFF * tolerance * sizes[0]) & (rates < low)
+    lost_fast = (np.cumsum(fast[::-1])[::-1] < CUT_OFF * tolerance * sizes[1]) & (rates > high)
     needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
     return needed

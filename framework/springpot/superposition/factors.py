@@ -18,6 +18,8 @@ LEVEL = 0.95
 """Probability of the intervals."""
 LOST = 1e-5
 """Singular value, relative to the largest, below which a direction of the factors is not determined."""
+ALIKE = 1e-9
+"""Singular value, relative to the largest, below which columns of a basis say the same."""
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""
 MOST_ALIKE = 0.9
@@ -227,7 +229,7 @@ def without(basis: Real, columns: Real) -> Real:
     size = np.linalg.norm(basis, axis=0)
     kept = basis[:, size > 0.0] / size[size > 0.0]
     left, values, _ = np.linalg.svd(kept, full_matrices=False)
-    left = left[:, values > 1e-9 * values[0]]
+    left = left[:, values > ALIKE * values[0]]
     return columns - left @ (left.T @ columns)
 
 

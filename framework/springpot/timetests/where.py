@@ -30,6 +30,10 @@ PLAINLY_MORE = 2.0
 """Times by which the squared misfit where a motion turns differs from that elsewhere for either to be told."""
 AFTER_TURN = 0.25
 """Share of a half cycle that is just after a turn."""
+MORE_AFTER = 1.5
+"""Times by which the misfit just after turns must exceed the rest to be told."""
+USUAL_TOP = 95
+"""Percentile that stands for the highest speed: a single peak of the derivative is mostly noise."""
 FLAT = 1e-3
 """Share of the largest response within which samples are level."""
 
@@ -112,7 +116,7 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if test.kind != "history":
         return ""
     rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
-    slow = rate < SLOW * np.percentile(rate, 95)
+    slow = rate < SLOW * np.percentile(rate, USUAL_TOP)
     if not slow.any() or slow.all():
         return ""
     turning, moving = (float(np.mean(residual[rows] ** 2)) for rows in (slow, ~slow))
@@ -164,7 +168,7 @@ def _after_turn(imposed: Real, residual: Real) -> str:
         fresh[first : first + max(2, int(AFTER_TURN * (last - first)))] = True
     if not fresh.any() or fresh.all():
         return ""
-    if rms(residual[fresh]) > 1.5 * rms(residual[~fresh]):
+    if rms(residual[fresh]) > MORE_AFTER * rms(residual[~fresh]):
         return "; just after each turn"
     return ""
 

@@ -15,13 +15,17 @@ from .state import State, digest_of
 SCHEMA = "springpot.session/1"
 MOST_BRANCHES, MOST_STATES = 12, 200
 """Branches of a session, and states that undo can go back through."""
+HEAD = 400
+"""Bytes by which a file is known: the schema stands first."""
+LONGEST_KEY, LONGEST_VALUE = 40, 80
+"""Signs of the name and of the value of a setting that are kept: a strange file may hold any."""
 MOST_VIEW = 40
 """Settings of the page: which view, which planes."""
 
 
 def is_session(content: bytes) -> bool:
     """Whether a file looks like one, by its first bytes."""
-    return content[:400].lstrip()[:1] == b"{" and SCHEMA.encode() in content[:400]
+    return content[:HEAD].lstrip()[:1] == b"{" and SCHEMA.encode() in content[:HEAD]
 
 
 def session_of(content: bytes) -> dict[str, Any]:
@@ -74,5 +78,7 @@ def _view(view: Mapping[str, Any]) -> dict[str, Any]:
     """Words, numbers and switches only."""
     few = list(view.items())[:MOST_VIEW]
     return {
-        str(key)[:40]: value for key, value in few if isinstance(value, str | int | float) and len(str(value)) < 80
+        str(key)[:LONGEST_KEY]: value
+        for key, value in few
+        if isinstance(value, str | int | float) and len(str(value)) < LONGEST_VALUE
     }

@@ -45,6 +45,8 @@ KEYS: dict[str, tuple[str, ...]] = {
     "fluid_density": ("fluiddensity", "density"),
 }
 _KEY_OF = {fold(name): key for key, names in KEYS.items() for name in names}
+_SENTENCE = 60
+"""Signs from which what stands before a value is a sentence, and no key."""
 _QUANTITY = re.compile(r"^\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*[\[(]?(.*?)[\])]?\s*$")
 _PREFIXES = {"": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "k": 1e3}
 INERTIA_UNITS = {f"{p}N m {s}": f for p, f in _PREFIXES.items() for s in ("s^2", "s2")}
@@ -66,8 +68,7 @@ def facts_of(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     """
     facts: dict[str, str] = {}
     for key, value in pairs:
-        if len(key) >= 60:
-            # A sentence, and no key.
+        if len(key) >= _SENTENCE:
             continue
         known = _KEY_OF.get(fold(key))
         value = " ".join(value.split())[:200]

@@ -16,10 +16,15 @@ from springpot.measurement import Choice, Measurement, Reader, Signals, budget_o
 from .channels import places_of, signals_from
 from .matfile import BrokenFile, arrays_in
 
+HEADER = 128
+"""Bytes before the first array: a shorter file holds none."""
+MOST_CHANNELS = 64
+"""Columns of a matrix at most: a larger one is no table of signals."""
+
 
 def recognises(head: bytes) -> float:
     """High for the first line of a MATLAB file."""
-    return float(head.startswith(b"MATLAB ") and len(head) > 127)
+    return float(head.startswith(b"MATLAB ") and len(head) >= HEADER)
 
 
 def signals(path: Path, choice: Choice) -> Signals:
@@ -67,7 +72,7 @@ def _columns(arrays: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.flo
             continue
         if flat.ndim == 1:
             vectors.setdefault(key, flat)
-        elif flat.ndim == 2 and min(flat.shape) <= 64:
+        elif flat.ndim == 2 and min(flat.shape) <= MOST_CHANNELS:
             tall = flat
             if flat.shape[0] < flat.shape[1]:
                 # Samples are more than channels, whichever way they were saved.

@@ -9,6 +9,9 @@ import numpy as np
 from springpot.measurement import Loading, Stage, TimeEffect, TimeTest
 from springpot.rheology import AMPLITUDE, FORCE, Parameter, Real, relaxation_time
 
+FEWEST = 21
+"""Samples of an imposed history from which play in it is looked for."""
+
 
 def ramped(loading: Loading, tau: Any) -> tuple[Loading, tuple[Loading]]:
     """Each step as a ramp of tau seconds; the derivative by tau is a ramp down and a jump back."""
@@ -73,7 +76,7 @@ def _returns(test: TimeTest) -> bool:
 
 
 def _rough(test: TimeTest) -> bool:
-    return not _stepped(test) and len(test.loading.time) > 20 and _returns(test)
+    return not _stepped(test) and len(test.loading.time) >= FEWEST and _returns(test)
 
 
 EFFECTS = (

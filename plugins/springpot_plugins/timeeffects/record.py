@@ -9,6 +9,8 @@ import numpy as np
 from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
 from springpot.rheology import AMPLITUDE, FORCE, PURE, Dimension, Parameter, relaxation_time
 
+NEAR_TOP, SEVERAL = 0.95, 5
+"""Share of the largest response, and samples above it, from which it is no single peak: a limit would hold more."""
 SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.5)
 """Shares of the largest response at which a limit is sought."""
 
@@ -57,9 +59,11 @@ def _cyclic(test: TimeTest) -> bool:
 
 
 def _level(test: TimeTest) -> bool:
-    """Whether the largest responses are alike: several samples lie within a thousandth of the largest."""
+    """Whether the largest responses are alike: several samples lie near the largest."""
     size = np.abs(test.response)
-    return test.kind in ("history", "recovery", "startup") and bool(np.count_nonzero(size > 0.95 * size.max()) > 4)
+    return test.kind in ("history", "recovery", "startup") and bool(
+        np.count_nonzero(size > NEAR_TOP * size.max()) >= SEVERAL
+    )
 
 
 FORCE_RATE = Dimension(stiffness=1, amplitude=1, time=-1)

@@ -9,6 +9,10 @@ import numpy as np
 from springpot.measurement import Answered, Record, Stage, TimeEffect, TimeTest
 from springpot.rheology import AMPLITUDE, Dimension, Parameter, stiffness
 
+SOFTEST = 0.3
+"""Stiffness of a stop at the start of the search, over that of the specimen: much softer ones go unnoticed."""
+TO_THAT_SIDE = 0.05
+"""Share of the largest motion from which it goes to a side at all, and can meet a stop there."""
 PLACES = (0.1, 0.3, 0.5, 0.7, 0.85, 0.95)
 """Shares of the way, to either side, at which a stop is sought."""
 ASYMMETRY = Dimension(stiffness=1, amplitude=-1)
@@ -36,11 +40,10 @@ def _moves(test: TimeTest) -> bool:
 
 def _places(test: TimeTest) -> tuple[tuple[float, float], ...]:
     value = test.loading.value
-    # A stop much softer than the specimen would not be noticed.
     size = float(np.abs(test.response).max() / np.abs(value).max())
     up, down = max(float(value.max()), 0.0), min(float(value.min()), 0.0)
-    ends = [end for end in (up, down) if abs(end) > 0.05 * np.abs(value).max()]
-    return tuple((0.3 * size, share * end) for end in ends for share in PLACES)
+    ends = [end for end in (up, down) if abs(end) > TO_THAT_SIDE * np.abs(value).max()]
+    return tuple((SOFTEST * size, share * end) for end in ends for share in PLACES)
 
 
 EFFECTS = (

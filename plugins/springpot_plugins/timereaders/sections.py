@@ -42,6 +42,8 @@ _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 _AFTER = re.compile(r"^(.+?)(?:\s+/\s+|\s+in\s+)(\S+)$")
 _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or nothing."""
+_SENTENCE = 60
+"""Signs from which a line by itself is a sentence, and no name of a test."""
 _LONGEST = 20_000
 """Signs beyond which a line names no columns."""
 _TITLES = ("test", "result", "name", "sample", "step")
@@ -274,7 +276,9 @@ def _name(above: Sequence[str]) -> str:
     if named:
         # The nearest two: above them stand those of the whole file.
         return ", ".join(named[-2:]).strip("# ")
-    alone = [cells[0] for cells in pairs if len(cells) == 1 and len(cells[0]) < 60 and not cells[0].startswith("[")]
+    alone = [
+        cells[0] for cells in pairs if len(cells) == 1 and len(cells[0]) < _SENTENCE and not cells[0].startswith("[")
+    ]
     if alone:
         return alone[-1].strip("# ")
     return ""
