@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.policy import BATTERY
+from springpot.diagnosis.frame import DRAWS
 from springpot.diagnosis.repeats import repeats_structure, sets_apart
 from springpot.measurement import Measurement, average_repeats
 
@@ -21,7 +21,7 @@ def repeated(seed=3):
 def test_simulated_repeats_lose_their_own_means(monkeypatch):
     """By hand with the same draws: the chance of the drift of the deviations, each point's mean taken away."""
     data, n = repeated(), 20
-    noise = np.random.default_rng(7).standard_normal((BATTERY.draws, 2, n))
+    noise = np.random.default_rng(7).standard_normal((DRAWS, 2, n))
     for point in range(8):
         rows = data.group == point
         noise[:, :, rows] -= noise[:, :, rows].mean(axis=-1, keepdims=True)

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from springpot.measurement import CONDITIONS, sweeps_of
 from springpot.rheology import Real
 
-from .frame import DRAWN, Drawn, Frame, near_an_alarm, spectrum
+from .frame import DRAWN, DRAWS, FURTHER, Drawn, Frame, near_an_alarm, spectrum
 from .outliers import outlying, point_in_words
-from .policy import BATTERY, OUTLIERS, VERDICT
+from .policy import OUTLIERS, VERDICT
 from .result import plain, times
 from .unseen import unseen_error, unseen_in_words
 
@@ -29,6 +29,10 @@ Rows: TypeAlias = NDArray[np.int64]
 MAINS = (50.0, 60.0)
 MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
 """Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
+NEAR_MAINS = 0.015
+"""Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
+FEWEST_OFF_MAINS = 10
+"""Points away from the mains from which their scatter can be held against that at the mains."""
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
 """Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
 sum over them sees it where the products of next neighbours alone are too few."""
@@ -141,13 +145,13 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
         For the simulated noise.
     """
     measured = frame.standard(frame.rest[None, :]).astype(DRAWN)
-    sample = np.concatenate([measured, frame.draws(BATTERY.draws, rng)])
+    sample = np.concatenate([measured, frame.draws(DRAWS, rng)])
     statistics = _statistics(frame, sample)
     tested = judged(statistics, frame)
-    for rounds in BATTERY.further:
+    for rounds in FURTHER:
         if not near_an_alarm(tested.p_value, len(statistics["runs"])):
             break
-        more = [_statistics(frame, frame.draws(BATTERY.draws, rng)) for _ in range(rounds)]
+        more = [_statistics(frame, frame.draws(DRAWS, rng)) for _ in range(rounds)]
         statistics = {name: np.concatenate([known, *(m[name] for m in more)]) for name, known in statistics.items()}
         tested = judged(statistics, frame)
     return replace(tested, points=tuple(outlying(frame).tolist()))
@@ -355,7 +359,7 @@ def _hum(frame: Frame, sample: Drawn) -> Real | None:
     """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
     near = np.tile(_near_mains(frame.measurement.frequency), 2)[here]
-    if not np.any(near) or np.sum(~near) < BATTERY.fewest_off_mains:
+    if not np.any(near) or np.sum(~near) < FEWEST_OFF_MAINS:
         return None
     off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
     # In double precision: of exact data next to nothing is left, whose square is none in single.
@@ -379,7 +383,7 @@ def _hum_in_words(frame: Frame) -> tuple[float, str]:
 
 def _near_mains(frequency: Real) -> NDArray[np.bool_]:
     lines = np.outer(MAINS, MAINS_FACTORS).ravel()
-    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < BATTERY.near_mains, axis=1)
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR_MAINS, axis=1)
     return near
 
 

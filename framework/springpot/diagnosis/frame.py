@@ -24,7 +24,7 @@ from springpot.measurement import (
 )
 from springpot.rheology import Complex, Real
 
-from .policy import BATTERY
+from .policy import VERDICT
 
 SMOOTH_DEGREE = 5
 """Highest degree of the slow polynomials along a sweep that count as structure rather than as noise."""
@@ -44,6 +44,10 @@ LEAST_LOCAL = 0.1
 """Share of a narrow shape that the parameters must leave: less of a single point is their own noise."""
 MOST_LOCAL = 600
 """Narrow shapes looked at; more points than these have slow structure enough."""
+DRAWS = 2000
+"""Simulated residuals of noise alone; the chance 0.005 is then known to a third of itself."""
+FURTHER = (3, 6)
+"""So many times as many draws more while an alarm is open; with all of them 0.005 is known to a tenth of itself."""
 SURE = 3.5
 """Standard errors of a chance beyond the edge of the alarms from which no more draws are needed."""
 LEAST_SEEN = 1e-3
@@ -166,7 +170,7 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
 
 def near_an_alarm(chance: float, draws: int) -> bool:
     """Whether so many draws leave it open on which side of an alarm a chance lies."""
-    low, high = BATTERY.edge
+    low, high = VERDICT.alarms
     return low < chance < high + SURE * float(np.sqrt(high / draws))
 
 

@@ -15,10 +15,17 @@ from springpot.identification import Uncertainty, Window, held_costs, shown
 from springpot.measurement import CONDITIONS
 from springpot.rheology import Complex, Real
 
-from .frame import Frame, orthonormal
+from .frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
 from .policy import EVIDENCE, VERDICT
 from .refit import Refit
 from .search import Grown, Search
+
+SETTLING_TIMES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
+"""Times, in durations of the measurement, in which a rig may settle; slower ones are a straight line."""
+MOST_STEPS = 200
+"""Places at which a step is sought at most, evenly over the measured frequencies."""
+PLACES = 9
+"""Places in its range at which an open parameter is held in turn."""
 
 
 def harmonic_evidence(refit: Refit) -> float:
@@ -120,14 +127,14 @@ def _own_levels(frame: Frame, name: str) -> Real:
 def _creep(along: Real) -> Real:
     """Polynomials without their constant, shape (CREEP, n)."""
     x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
-    curves: Real = np.polynomial.legendre.legvander(x, EVIDENCE.creep_degree).T[1:]
+    curves: Real = np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
     return curves
 
 
 def _settling(frame: Frame, order: Real) -> Iterator[Unknown]:
     """A gain or a phase that settles exponentially from row to row, as a rig that warms up does."""
     x = order / len(order)
-    curves = np.exp(-x / np.array(EVIDENCE.settling_times)[:, None])
+    curves = np.exp(-x / np.array(SETTLING_TIMES)[:, None])
     for factor, word in ((1.0, "gain"), (1.0j, "phase")):
         yield Unknown(f"a {word} that settles from row to row", _each_alone(frame, factor * curves), 1)
 
@@ -137,7 +144,7 @@ def _each_alone(frame: Frame, curves: Complex) -> Real:
     columns = frame.whiten(frame.model_stiffness * curves).T
     left = frame.project(columns)
     size = np.linalg.norm(left, axis=0)
-    seen = size > EVIDENCE.least_seen * np.linalg.norm(columns, axis=0)
+    seen = size > LEAST_SEEN * np.linalg.norm(columns, axis=0)
     return np.where(seen, (frame.rest @ left) ** 2 / np.where(seen, size, 1.0) ** 2, 0.0)
 
 
@@ -147,7 +154,7 @@ def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
     if len(levels) < 4:
         return
     between = 0.5 * (levels[1:-2] + levels[2:-1])
-    between = between[np.linspace(0, len(between) - 1, min(len(between), EVIDENCE.most_steps)).round().astype(int)]
+    between = between[np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)]
     drops = _each_alone(frame, (log_omega > between[:, None]).astype(np.complex128))
     hertz = float(np.exp(between[int(np.argmax(drops))])) / (2.0 * np.pi)
     yield Unknown(f"a gain that steps at {frame.measurement.units.at(hertz)}", drops, 1)
@@ -237,7 +244,7 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
     if not left_open or not low < high:
         return 0.0
     spread = np.geomspace if parameter.scale == "log" else np.linspace
-    worse = held_costs(refit.fit, parameter.name, spread(low, high, EVIDENCE.places)) - refit.rss
+    worse = held_costs(refit.fit, parameter.name, spread(low, high, PLACES)) - refit.rss
     share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
     if share <= EVIDENCE.least_share:
         return 0.0

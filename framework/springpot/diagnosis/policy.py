@@ -29,27 +29,6 @@ SCATTER = ScatterLevels()
 
 
 @dataclass(frozen=True)
-class BatteryLevels:
-    """Tests on the residual of a fit."""
-
-    draws: int = 2000
-    """Simulated residuals of noise alone; the chance 0.005 is then known to a third of itself."""
-    edge: tuple[float, float] = (0.001, 0.006)
-    """Between these chances lie the alarms: there the verdict must not be left to the seed."""
-    further: tuple[int, ...] = (3, 6)
-    """So many times as many draws more while that is open; with all of them 0.005 is known to a tenth of itself."""
-    fewest_repeats: int = 8
-    """Repeated points below which nothing can be said of how repeats differ."""
-    fewest_off_mains: int = 10
-    """Points away from the mains from which their scatter can be held against that at the mains."""
-    near_mains: float = 0.015
-    """Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
-
-
-BATTERY = BatteryLevels()
-
-
-@dataclass(frozen=True)
 class SearchLevels:
     """Which grown models are fitted."""
 
@@ -126,8 +105,6 @@ class EvidenceLevels:
     """Relative variance from which a parameter is held to be left open by the data."""
     least_influence: float = 1.0
     """Change of K over the noise, per natural unit of a parameter, below which its effect does without it."""
-    places: int = 9
-    """Places in its range at which an open parameter is held in turn."""
     least_share: float = 0.02
     """Share of its range below which a parameter is not open."""
     harmonic_tolerance: float = 0.3
@@ -139,20 +116,12 @@ class EvidenceLevels:
     """Rows that count at most: what is wrong with a prediction is wrong in all of them."""
     unpredicted_harmonic: float = -3.0
     """Log-likelihood where an effect makes harmonics of which neither a formula nor a bound is known."""
-    creep_degree: int = 3
-    """Degree of the polynomials by which a gain or a phase may change over the measurement."""
     prior_chain: float = 0.5
     """Prior weight of each fault of a measuring chain beside that of a common effect."""
-    settling_times: tuple[float, ...] = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
-    """Times, in durations of the measurement, in which a rig may settle; slower ones are a straight line."""
-    least_seen: float = 1e-3
-    """Share of a shape that the parameters must leave for it to be seen."""
     fewest_levels: int = 3
     """Levels of a condition from which a gain of its own at each is no other name for a trend."""
     points_of_each: int = 4
     """Points of each level at least, so that the levels do not follow the noise."""
-    most_steps: int = 200
-    """Places at which a step is sought at most, evenly over the measured frequencies."""
     as_good: float = 3.0
     """Log-evidence by which an explanation may be worse and count as good: odds of one to twenty."""
 
@@ -172,6 +141,8 @@ class VerdictLevels:
     degrees of freedom) has such an error in 3 of 40 data sets: it is called structure in one of 250."""
     library_alarm: float = 0.006
     """Chance of a false alarm granted to the scan of the library."""
+    alarms: tuple[float, float] = (0.001, 0.006)
+    """Between these chances lie the alarms: there the verdict must not be left to the seed, and more is drawn."""
     structure_alarm: float = 0.005
     """Chance of a false alarm granted to the test for structure of any kind."""
     beyond_doubt: float = 0.002

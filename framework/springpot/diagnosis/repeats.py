@@ -9,11 +9,13 @@ import numpy as np
 from springpot.measurement import Averaged, sweeps_of
 
 from .battery import Battery, judged, kinship
-from .frame import Drawn, drift_curves, orthonormal
-from .policy import BATTERY, VERDICT
+from .frame import DRAWS, Drawn, drift_curves, orthonormal
+from .policy import VERDICT
 
 WITHIN = "within runs"
 """The test of repeats for errors that go on from point to point."""
+FEWEST_REPEATS = 8
+"""Repeated points below which nothing can be said of how repeats differ."""
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
@@ -29,10 +31,10 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    if np.sum(data.scatter.dof) < BATTERY.fewest_repeats:
+    if np.sum(data.scatter.dof) < FEWEST_REPEATS:
         return Battery(1.0, {})
     count = data.scatter.dof + 1.0
-    noise = rng.standard_normal((BATTERY.draws, 2, len(data.raw)))
+    noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
     order = np.argsort(data.group, kind="stable")
     starts = np.searchsorted(data.group[order], np.arange(len(count)))
     mean = np.add.reduceat(noise[..., order], starts, axis=-1) / count

@@ -20,8 +20,7 @@ from springpot.identification import Window, settings
 from springpot.measurement import LEAST_RELATIVE, Measurement
 from springpot.rheology import Complex, Effect, Model, Real
 
-from .frame import DRAWN, LEAST_SEEN, Frame, near_an_alarm
-from .policy import BATTERY
+from .frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
 
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
@@ -222,7 +221,7 @@ def scan(
     p_value = 1.0
     if rng is not None:
         simulated = _simulated_maxima(frame, tried, rng)
-        for rounds in BATTERY.further:
+        for rounds in FURTHER:
             if not len(simulated) or not near_an_alarm(float(np.mean(simulated >= furthest)), len(simulated)):
                 break
             simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))])
