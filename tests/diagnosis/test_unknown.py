@@ -89,5 +89,5 @@ def test_an_effect_that_is_needed_twice_may_be_a_part_of_another_shape():
     found = springpot.diagnose(springpot.Measurement(omega, exact * (1.0 + noise)), "fractional-zener")
     assert found.verdict == "effect-missing"
     assert found.candidates[0].probability < 0.8
-    assert "in place of both" in found.says
+    assert "in their place" in found.says
     assert found.evidence["unknown"] == pytest.approx(0.3, abs=0.05)

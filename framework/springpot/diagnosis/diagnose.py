@@ -186,7 +186,7 @@ def examine(
     floor = material_floor(search.base, rng)
     naming = _naming_search(search, floor, library, rng, progress)
     progress("weighing what was found")
-    evidence = Evidence.of(naming, confounded(naming, library))
+    evidence = Evidence.of(naming, confounded(naming, library), naming is not search)
     verdict = rule_for(facts_of(evidence, outliers, naming is not search)).verdict
     if verdict == "adequate" and error_of(search.base, floor).is_hardly_noise:
         # Nothing is adequate beside an error of 40 %, whatever the scatter looks like.

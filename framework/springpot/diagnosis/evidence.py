@@ -61,6 +61,8 @@ class Evidence:
         Effects whose place something else as narrow may hold.
     leaning : frozenset of str
         Effects that the data ask for only in the company of such a one.
+    beside_material : bool
+        Whether they are sought beside a free spectrum because the user's model cannot follow the material.
     """
 
     search: Search
@@ -69,9 +71,10 @@ class Evidence:
     explanations: tuple[Explanation, ...]
     imitators: frozenset[str] = frozenset()
     leaning: frozenset[str] = frozenset()
+    beside_material: bool = False
 
     @classmethod
-    def of(cls, search: Search, confounded: Sequence[Grown] = ()) -> Evidence:
+    def of(cls, search: Search, confounded: Sequence[Grown] = (), beside_material: bool = False) -> Evidence:
         """Weigh the fitted models by their marginal likelihoods and the prior weights of their effects.
 
         Parameters
@@ -81,6 +84,8 @@ class Evidence:
         confounded : sequence of Grown
             Models grown by effects of a condition that was not varied by itself. They share the place of the
             likeliest explanation: that they fit as well or better is no evidence, as the data cannot tell them apart.
+        beside_material : bool
+            Whether a part of the material is missing already.
         """
         tried = one_for_each_set(search.grown)
         library = max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
@@ -101,7 +106,7 @@ class Evidence:
         found.sort(key=lambda one: -one.probability)
         if found and confounded:
             found[:1] = _shared(found[0], confounded)
-        return cls(search, float(weights[0]), unknown, tuple(found), imitators, leaning)
+        return cls(search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material)
 
     @cached_property
     def effects(self) -> dict[str, float]:
@@ -110,7 +115,7 @@ class Evidence:
         for one in self.explanations:
             for name in set(one.names):
                 share = 1.0
-                if one.twice:
+                if self._is_patchwork(one):
                     share -= EVIDENCE.other_shape
                 elif self._is_imitated(one):
                     share = self.trust(name)
@@ -120,13 +125,22 @@ class Evidence:
     @property
     def narrow(self) -> float:
         """That something narrow is missing which only looks like an effect of the library."""
-        imitated = (one.probability for one in self.explanations if self._is_imitated(one) and not one.twice)
+        imitated = (
+            one.probability for one in self.explanations if self._is_imitated(one) and not self._is_patchwork(one)
+        )
         return EVIDENCE.other_shape * sum(imitated)
 
     @property
     def other_shape(self) -> float:
-        """That what one effect describes only when it is taken twice is of another shape."""
-        return EVIDENCE.other_shape * sum(one.probability for one in self.explanations if one.twice)
+        """That what takes one effect twice, or two beside a part of the material, is one thing of another shape."""
+        return EVIDENCE.other_shape * sum(one.probability for one in self.explanations if self._is_patchwork(one))
+
+    def _is_patchwork(self, one: Explanation) -> bool:
+        """Whether an explanation puts together what may be one thing of another shape.
+
+        A spectrum and two effects beside it follow any slow error of storage and of loss.
+        """
+        return one.twice or (self.beside_material and len(one.names) > 1)
 
     def _is_imitated(self, one: Explanation) -> bool:
         """Whether something else as narrow may hold the place of one of its effects."""

@@ -290,5 +290,5 @@ def _named(evidence: Evidence) -> str:
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
     if evidence.other_shape > VERDICT.worth_a_word:
-        words = f"{words} (or, in place of both, a part of another shape)"
+        words = f"{words} (or, in their place, something of another shape)"
     return words
