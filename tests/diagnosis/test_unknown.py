@@ -1,14 +1,11 @@
 """Faults of the measuring chain that no effect of the library is: told as such, not given the nearest name."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hidden_data import KELVIN, ZENER, design, exact, hidden, measured
 
 import springpot
 from soaked import soaked
-from springpot.diagnosis.policy import EVIDENCE
 
 SWEEP = design(60, 0.1, 100.0)
 FIELD = design(12, 0.3, 30.0, temperatures=(5.0, 20.0, 35.0, 50.0))
@@ -72,7 +69,7 @@ def test_an_effect_is_not_taken_for_a_fault_of_the_chain(effect):
 
 def test_a_step_is_sought_among_many_frequencies_too(monkeypatch):
     """Of many places some are tried: here of forty-five a third, as few of them are as much of a test."""
-    monkeypatch.setattr("springpot.diagnosis.marginal.EVIDENCE", replace(EVIDENCE, most_steps=15))
+    monkeypatch.setattr("springpot.diagnosis.marginal.MOST_STEPS", 15)
     dense = design(45, 0.1, 100.0)
     (note,) = told(
         springpot.diagnose(measured(dense, exact(KELVIN, dense) * gain(dense, "steps"), level=0.01), KELVIN.name),
