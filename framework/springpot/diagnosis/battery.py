@@ -144,16 +144,19 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
+    # In the precision of the draws: of two equal values one must not seem larger by its rounding.
     measured = frame.standard(frame.rest[None, :]).astype(DRAWN)
     sample = np.concatenate([measured, frame.draws(DRAWS, rng)])
     statistics = _statistics(frame, sample)
     tested = judged(statistics, frame)
     for rounds in FURTHER:
+        # More only where the seed would decide: "runs" is a test that all data have, and so tells how many were drawn.
         if not near_an_alarm(tested.p_value, len(statistics["runs"])):
             break
         more = [_statistics(frame, frame.draws(DRAWS, rng)) for _ in range(rounds)]
         statistics = {name: np.concatenate([known, *(m[name] for m in more)]) for name, known in statistics.items()}
         tested = judged(statistics, frame)
+    # By a rule of their own: where the data's scatter is dealt out, a far point is dealt out too and raises no alarm.
     return replace(tested, points=tuple(outlying(frame).tolist()))
 
 
@@ -164,6 +167,7 @@ def _statistics(frame: Frame, sample: Drawn) -> dict[str, Real]:
 
 def judged(statistics: dict[str, Real], frame: Frame | None = None) -> Battery:
     """Chances of the first member of the sample, the smallest judged against its own distribution."""
+    # The smallest of many chances is no chance itself; that of every draw, found in the same way, calibrates it.
     chances = {name: _chances(values) for name, values in statistics.items()}
     smallest = np.min(np.array(list(chances.values())), axis=0)
     p_value = float(np.mean(smallest <= smallest[0]))
@@ -172,6 +176,7 @@ def judged(statistics: dict[str, Real], frame: Frame | None = None) -> Battery:
 
 def _chances(values: Real) -> Real:
     """Share of the sample that is at least as large, for every member of it."""
+    # The measured one counts as a draw, so that no chance is zero.
     ordered = np.sort(values)
     return (len(values) - np.searchsorted(ordered, values, side="left")) / len(values)
 
@@ -190,6 +195,7 @@ def _scatter_in_words(frame: Frame) -> tuple[float, str]:
     return value, says
 
 
+# An estimated noise is brought to unit scatter over both parts together: one of them may still be too large.
 def _part(number: int) -> Callable[[Frame, Drawn], Real]:
     def statistic(frame: Frame, sample: Drawn) -> Real:
         n = len(frame.measurement)
@@ -202,6 +208,7 @@ def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str
     def says(frame: Frame) -> tuple[float, str]:
         n = len(frame.measurement)
         rows = slice(number * n, (number + 1) * n)
+        # What the parameters follow of this part alone: a fit may spend nearly all of its freedom on the storage.
         free = max(float(n - np.sum(frame.absorbed[rows] ** 2)), 1.0)
         ratio = float(np.sqrt(np.sum(frame.rest[rows] ** 2) / free))
         return ratio, f"{word} alone is {times(ratio)} what its noise leaves"
@@ -267,6 +274,7 @@ def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Re
 
 def kinship(rows: Drawn) -> Real:
     """Weighted sum of products of neighbours along the last axis."""
+    # No division by the size of the values: the draws have the same, and a sum is cheaper.
     total: Drawn = np.zeros(rows.shape[:-1], dtype=rows.dtype)
     for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):
         total += weight * np.einsum("...i,...i->...", rows[..., lag:], rows[..., :-lag])
@@ -291,6 +299,7 @@ def _ripple(frame: Frame, sample: Drawn) -> Real:
 
     Where the noise is told by these data, as a share of all: the scatter beside slow curves holds the ripple itself.
     """
+    # The largest over all periods, in the data and in each draw alike: so the number of periods costs no false alarm.
     largest = spectrum(frame.measurement, sample).max(axis=1)
     if frame.estimated:
         largest = largest / np.einsum("ij,ij->i", sample, sample)
@@ -299,7 +308,9 @@ def _ripple(frame: Frame, sample: Drawn) -> Real:
 
 def _ripple_in_words(frame: Frame) -> tuple[float, str]:
     power = spectrum(frame.measurement, frame.rest[None])[0]
-    period = 2.0 * (len(power) - 1) / max(int(np.argmax(power)), 1)
+    # The place 0 is a constant, of no period at all.
+    peak = max(int(np.argmax(power)), 1)
+    period = 2.0 * (len(power) - 1) / peak
     return period, f"the residual swings with a period of {period:.2g} points"
 
 
@@ -332,7 +343,8 @@ def _points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float,
     """Size, chance and sentence of points that stand out by the rule of `outliers`."""
     rows = list(points)
     n = len(frame.measurement)
-    size = float(np.max(np.hypot(frame.rest[rows], frame.rest[np.add(rows, n)])))
+    storage, loss = frame.rest[rows], frame.rest[np.add(rows, n)]
+    size = float(np.max(np.hypot(storage, loss)))
     hertz = frame.measurement.frequency[rows]
     places = "; ".join(point_in_words(frame.measurement, row) for row in rows[:3])
     if len(rows) > 3:
@@ -349,9 +361,10 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
     """Every inner point of a sweep with its neighbours, in both parts: rows of (2n,)."""
     n = len(frame.measurement)
     lines = [rows + k for rows in _along_frequency(frame) for k in (0, n)]
-    before, here, after = (
-        np.concatenate(side) for side in zip(*((rows[:-2], rows[1:-1], rows[2:]) for rows in lines), strict=True)
-    )
+    # The ends have one neighbour only, from which a slope of the residual would be a difference too.
+    before = np.concatenate([rows[:-2] for rows in lines])
+    here = np.concatenate([rows[1:-1] for rows in lines])
+    after = np.concatenate([rows[2:] for rows in lines])
     return before, here, after
 
 
@@ -364,9 +377,8 @@ def _hum(frame: Frame, sample: Drawn) -> Real | None:
     off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
     # In double precision: of exact data next to nothing is left, whose square is none in single.
     others = np.mean(off[:, ~near] ** 2, axis=1, dtype=np.float64)
-    return np.asarray(
-        np.mean(off[:, near] ** 2, axis=1, dtype=np.float64) / np.maximum(others, 1e-300), dtype=np.float64
-    )
+    at_mains = np.mean(off[:, near] ** 2, axis=1, dtype=np.float64)
+    return np.asarray(at_mains / np.maximum(others, 1e-300), dtype=np.float64)
 
 
 def _hum_in_words(frame: Frame) -> tuple[float, str]:
@@ -399,6 +411,7 @@ def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
         x = frame.condition(name)
         assert x is not None, "the test was made"
+        # Of what was measured, not of what the parameters leave: the user wants the change that the model misses.
         off = np.log(frame.measurement.stiffness / frame.model_stiffness)
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
         verb = "loses"

@@ -88,6 +88,7 @@ class Evidence:
             Whether a part of the material is missing already.
         """
         tried = one_for_each_set(search.grown)
+        # Of the effects that were scanned: one that these data cannot show takes no share from the others.
         library = max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
         complete = search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
         strange = unknown_marginal(search) + np.log((1.0 - EVIDENCE.prior_nothing) / library)
@@ -98,9 +99,11 @@ class Evidence:
         unknown = min(odds / (1.0 + odds), EVIDENCE.most_unknown)
         weights *= (1.0 - unknown) / np.sum(weights)
         everything = [effect for each in search.grown for effect in each.effects]
+        # Of all grown models, likely or not: each was tried because nothing simple explained the data.
         imitators = frozenset(effect.name for effect in everything if effect.narrow)
         logs = zip(tried, known[1:], strict=True)
         asked_for = {each.names[0] for each, log in logs if len(each.effects) == 1 and log >= complete}
+        # What only helps beside a resonance may mend the wrong shape of it: it shares that one's doubt.
         leaning = frozenset(name for each in tried for name in each.names) - asked_for - imitators
         found = [Explanation(each, weight) for each, weight in zip(tried, weights[1:].tolist(), strict=True)]
         found.sort(key=lambda one: -one.probability)
@@ -115,6 +118,7 @@ class Evidence:
         for one in self.explanations:
             for name in set(one.names):
                 share = 1.0
+                # Before the imitators: the same doubt is not to be charged twice.
                 if self._is_patchwork(one):
                     share -= EVIDENCE.other_shape
                 elif self._is_imitated(one):
@@ -158,8 +162,10 @@ class Evidence:
         The odds for something unknown are those before the test, times the most that such a chance can speak for it
         (Sellke, Bayarri and Berger 2001, doi:10.1198/000313001300339950).
         """
+        # The bound holds below 1/e only; and the logarithm of a chance of zero would make the unknown certain.
         p_value = min(max(p_value, 1e-12), float(np.exp(-1.0)))
         odds = EVIDENCE.outside / (1.0 - EVIDENCE.outside) / (-np.e * p_value * np.log(p_value))
+        # Never less than the evidence says by itself: a test that sees nothing does not make it known.
         return self._with_unknown(max(self.unknown, odds / (1.0 + odds)))
 
     def without_unknown(self) -> Evidence:
@@ -168,6 +174,7 @@ class Evidence:
 
     def _with_unknown(self, unknown: float) -> Evidence:
         share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
+        # All by one factor: what the unknown takes says nothing of which known explanation is right.
         scaled = tuple(replace(one, probability=one.probability * share) for one in self.explanations)
         return replace(self, nothing=self.nothing * share, unknown=unknown, explanations=scaled)
 
@@ -189,6 +196,7 @@ class Evidence:
         partners.remove(self.leader)
         chances: dict[str, float] = {}
         for one in self.explanations:
+            # An explanation with another partner is another answer, not a rival for the leader's place.
             others = _without(one.names, partners)
             if len(one.names) == len(best.names) and len(others) == 1:
                 chances[others[0]] = chances.get(others[0], 0.0) + one.probability
@@ -209,6 +217,7 @@ class Evidence:
             if len(one.names) == 2:
                 (partner,) = _without(one.names, [self.leader])
                 chances[partner] = chances.get(partner, 0.0) + one.probability
+        # Where the leader alone is still likely, a partner in the headline would be one too many.
         enough = EVIDENCE.beside * sum(one.probability for one in with_leader)
         if sum(chances.values()) <= enough:
             return {}
@@ -263,6 +272,7 @@ def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:
 def _shared(likeliest: Explanation, confounded: Sequence[Grown]) -> list[Explanation]:
     """The likeliest explanation and those that may stand in its place, none of them likelier than it."""
     best = likeliest.grown.refit.log_evidence
+    # At most even odds: an effect of a condition that was not varied by itself fits better for no reason of its own.
     odds = [float(np.exp(min(each.refit.log_evidence - best, 0.0))) for each in confounded]
     share = likeliest.probability / (1.0 + sum(odds))
     others = [Explanation(each, share * odd) for each, odd in zip(confounded, odds, strict=True)]
@@ -280,6 +290,7 @@ def _log_prior(grown: Grown, library: float) -> float:
 def one_for_each_set(grown: Sequence[Grown]) -> list[Grown]:
     """The best model for each set of effects: the order in which they were added does not matter."""
     best: dict[tuple[str, ...], Grown] = {}
+    # In a fixed order and by more than rounding, so that two orders of adding an effect cannot change the answer.
     for each in sorted(grown, key=lambda one: one.names):
         key = tuple(sorted(each.names))
         if key not in best or each.refit.log_evidence > best[key].refit.log_evidence + EVIDENCE.rounding:
@@ -291,6 +302,7 @@ def credible(chances: dict[str, float]) -> list[str]:
     """The fewest names that hold nearly all of the probability, the likeliest first."""
     total = sum(chances.values())
     covered, kept = 0.0, []
+    # Asked before it is added: the set must hold the share, not stop short of it.
     for name in sorted(chances, key=lambda name: -chances[name]):
         if covered < EVIDENCE.credible * total:
             kept.append(name)
@@ -318,6 +330,7 @@ def _grouped(search: Search, names: Sequence[str]) -> list[list[str]]:
     """Effects that change the model alike when each joins it alone; one that changes nothing is like no other."""
     alone = {each.names[0]: each.refit for each in reversed(search.grown) if len(each.effects) == 1}
     groups: list[list[str]] = []
+    # Against the first of each group only: in a chain of neighbours the ends can be told apart.
     for name in names:
         seen = name in alone and distance(search.frame, alone[name], search.base) >= EVIDENCE.one_curve
         for group in groups:

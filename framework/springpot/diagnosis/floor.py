@@ -86,6 +86,7 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
     """
     data = average_repeats(measurement)
     repeated = noise_of_repeats(data)
+    # Before what was given: repeats are the only noise that no model and no structure can raise.
     if repeated is not None:
         return refit(model, data, repeated, seeds, starts=STARTS)
     if data.mean.sd is None:
@@ -94,6 +95,7 @@ def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real
 
 
 def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> Refit:
+    # Scatter can only be told about some fit: that in units of what was given comes first.
     first = refit(model, data, Noise(sd, inf, "given"), seeds, starts=STARTS)
     noise = checked_noise(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
@@ -115,6 +117,7 @@ def borne_out(best: Refit) -> bool:
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     size = data.mean.magnitude
+    # Proportional to |K| to begin with: both parts alike, and no frequency outweighs the others.
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
     free, inside = found, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
@@ -127,10 +130,12 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
 def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
     """The fit in units of a noise of this shape and of the size that the scatter gives it; see `undragged`."""
     shaped = refit(model, data, shape, [before.theta], starts=STARTS_OF_A_ROUND)
+    # The shape first and then its size: what stands out is told beside a fit in units of the right shape.
     free, inside = undragged(shaped)
     variance, dof = scatter_about(free.frame())
     sd = at_least_rounding(float(np.sqrt(variance)) * shape.sd, data.mean)
     noise = replace(shape, sd=sd, dof=dof)
+    # Of all points again: those that stand out are left out of the noise, not of the data.
     return refit(model, data, noise, [shaped.theta], starts=STARTS_OF_A_ROUND), free, inside
 
 
@@ -147,6 +152,7 @@ def undragged(fitted: Refit) -> tuple[Refit, NDArray[np.bool_]]:
         if np.array_equal(inside, followed):
             break
         free, followed = fitted.without(~inside), inside
+        # The curve of the others at all points: one that was left out may come back in.
         of_all = replace(fitted, fit=replace(free.fit, measurement=fitted.fit.measurement))
         inside = trimmed(of_all.frame(), followed).kept[:n]
     return free, followed
@@ -169,6 +175,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
         None where the noise is not estimated, or nothing would change.
     """
     frame = best.frame()
+    # Without slow curves: beside a model that explains the data they would only take freedom from the estimate.
     dof = frame.size - int(frame.absorbed.shape[1])
     if base.noise.source != "estimated" or dof < FEWEST_ABOUT_MODEL:
         return None
@@ -197,6 +204,7 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
     frame, n = free.frame(), int(np.sum(inside))
     scatters = [frame.rough]
     left = trimmed(frame).left
+    # Within rounding it is the same scatter, and a second fit of the same shape would cost time for nothing.
     if not np.allclose(left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))):
         scatters.append(left)
     for scatter in scatters:
@@ -248,8 +256,10 @@ def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
     kept : ndarray of bool, shape (n,), optional
         Rows known to be free of what stands out; without them the median over frequencies is the first guess.
     """
-    followed, omega = np.concatenate([frame.absorbed, frame.structured], axis=1), frame.measurement.omega
+    followed = np.concatenate([frame.absorbed, frame.structured], axis=1)
+    omega = frame.measurement.omega
     found = trimmed_residual(frame.residual, followed, omega, kept)
+    # Only what chance does not explain is taken out: each shape that follows noise would make the floor too low.
     drift = frame.relative(drift_shapes(len(frame.measurement)))
     if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
         followed = np.concatenate([followed, drift], axis=1)
@@ -269,6 +279,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
     kept = np.linalg.norm(inner, axis=0) > LEAST_SEEN * np.linalg.norm(columns[rows], axis=0)
     basis = orthonormal(inner[:, kept])
+    # Of a single sweep in order the drift is slow structure already: nothing of it is left to explain.
     spent = float(basis.shape[1])
     if spent == 0.0 or scatter.dof <= spent:
         return False
@@ -296,12 +307,17 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
         return 0.0
     peak = first + int(np.argmax(power[first:]))
     mean = float(np.sum(left**2)) / len(frame.measurement)
+    # The strongest of so many periods is told: each of them might have been it (Bonferroni).
     chance = longest * float(gamma_sf(power[peak] / mean, lines))
     if chance > SCATTER.ripple_alarm:
         return 0.0
+    # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at the ends.
     fine = np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
-    tried = [float(np.sum((orthonormal(frame.relative(waves(frame.measurement, 2.0 * longest / x))).T @ left) ** 2))
-             for x in fine]  # fmt: skip
+    tried = []
+    for place in fine:
+        ripple = frame.relative(waves(frame.measurement, 2.0 * longest / place))
+        along = orthonormal(ripple).T @ left
+        tried.append(float(np.sum(along**2)))
     return 2.0 * longest / float(fine[int(np.argmax(tried))])
 
 
@@ -323,10 +339,12 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
     first : ndarray of bool, shape (n,), optional
         Rows from which to start; all of them by default.
     """
+    # Frequencies that differ by rounding in the file are one.
     _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
-    usual, middle = chi2_quantile(1.0 - SCATTER.outlying_frequency, count), chi2_quantile(0.5, count)
+    usual = chi2_quantile(1.0 - SCATTER.outlying_frequency, count)
+    middle = chi2_quantile(0.5, count)
     kept = np.ones(len(count), dtype=bool)
     if first is not None:
         kept[group[: len(omega)][~first]] = False
@@ -341,6 +359,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         if turn == 0 and first is None:
             variance = float(np.median(squares / middle))
         within = squares <= usual * variance
+        # Where a good part of the data would go, they have long tails or a wrong model: the scatter of all is the noise.
         too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
         if too_many or (turn > 0 and np.array_equal(within, kept)):
             return found
@@ -368,6 +387,7 @@ def scatter_about(frame: Frame) -> tuple[float, float]:
             if efficient < ENOUGH_NEIGHBOURS:
                 continue
             near = float(np.mean(left**2)) / power / kept
+            # Only where much smaller beyond chance: the least of several estimates of white noise is always too small.
             if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
                 variance, dof = near, efficient
     return variance, dof

@@ -67,6 +67,7 @@ def orthonormal(columns: Real, tolerance: float = 1e-9) -> Real:
     columns = columns[:, size > 0] / size[size > 0]
     if columns.shape[1] == 0:
         return np.zeros((len(columns), 0))
+    # By singular values: parameters of a fit are often nearly dependent, and a QR would keep rounding as a direction.
     try:
         u, s, _ = np.linalg.svd(columns, full_matrices=False)
     except np.linalg.LinAlgError:
@@ -82,7 +83,10 @@ def slow_shapes(measurement: Measurement, highest: int = SMOOTH_DEGREE) -> Real:
         # Three points for each polynomial: fewer would let them follow the noise.
         degree = min(highest, max(0, len(np.unique(x)) // 3 - 1))
         span = float(np.ptp(x))
-        x = 2.0 * (x - x.min()) / span - 1.0 if span > 0 else np.zeros(len(rows))
+        if span > 0:
+            x = 2.0 * (x - x.min()) / span - 1.0
+        else:
+            x = np.zeros(len(rows))
         for polynomial in np.polynomial.legendre.legvander(x, degree).T:
             shape = np.zeros(len(measurement))
             shape[rows] = polynomial
@@ -165,6 +169,7 @@ def chance_of_squares(value: float, dof: float, scale_dof: float) -> float:
     """Chance of at least `value` for a sum of `dof` squares of unit noise, whose unit may itself be estimated."""
     if scale_dof == inf:
         return float(chi2_sf(value, dof))
+    # Chi-square with an estimated unit calls noise structure too often, the more so the fewer data there are.
     return float(f_sf(value / dof, dof, max(scale_dof, 1.0)))
 
 
@@ -243,10 +248,12 @@ class Frame:
             order = self._dealt(count, rng)
             sign = rng.integers(0, 2, (count, self.size // 2), dtype=np.int8) * np.int8(2) - np.int8(1)
             noise = self._in_their_places(self._deviations.astype(np.complex64)[order] * sign)
+        # The measured residual has lost what the parameters follow; so must the noise (no refit of each draw needed).
         absorbed = self.absorbed.astype(DRAWN)
         noise -= (noise @ absorbed) @ absorbed.T
         if self.scale_dof == inf or self._deals_out:
             return self.standard(noise)
+        # A noise from a few repeats may be too small by chance: each draw is judged by such an estimate of its own.
         scale = np.sqrt(rng.chisquare(self.scale_dof, count) / self.scale_dof).astype(DRAWN)
         return np.asarray(noise / scale[:, None])
 
@@ -287,6 +294,7 @@ class Frame:
         def excess(level: float) -> float:
             return float(np.sum(squares / (level**2 * size**2 + step[rows] ** 2 / 12.0 + 1e-300))) - free
 
+        # Rounding alone may be as large as the residual: then there is no other noise to be found.
         if excess(LEAST_RELATIVE) <= 0.0:
             return LEAST_RELATIVE
         largest = float(np.sqrt(np.sum(squares / size**2) / free))
@@ -297,7 +305,9 @@ class Frame:
         if not self._deals_out:
             return rest
         along = rest @ self.structured.astype(rest.dtype)
-        variance = (np.einsum("ij,ij->i", rest, rest) - np.einsum("ij,ij->i", along, along)) / self.rough_dof
+        # By the scatter beside structure: with it, large structure would make itself small.
+        squares = np.einsum("ij,ij->i", rest, rest) - np.einsum("ij,ij->i", along, along)
+        variance = squares / self.rough_dof
         return np.asarray(rest / np.sqrt(np.maximum(variance, 1e-30))[:, None])
 
     def _in_their_places(self, deviations: NDArray[np.complexfloating]) -> Drawn:
@@ -348,6 +358,7 @@ class Frame:
 
     def project(self, columns: Real) -> Real:
         """Columns (2n, m) without what the fitted parameters can follow."""
+        # In this order: the projection as a matrix would have (2n)^2 entries.
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
     def beyond(self, columns: Real, least: float = 1e-6) -> Real:
@@ -379,6 +390,7 @@ class Frame:
     def shared(self) -> Real:
         """Orthonormal basis (2n, q) of what is alike in all sweeps at a frequency and is not slow."""
         columns = self.relative(shared_shapes(self.measurement))
+        # Without the slow part, so that no freedom is counted twice in `structured`.
         return self.beyond(columns - self.smooth @ (self.smooth.T @ columns))
 
     @cached_property
@@ -386,7 +398,8 @@ class Frame:
         """Orthonormal basis (2n, q) of slow shapes that all sweeps share."""
         shapes = slow_shapes(self.measurement)
         degrees = len(shapes) // max(1, len(sweeps_of(self.measurement)))
-        return self.beyond(self.relative(np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])))
+        shared = np.array([shapes[i::degrees].sum(axis=0) for i in range(degrees)])
+        return self.beyond(self.relative(shared))
 
     @cached_property
     def narrow(self) -> Real:
@@ -425,6 +438,7 @@ class Frame:
         if column is None or np.ptp(column) < LEAST_SPREAD * np.max(np.abs(column)):
             return None
         x = column
+        # Nonlinear effects go with powers of the amplitude, which is measured over decades.
         if name == "amplitude" and np.all(column > 0):
             x = np.log(column)
         return np.asarray((x - np.mean(x)) / np.ptp(x), dtype=np.float64)
@@ -446,5 +460,6 @@ class Frame:
 
     def relative(self, shapes: Real) -> Real:
         """Shapes (m, n) as changes of magnitude and of phase, whitened, as columns (2n, 2m)."""
+        # Relative to K, as faults of gain and phase are and as noise is: one shape serves over decades of |K|.
         columns = [self.whiten(factor * self.model_stiffness * shapes) for factor in (1.0, 1.0j)]
         return np.concatenate(columns).T

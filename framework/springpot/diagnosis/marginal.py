@@ -44,13 +44,17 @@ def harmonic_evidence(refit: Refit) -> float:
     if len(rows) == 0:
         return 0.0
     predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
+    # Where no bound is known the harmonic may be anything: a fixed price, so that nothing is gained by not predicting.
     if not np.all(np.isfinite(radius)):
         return EVIDENCE.unpredicted_harmonic
-    sd: Real = (np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude)[rows] + EVIDENCE.least_harmonic
+    noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude
+    sd = noise[rows] + EVIDENCE.least_harmonic
+    # Within the range that a model allows nothing is missed: it is a bound, not a prediction.
     off = np.maximum(np.abs(measured[rows] - predicted[rows]) - radius[rows], 0.0)
     size = np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
     missed = off**2 / (sd**2 + (EVIDENCE.harmonic_tolerance * size) ** 2)
-    return -0.5 * float(np.mean(missed)) * min(float(len(rows)), EVIDENCE.most_harmonic_rows)
+    rows_that_count = min(float(len(rows)), EVIDENCE.most_harmonic_rows)
+    return -0.5 * float(np.mean(missed)) * rows_that_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +89,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
     frame : Frame
         The fit.
     """
+    # With and without what sweeps share: a slow misfit must not pay for a shape at each frequency.
     for basis in (frame.smooth, frame.structured):
         yield Unknown("", _explained(frame, basis), int(basis.shape[1]))
     log_omega = np.log(frame.measurement.omega)
@@ -120,6 +125,7 @@ def _own_levels(frame: Frame, name: str) -> Real:
     count = int(level.max()) + 1
     if count < EVIDENCE.fewest_levels or len(level) < EVIDENCE.points_of_each * count:
         return np.zeros((0, len(level)))
+    # Without the first: a gain of all levels is a gain of the whole, which the model follows.
     shapes: Real = (level == np.arange(1, count)[:, None]).astype(np.float64)
     return shapes
 
@@ -144,8 +150,10 @@ def _each_alone(frame: Frame, curves: Complex) -> Real:
     columns = frame.whiten(frame.model_stiffness * curves).T
     left = frame.project(columns)
     size = np.linalg.norm(left, axis=0)
+    # What the parameters follow all but whole would divide rounding by rounding.
     seen = size > LEAST_SEEN * np.linalg.norm(columns, axis=0)
-    return np.where(seen, (frame.rest @ left) ** 2 / np.where(seen, size, 1.0) ** 2, 0.0)
+    drop = (frame.rest @ left) ** 2 / np.where(seen, size, 1.0) ** 2
+    return np.where(seen, drop, 0.0)
 
 
 def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
@@ -153,6 +161,7 @@ def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
     levels = np.unique(np.round(log_omega, 6))
     if len(levels) < 4:
         return
+    # Two frequencies on each side at least: a step beside a single one is a bad point.
     between = 0.5 * (levels[1:-2] + levels[2:-1])
     between = between[np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)]
     drops = _each_alone(frame, (log_omega > between[:, None]).astype(np.complex128))
@@ -189,10 +198,12 @@ def _refund(search: Search, grown: Grown) -> float:
     the data leave open pays for the share of its range in which the model fits as well.
     """
     refit = grown.refit
+    # Where slopes have no value nothing is known of the widths, and the full price stands.
     if not np.all(np.isfinite(refit.fit.jacobian_u)):
         return 0.0
     uncertainty = Uncertainty(refit.fit, absolute=True)
     variance = np.where(uncertainty.at_bound != 0, np.inf, np.diag(uncertainty.covariance))
+    # Only rivals are worth the refits that tell how far a parameter lies open.
     rival = refit.log_likelihood > search.best.log_likelihood - EVIDENCE.rivals
     kept, shares = [], 0.0
     for rows in _extras(search, grown):
@@ -214,6 +225,7 @@ def _sharpness(refit: Refit, rows: Rows, at_bound: Rows) -> Real:
     Where only a combination of them is determined, one direction is sharp and the others are open.
     """
     slopes = np.where(at_bound == 0, refit.fit.jacobian_u, 0.0)
+    # Projected, not read off the inverse of the information: that has no value along an open valley.
     others = orthonormal(np.delete(slopes, rows, axis=1))
     left = slopes[:, rows] - others @ (others.T @ slopes[:, rows])
     return np.asarray(np.linalg.svd(left, compute_uv=False) ** 2, dtype=np.float64)
@@ -243,8 +255,11 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
         return 1.0
     if not left_open or not low < high:
         return 0.0
-    spread = np.geomspace if parameter.scale == "log" else np.linspace
-    worse = held_costs(refit.fit, parameter.name, spread(low, high, PLACES)) - refit.rss
+    places = np.linspace(low, high, PLACES)
+    if parameter.scale == "log":
+        places = np.geomspace(low, high, PLACES)
+    worse = held_costs(refit.fit, parameter.name, places) - refit.rss
+    # A held fit that is better than the free one is another minimum, and says no more than "as well".
     share = float(np.mean(np.exp(-0.5 * np.maximum(worse, 0.0))))
     if share <= EVIDENCE.least_share:
         return 0.0
@@ -276,6 +291,7 @@ def unknown_marginal(search: Search) -> float:
     """
     kinds = _kinds(search)
     general = sum(not kind.says for kind in kinds)
+    # Summed, not the likeliest alone: a few kinds that explain as well are together the more likely cause.
     weights = np.full(len(kinds), EVIDENCE.prior_chain)
     weights[[not kind.says for kind in kinds]] = 1.0 / general
     evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
@@ -288,6 +304,7 @@ def _evidence_of(search: Search, kind: Unknown) -> float:
     misfit = float(frame.rest @ frame.rest)
     fair = search.base.fair_rss / max(search.base.rss, 1e-300)
     each = [_discounted(search, fair * (misfit - drop), kind.shapes, 1) for drop in kind.drops.tolist()]
+    # The mean over the places, not the best of them: where the step is was not known beforehand.
     return float(logsumexp(each)) - float(np.log(len(each)))
 
 

@@ -60,7 +60,9 @@ class Refit:
     @property
     def own(self) -> list[int]:
         """Numbers of the parameters that are the model's own: all but those of a free spectrum."""
-        return own_parameters(self.model) if is_material(self.model) else list(range(len(self.theta)))
+        if is_material(self.model):
+            return own_parameters(self.model)
+        return list(range(len(self.theta)))
 
     @property
     def lines(self) -> int:
@@ -82,7 +84,9 @@ class Refit:
         if not self.lines:
             return self.rss
         if self.noise.source != "estimated":
+            # In units of a known noise each line takes one from chi-square, on average.
             return self.rss + self.lines
+        # An estimated noise has taken part in the fit: only the share that is left free tells how much was followed.
         spare = 2 * len(self.fit.measurement) - len(self.own)
         return self.rss * spare / max(spare - self.lines, 1)
 
@@ -98,6 +102,7 @@ class Refit:
     def log_evidence_of_all(self) -> float:
         """The same with a price for each line, to be held beside models with a name."""
         price = float(np.log(2 * len(self.fit.measurement)))
+        # Less one for each line: `fair_rss` has charged its share of chi-square already.
         return self.log_evidence - 0.5 * self.lines * (price - 1.0)
 
     @cached_property
@@ -108,16 +113,20 @@ class Refit:
     @property
     def floor(self) -> float:
         """The relative error that noise alone leaves, less what the fitted parameters follow of it."""
+        # Over the raw rows, as the error is: parameters follow means, and the scatter of repeats about them stays.
         followed = 2 * len(self.fit.measurement) - max(self.fit.dof, 1)
-        return self.data.floor(self.noise) * float(np.sqrt(1.0 - followed / (2 * len(self.data.raw))))
+        free = 1.0 - followed / (2 * len(self.data.raw))
+        return self.data.floor(self.noise) * float(np.sqrt(free))
 
     def without(self, rows: NDArray[np.bool_]) -> Refit:
         """The fit of all data but some of the averaged rows, (n,), from where this one ended."""
+        # No further starts: a few rows less do not move the minimum far, and this is asked for many times.
         return refit(self.model, self.data.without(rows), self.noise.of(~rows), [self.theta], starts=0)
 
     def frame(self) -> Frame:
         """The linear geometry at this fit."""
         measurement = self.fit.measurement
+        # At a bound (a time of zero, a rigid spring) a derivative may have no value, and changes nothing.
         with np.errstate(all="ignore"):
             response = self.model.network.respond(self.theta, measurement.points, GRADIENT)
         by_theta = np.where(np.isfinite(response.by_theta), response.by_theta, 0.0)
@@ -125,9 +134,11 @@ class Refit:
         estimated = self.noise.source == "estimated"
         return Frame(measurement, response.value, self.noise.weights, free, self.noise.dof, estimated)
 
+    # Asked where a point was set aside: its own noise is not known, but noise goes with |K|.
     def frame_of(self, measurement: Measurement) -> Frame:
         """The fit beside other data under the same conditions; their noise is that of the point of nearest |K|."""
-        nearest = np.argmin(np.abs(np.subtract.outer(measurement.magnitude, self.fit.measurement.magnitude)), axis=1)
+        apart = np.abs(np.subtract.outer(measurement.magnitude, self.fit.measurement.magnitude))
+        nearest = np.argmin(apart, axis=1)
         stiffness = self.model.stiffness(self.theta, measurement.points)
         nothing = np.zeros((0, len(measurement)), dtype=np.complex128)
         return Frame(measurement, stiffness, self.noise.weights[nearest], nothing)
@@ -141,15 +152,19 @@ class Refit:
         logs = np.array([parameter.scale == "log" for parameter in parameters])
         bounds = np.array([(parameter.lower, parameter.upper) for parameter in parameters])
         size = np.maximum(np.abs(value), np.finfo(float).tiny)
-        influence = np.linalg.norm(by_theta * np.where(logs, self.theta, 1.0)[:, None] / size, axis=1)
-        downhill = weighted(by_theta, self.noise.weights) @ weighted(
-            self.fit.measurement.stiffness - value, self.noise.weights
-        )
+        # Per relative change where a parameter is positive, so that its unit does not matter.
+        natural = np.where(logs, self.theta, 1.0)
+        influence = np.linalg.norm(by_theta * natural[:, None] / size, axis=1)
+        slopes = weighted(by_theta, self.noise.weights)
+        left = weighted(self.fit.measurement.stiffness - value, self.noise.weights)
+        downhill = slopes @ left
+        # A search ends near a bound, hardly ever on it.
         room = 1e-6 * np.where(logs, np.abs(self.theta), 1.0)
-        blocked = ((self.theta <= bounds[:, 0] + room) & (downhill < 0)) | (
-            (self.theta >= bounds[:, 1] - room) & (downhill > 0)
-        )
-        free: NDArray[np.bool_] = ~(blocked | (logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))))
+        # Only where the fit pushes against the bound: one that would come back can follow a residual to one side.
+        at_lower = (self.theta <= bounds[:, 0] + room) & (downhill < 0)
+        at_upper = (self.theta >= bounds[:, 1] - room) & (downhill > 0)
+        gone = logs & (influence < NO_INFLUENCE * np.sqrt(len(value)))
+        free: NDArray[np.bool_] = ~(at_lower | at_upper | gone)
         return free
 
 

@@ -33,6 +33,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     """
     if np.sum(data.scatter.dof) < FEWEST_REPEATS:
         return Battery(1.0, {})
+    # Simulated repeats lose the mean of their group as the measured ones did, or their neighbours would be less alike.
     count = data.scatter.dof + 1.0
     noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
     order = np.argsort(data.group, kind="stable")
@@ -41,6 +42,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     noise -= mean[:, :, data.group]
     measured = data.deviations()
     sample = np.concatenate([np.stack([measured.real, measured.imag])[None], noise])
+    # In units of their own scatter: how large repeats scatter is the noise itself, and only order is evidence.
     sample /= np.sqrt(np.mean(sample**2, axis=-1, keepdims=True))
     drift = orthonormal(drift_curves(len(data.raw)))
     lines = [sweep.rows for sweep in sweeps_of(data.raw)]
@@ -55,6 +57,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
 def _without_bend(values: Drawn) -> Drawn:
     """Values along the last axis without their own gain, slope and bend."""
     count = values.shape[-1]
+    # No higher than a bend: it is what specimens of another size and stiffness do, and more would follow the noise.
     bend = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), min(2, count - 1))
     curves = orthonormal(np.asarray(bend, dtype=np.float64))
     return values - (values @ curves) @ curves.T
@@ -83,17 +86,21 @@ def sets_apart(data: Averaged) -> Apart:
     measured = data.deviations()
     parts = np.stack([measured.real, measured.imag])
     size = float(np.sum(parts**2))
+    # Copied rows are no repeats: nothing sets them apart.
     if size == 0.0:
         return Apart(0.0, 0.0, False)
     slow = drift_curves(len(measured))
     count = np.bincount(data.group)
     # The deviations have lost the means of the repeats; so must the curves.
-    lost = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T]) / count[data.group, None]
+    sums = np.column_stack([np.bincount(data.group, curve)[data.group] for curve in slow.T])
+    lost = sums / count[data.group, None]
     drift = orthonormal(slow - lost)
     by_drift = float(np.sum((parts @ drift) ** 2))
     lines = [sweep.rows for sweep in sweeps_of(data.raw)]
     left = sum(float(np.sum(_without_bend(parts[:, rows]) ** 2)) for rows in lines)
     free = len(measured) - len(count)
+    # For each degree of freedom: the curves of all runs are many more, and always leave less in sum.
     left_of_each = left / max(free - 3 * len(lines), 1)
-    one_curve = (size - by_drift) / max(free - drift.shape[1], 1) < VERDICT.one_curve * left_of_each
+    left_of_drift = (size - by_drift) / max(free - drift.shape[1], 1)
+    one_curve = left_of_drift < VERDICT.one_curve * left_of_each
     return Apart(by_drift / size, 1.0 - left / size, one_curve)

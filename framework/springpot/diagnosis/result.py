@@ -25,6 +25,7 @@ rigs and rheometers repeat a stiffness within a few per cent."""
 
 def times(ratio: float) -> str:
     """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
+    # From 99.5 on two digits would be written with a power of ten, which users do not read.
     if ratio >= 99.5:
         return f"{ratio:.0f} x"
     return f"{ratio:.2g} x"

@@ -103,23 +103,40 @@ class Rule(NamedTuple):
 
 
 RULES = (
+    # Before the alarms: rounding has a pattern that every test sees, and it is no scatter by which to judge one.
     Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
+    # First without an alarm: a point set aside may be an interference, so that nothing below may call it adequate.
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
+    # Before all that weighs the size of an error: of so few numbers neither it nor the floor is known.
     Rule("too few data", lambda f: not f.alarm and f.few, "inconclusive"),
+    # The next two before "an effect would help": an effect fitted to a notch would make it a mere maybe.
     Rule("more than the noise, by neighbours", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
     Rule("more than the noise, of a kind", lambda f: not f.alarm and f.exceeds and f.unknown, "unexplained"),
+    # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
     Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
+    # After the effects beside the free spectrum: one of these that helps clearly leaves it open what is missing.
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
+    # Only where no test is alarmed: drift makes the floor too high, so that an alarm above it is real all the more.
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
+    # After its two cases with a pattern: what is left is the error of noise with long tails, which may be noise.
     Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
+    # After "of a kind": without an error beyond the floor such a kind may as well follow the noise.
     Rule("something without a name would help, or it is noise", lambda f: not f.alarm and f.unknown, "inconclusive"),
+    # The last without an alarm: whatever could be missing has been asked for. Below, something is missing.
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
+    # Before "structure is left", whose exception does not hold here: an effect may take nearly all of a fault's misfit.
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
+    # Before any name: the best wrong effect takes most of a misfit too, but it leaves structure.
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
+    # Before the name too: the battery needs no effect to be right, and no effect is much better than none.
     Rule("no effect helps clearly", lambda f: f.by_battery and not f.clear and not f.nearly_all, "unexplained"),
+    # A weak gain is enough where the alarm is beyond doubt: that something is missing is then no question.
     Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
+    # After the name: outliers set aside beside a found effect do not take it back.
     Rule("no name, and points that stand out", lambda f: f.outliers, "unexplained"),
+    # The battery is sure of structure whatever the library holds; the scan alone is not, and comes last.
     Rule("structure, and no effect that is preferred to nothing", lambda f: f.by_battery, "unexplained"),
+    # Always holds, so that there is a verdict for any facts.
     Rule("something, but not what", lambda f: True, "inconclusive"),
 )
 """The first rule that holds gives the verdict."""
@@ -162,6 +179,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         material=beside_material,
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
+        # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
         exact=not beside_material and search.base.relative_rms < VERDICT.arithmetic,
     )
 
@@ -174,7 +192,9 @@ def _exceeds(search: Search) -> bool:
     """
     base = search.base
     ratio = base.relative_rms / base.floor
-    return bool(ratio > VERDICT.misfit and f_sf(ratio**2, base.fit.dof, base.noise.dof) < VERDICT.structure_alarm)
+    # Both floor and error are uncertain, so F and not chi-square; and of many points a slight excess is sure but small.
+    chance = f_sf(ratio**2, base.fit.dof, base.noise.dof)
+    return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
 def _stand_out_together(base: Refit) -> bool:
@@ -189,6 +209,7 @@ def _stand_out_together(base: Refit) -> bool:
     for sweep in sweeps_of(base.data.mean):
         outside = ~inside[sweep.rows]
         pairs += int(np.sum(outside[1:] & outside[:-1]))
+    # So many neighbouring pairs or more are so many runs or fewer.
     ways = sum(comb(n - m + 1, runs) * comb(m - 1, runs - 1) for runs in range(1, m - pairs + 1))
     return pairs > 0 and ways < VERDICT.neighbours * comb(n, m)
 
@@ -197,6 +218,7 @@ def drifted(search: Search) -> bool:
     """Whether repeats differ by a drift: what they tell of the noise is then the drift's size."""
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     apart = sets_apart(search.base.data)
+    # Replicates of specimens differ by slow curves too, but not by one that goes on from run to run.
     return beyond_chance and apart.one_curve and apart.drift > VERDICT.set_apart
 
 
@@ -204,6 +226,7 @@ def _carried_on(search: Search) -> bool:
     """Whether the errors of repeats go on from point to point: then the scatter that they tell is not the noise."""
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     go_on = beyond_chance and search.repeats.parts[WITHIN] < VERDICT.repeats_alarm
+    # Where a gain, a slope and a bend of each run are the cause, they are specimens, and their scatter is still noise.
     return go_on and sets_apart(search.base.data).curves < VERDICT.set_apart
 
 
@@ -213,6 +236,7 @@ def _all_but_explained(search: Search) -> bool:
     Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
     """
     spare = search.base.fit.dof
+    # The degrees of freedom of the base in both: those that the effects spent must not count for them.
     before, after = (refit.rss - spare for refit in (search.base, search.best))
     small = search.best.relative_rms < VERDICT.small_rest * search.best.floor
     return before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
@@ -242,15 +266,18 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         return f"{error}; missing is {_named(evidence)}"
     if verdict == "inconclusive":
         return f"{error}; these data cannot tell whether something is missing"
+    # Before the other sentences: the error is that of the data without these points, and small.
     if only_points(own, outliers):
         points = "a single point stands out"
         if len(outliers) > 1:
             points = f"{len(outliers)} single points stand out"
         return f"{error} without outliers: {points} that no effect of the library explains, nothing else is missing"
+    # As in the table, only where no test is alarmed; else what the tests see is the news.
     if own.alarm > VERDICT.structure_alarm and drifted(own):
         return f"{error}, but repeats drift by more than chance: something changed while they were measured"
     if own.alarm > VERDICT.structure_alarm and _carried_on(own):
         return f"{error}, but the error of a repeat goes on from point to point: that is no independent noise"
+    # "1 x the noise floor; something is missing" would read as a contradiction.
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
     if most := _most_of_it(own):
@@ -274,9 +301,11 @@ def _most_of_it(search: Search) -> list[Grown]:
     if not singles or search.gain < SEARCH.decisive:
         return []
     least = singles[0].refit.log_evidence - EVIDENCE.as_good
+    # Reversed, so that of several fits of one effect the best, which comes first, is the one that stays.
     alike = {grown.names[0]: grown for grown in reversed(singles) if grown.refit.log_evidence > least}
     enough = VERDICT.takes_most * search.base.relative_rms
-    if len(alike) > VERDICT.most_alike or any(each.refit.relative_rms > enough for each in alike.values()):
+    some_leave_more = any(each.refit.relative_rms > enough for each in alike.values())
+    if len(alike) > VERDICT.most_alike or some_leave_more:
         return []
     return sorted(alike.values(), key=lambda grown: -grown.refit.log_evidence)
 
@@ -287,6 +316,7 @@ def _named(evidence: Evidence) -> str:
     words = " or ".join(named)
     if beside:
         words = f"{words}, and beside it {' or '.join(beside)}"
+    # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
     if evidence.other_shape > VERDICT.worth_a_word:
