@@ -144,19 +144,19 @@ def battery(frame: Frame, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    # In the precision of the draws: of two equal values one must not seem larger by its rounding.
+    # In the precision of the draws, or all of them would be brought to that of the data.
     measured = frame.standard(frame.rest[None, :]).astype(DRAWN)
     sample = np.concatenate([measured, frame.draws(DRAWS, rng)])
     statistics = _statistics(frame, sample)
     tested = judged(statistics, frame)
     for rounds in FURTHER:
-        # More only where the seed would decide: "runs" is a test that all data have, and so tells how many were drawn.
+        # More only where the seed would decide. All data have the test "runs": so it tells how many were drawn.
         if not near_an_alarm(tested.p_value, len(statistics["runs"])):
             break
         more = [_statistics(frame, frame.draws(DRAWS, rng)) for _ in range(rounds)]
         statistics = {name: np.concatenate([known, *(m[name] for m in more)]) for name, known in statistics.items()}
         tested = judged(statistics, frame)
-    # By a rule of their own: where the data's scatter is dealt out, a far point is dealt out too and raises no alarm.
+    # By a rule of their own: where the data's scatter is dealt out, a far point is dealt out too and tells nothing.
     return replace(tested, points=tuple(outlying(frame).tolist()))
 
 
@@ -274,7 +274,6 @@ def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Re
 
 def kinship(rows: Drawn) -> Real:
     """Weighted sum of products of neighbours along the last axis."""
-    # No division by the size of the values: the draws have the same, and a sum is cheaper.
     total: Drawn = np.zeros(rows.shape[:-1], dtype=rows.dtype)
     for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):
         total += weight * np.einsum("...i,...i->...", rows[..., lag:], rows[..., :-lag])
@@ -411,7 +410,7 @@ def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
     def says(frame: Frame) -> tuple[float, str]:
         x = frame.condition(name)
         assert x is not None, "the test was made"
-        # Of what was measured, not of what the parameters leave: the user wants the change that the model misses.
+        # All that is seen against the model, not its part beyond the parameters: the user can look that up.
         off = np.log(frame.measurement.stiffness / frame.model_stiffness)
         size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
         verb = "loses"

@@ -123,6 +123,7 @@ class Case:
         ('fractional-maxwell + inertia', True)
         """
         base = self.search.base
+        # A fit that was made is better than what the scan foretells of it.
         for grown in self.search.grown:
             if grown.names == (effect.name,):
                 return GrownBy(grown.refit.model, grown.refit.theta, True)
@@ -177,12 +178,15 @@ def examine(
     progress: Progress = silent,
 ) -> Case:
     """As `diagnose`, with the fits and scans behind the answer, and with starts (p,) known from a smaller model."""
+    # Before any fit: a column that is missing is told at once.
     require_conditions(model, measurement)
     data = _prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
     search, found = search_data(data, model, library, rng, seeds)
+    # Users count rows in their own file, not in what thinning left of it.
     outliers = [outlier.counted_in(measurement) for outlier in found]
     progress("looking how near any material comes")
+    # After the search: outliers are set aside and the noise is settled, so that both errors are in the same units.
     floor = material_floor(search.base, rng)
     naming = _naming_search(search, floor, library, rng, progress)
     progress("weighing what was found")
@@ -203,6 +207,7 @@ def examine(
 def _prepared(measurement: Measurement, model: Model) -> Measurement:
     """The points that are diagnosed, an amplitude that was held not counting as varied."""
     data = thinned(measurement)
+    # A model that needs the amplitude is told every value of it, however little it varied.
     if "amplitude" in model.needs:
         return data
     return steadied(data)
@@ -219,6 +224,7 @@ def _naming_search(
         return search
     progress("trying what may be missing beside any material")
     free = search_from(floor.refit, library, rng)
+    # With a price for each line of the spectrum: beside models with a name its freedom is no gift.
     gain = 2.0 * (free.best.log_evidence_of_all - search.best.log_evidence_of_all)
     if gain > SEARCH.decisive:
         return free
@@ -237,7 +243,9 @@ def _answer(
     """The answer as plain data and sentences."""
     naming = evidence.search
     candidates = candidates_of(evidence, verdict)
-    says, split, classes, experiment = sentence(search, evidence, verdict, outliers), "", [], None
+    # The error and the verdict are told of the user's own model, whatever the names were found beside.
+    says = sentence(search, evidence, verdict, outliers)
+    split, classes, experiment = "", [], None
     if naming is not search:
         says = f"{says}{BESIDE_MATERIAL[verdict]}"
     if unexplained_harmonics(naming, verdict):
@@ -251,6 +259,7 @@ def _answer(
         classes = evidence.classes
         experiment = _next_experiment(evidence)
     told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]
+    # First of all notes: until the measurement is repeated, none of the others is worth reading.
     if doubted:
         told.insert(0, error.advice)
     return Diagnosis(
@@ -284,6 +293,7 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
     if verdict != "adequate":
         bands = where(search.frame)
     yield from bands
+    # A ripple of which no band is off to one side would else leave "unexplained" without a place.
     if not bands and verdict == "unexplained" and search.structure.parts["ripple"] < VERDICT.structure_alarm:
         yield periodic(search.frame)
 
@@ -298,6 +308,7 @@ def _next_experiment(evidence: Evidence) -> NextExperiment | None:
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
     if _openness(chances) < EXPERIMENT.rival:
         return None
+    # Two, not all rivals: a measurement that separates the leading ones can be promised in one sentence.
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
     return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
 
@@ -317,6 +328,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     if verdict != "adequate":
         groups = evidence.classes
     class_of = {name: tuple(group) for group in groups for name in group}
+    # Reversed, so that of several fits of one effect the best stays.
     alone = {grown.names[0]: grown for grown in reversed(search.grown) if len(grown.effects) == 1}
     best, chances = best_with(search), evidence.effects
     leader, beside = "", dict[str, Grown]()
@@ -383,8 +395,10 @@ def _effect_verdict(search: Search, score: Score, best: Refit | None, missing: b
     gain = -np.inf
     if best is not None:
         gain = 2.0 * (best.log_evidence - search.base.log_evidence)
+    # A probability shared among few rivals may be large where the data hardly speak: the gain must be clear too.
     if missing and gain >= VERDICT.clear_evidence:
         return "missing"
+    # Not seen is not absent: only where the data would have shown a small one.
     if gain < 0.0 and score.bound < VERDICT.seen:
         return "absent"
     return "cannot-tell"
@@ -410,10 +424,10 @@ def printed(refit: Refit) -> dict[str, Value]:
     low, high = Uncertainty(refit.fit, absolute=fits).interval()
     rows = {}
     for i, parameter in enumerate(refit.model.parameters):
+        # The lines of a free spectrum are told as a whole, as a spectrum.
         if parameter.detail:
             continue
         factor, label = units.of(parameter.unit)
-        rows[parameter.name] = Value(
-            float(refit.theta[i]) * factor, float(low[i]) * factor, float(high[i]) * factor, label
-        )
+        value, least, most = (float(numbers[i]) * factor for numbers in (refit.theta, low, high))
+        rows[parameter.name] = Value(value, least, most, label)
     return rows

@@ -175,7 +175,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
         None where the noise is not estimated, or nothing would change.
     """
     frame = best.frame()
-    # Without slow curves: beside a model that explains the data they would only take freedom from the estimate.
+    # Without slow curves: where conditions differ from point to point there are none.
     dof = frame.size - int(frame.absorbed.shape[1])
     if base.noise.source != "estimated" or dof < FEWEST_ABOUT_MODEL:
         return None
@@ -259,7 +259,7 @@ def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
     followed = np.concatenate([frame.absorbed, frame.structured], axis=1)
     omega = frame.measurement.omega
     found = trimmed_residual(frame.residual, followed, omega, kept)
-    # Only what chance does not explain is taken out: each shape that follows noise would make the floor too low.
+    # Only what chance does not explain is taken out: shapes chosen to follow noise make the floor too low.
     drift = frame.relative(drift_shapes(len(frame.measurement)))
     if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
         followed = np.concatenate([followed, drift], axis=1)
@@ -279,7 +279,7 @@ def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
     inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
     kept = np.linalg.norm(inner, axis=0) > LEAST_SEEN * np.linalg.norm(columns[rows], axis=0)
     basis = orthonormal(inner[:, kept])
-    # Of a single sweep in order the drift is slow structure already: nothing of it is left to explain.
+    # In one sweep of even steps drift is slow structure already: nothing of it is left to explain.
     spent = float(basis.shape[1])
     if spent == 0.0 or scatter.dof <= spent:
         return False
@@ -359,7 +359,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         if turn == 0 and first is None:
             variance = float(np.median(squares / middle))
         within = squares <= usual * variance
-        # Where a good part of the data would go, they have long tails or a wrong model: the scatter of all is the noise.
+        # Where a good part of the data would go, these are no few frequencies: what scatters so is the noise.
         too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
         if too_many or (turn > 0 and np.array_equal(within, kept)):
             return found
@@ -387,7 +387,7 @@ def scatter_about(frame: Frame) -> tuple[float, float]:
             if efficient < ENOUGH_NEIGHBOURS:
                 continue
             near = float(np.mean(left**2)) / power / kept
-            # Only where much smaller beyond chance: the least of several estimates of white noise is always too small.
+            # Only where it is smaller beyond chance: the least of several estimates of white noise is too small.
             if near < variance * f_quantile(SCATTER.faster_alarm, efficient, dof):
                 variance, dof = near, efficient
     return variance, dof

@@ -166,9 +166,11 @@ def discover(
         if reached is not None:
             reached(_ladder(measurement, steps))
 
+    # Every rung is examined in full: what is missing beside the last effect is asked of the grown model anew.
     given = iter(accept or ())
     climb(_step(examined(model)))
     while True:
+        # One effect a rung: which one is missing beside it is better told once it is there.
         effect = next(given, None)
         if accept is None:
             effect = _decisive(steps)
@@ -181,6 +183,7 @@ def discover(
     if accept is None:
         # Who chose the effects keeps them all; a machine's choice is looked over once more.
         steps = _explained(steps)
+        # After the rungs that led nowhere are taken back: beside them an earlier one may only have seemed needless.
         needless = _needless(steps)
         if needless:
             before = steps[-1].case
@@ -199,6 +202,7 @@ def _starts(case: Case, effect: Effect) -> list[Real]:
     """Parameters (p,) of the smaller model with the effect as the scan saw it: the next rung cannot do worse."""
     scanned = scan_effects(case.search.base, case.search.frame, [effect]).scores
     starts = [start for score in scanned for start in score.starts]
+    # The scan's even where a fit is known: that one ended early where it was no rival.
     return starts + [grown.refit.theta for grown in case.search.grown if grown.names == (effect.name,)]
 
 
@@ -209,6 +213,7 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     case = steps[-1].case
     candidates = case.diagnosis.candidates
+    # "Inconclusive" is no ground for a decision that nobody looks at.
     if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
@@ -227,6 +232,7 @@ def _explained(steps: list[Step]) -> list[Step]:
     if "unexplained" not in verdicts:
         return steps
     first = verdicts.index("unexplained")
+    # So few more effects that complete the model are two that hid each other, not a curve bent to a misfit.
     if verdicts[-1] in ("adequate", "inconclusive") and len(verdicts) - 1 - first <= MOST_HIDDEN:
         return steps
     kept = first + 1
@@ -243,6 +249,7 @@ def _needless(steps: Sequence[Step]) -> str:
     """An accepted effect without which the evidence is larger, as later ones do what it did; empty if none is."""
     base = steps[-1].case.search.base
     added = [step.accepted for step in steps if step.accepted]
+    # Not the last one: it was accepted beside all others, decisively.
     for name in added[:-1]:
         if refit(base.model - name, base.data, base.noise).log_evidence > base.log_evidence:
             return name
@@ -259,6 +266,7 @@ def _step(case: Case, before: Case | None = None, accepted: Effect | None = None
         return step
     for name, old in printed(before.search.base).items():
         new = parameters.get(name)
+        # Within its interval a change is no news; and nothing is a multiple of zero.
         if new is not None and old.value and not old.low <= new.value <= old.high:
             step.changed[name] = new.value / old.value
     if accepted is None:

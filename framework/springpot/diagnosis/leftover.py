@@ -63,6 +63,7 @@ def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
     off = frame.measurement.stiffness - frame.model_stiffness
     size = float(np.sqrt(np.mean(np.abs(off / frame.model_stiffness) ** 2)))
     best: dict[str, Real] = {}
+    # The width is not known: a bump narrower or broader than the residual's would call anything unlikely.
     for width in WIDTHS:
         total: dict[str, Real] = {}
         for rows in groups:
@@ -76,6 +77,7 @@ def causal_evidence(frame: Frame, x: Real, groups: Sequence[Rows]) -> float:
                 total[name] = total.get(name, 0.0) + _evidence_of_bumps(columns, values, size * SIZES)
         for name, evidence in total.items():
             best[name] = np.append(best.get(name, []), np.max(evidence))
+    # Best against best: causal curves must beat those of storage and loss apart, and of either alone.
     top = {name: float(np.max(values)) for name, values in best.items()}
     return top.pop("causal") - max(top.values())
 
@@ -110,6 +112,7 @@ def _shapes(x: Real, stiffness: Complex, width: float) -> Iterator[Complex]:
     for pole in np.arange(x.min() - beside, x.max() + beside + width, width):
         at = 1j * np.exp(np.clip(x - pole, -300.0, 300.0))
         yield 2.0 * width * at / (1.0 + 2.0 * width * at + at**2)
+    # A gain and a delay, a spring, a dashpot and a mass beside K, a spring and a dashpot in series with it.
     s = 1j * np.exp(x - np.mean(x))
     for far in (np.ones_like(s), s, 1.0 / stiffness, s / stiffness, s**2 / stiffness, stiffness, stiffness / s):
         yield far / np.max(np.abs(far))
@@ -123,7 +126,9 @@ def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
     power = power[kept]
     along = (directions[:, kept].T @ (columns.T @ values)) ** 2 / power
     gain = power * sizes[:, None] ** 2
-    return np.asarray(0.5 * np.sum(gain / (1.0 + gain) * along - np.log1p(gain), axis=1), dtype=np.float64)
+    # Normal coefficients are integrated out exactly: more bumps cost what they could follow of noise.
+    explained = gain / (1.0 + gain) * along
+    return np.asarray(0.5 * np.sum(explained - np.log1p(gain), axis=1), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -158,6 +163,7 @@ def discrepancy(frame: Frame, log_shift: Real | None = None) -> list[str]:
         Its ln a_T at the points, see `log_shift_of`; without it nothing is said of temperature.
     """
     places = where(frame)
+    # Either is enough: a place is found where slow shapes see nothing, and slow shapes where no block stands out.
     if not places and _seen(frame, frame.structured).chance > VERDICT.sentence_alarm:
         return []
     place = ""
@@ -184,8 +190,10 @@ def log_shift_of(found: Refit) -> Real | None:
 def _size_in_words(frame: Frame, place: str) -> str:
     off = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
     noise = (1.0 / frame.weights.real**2 + 1.0 / frame.weights.imag**2) / frame.measurement.magnitude**2
+    # Of the noise too the parameters have followed a part, so that less of it is in what is left.
     kept = 1.0 - frame.absorbed.shape[1] / frame.size
-    size = float(np.sqrt(max(np.mean(off**2) - kept * np.mean(noise), 0.0)))
+    beyond_noise = np.mean(off**2) - kept * np.mean(noise)
+    size = float(np.sqrt(max(beyond_noise, 0.0)))
     share = f"{plain(100 * size, 2)} % of {frame.measurement.units.magnitude}"
     much = "no more than the noise in size"
     if size > 0:
@@ -210,6 +218,7 @@ def _curve(frame: Frame, x: Real) -> Real:
     step = step_of(frame)
     knots = x.min() + step * np.arange(-3, np.ptp(x) / step + 5.0)
     splines = BSpline.design_matrix(x, knots, 3).toarray().T
+    # Those that hardly reach the data would follow single points at the ends.
     splines = splines[np.sum(splines, axis=1) > 0.1]
     return frame.beyond(frame.relative(splines), LEAST_SEEN)
 
@@ -219,6 +228,7 @@ def _pattern(frame: Frame, log_shift: Real | None) -> str:
     if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < LEAST_SHIFT:
         return ""
     x = np.log(frame.measurement.omega)
+    # Each without what the other has: both follow slow misfits, and only what one alone follows can tell.
     fixed, moving = _curve(frame, x), _curve(frame, x + log_shift)
     by_fixed_only = _seen(frame, _basis_without(fixed, moving))
     by_moving_only = _seen(frame, _basis_without(moving, fixed))
@@ -241,13 +251,16 @@ def _causality(frame: Frame, pattern: str, log_shift: Real | None) -> str:
     reduced = x
     if pattern == "moving" and log_shift is not None:
         reduced = x + log_shift
+    # One curve through all sweeps has more points to tell by; but only where it is all that is left.
     if pattern and _is_one(frame, _curve(frame, reduced)):
         x, groups = reduced, [np.arange(len(x))]
     frame = _no_rougher(frame)
     evidence = causal_evidence(frame, x, groups)
     if evidence > VERDICT.causal:
         return "it is consistent with causality, so that a material or a rig can be its cause"
-    if evidence < -VERDICT.causal and causal_evidence(_with_resonance(frame, x), x, groups) < -VERDICT.causal:
+    # A resonance is sought only where the cheap test fails: hundreds of them are tried.
+    not_causal = evidence < -VERDICT.causal
+    if not_causal and causal_evidence(_with_resonance(frame, x), x, groups) < -VERDICT.causal:
         return (
             "it is not causal (storage and loss do not belong together): a fault of the instrument or of the "
             "analysis, or a nonlinearity, is likelier than a property of a linear material; a loss that does not "
@@ -262,6 +275,7 @@ def _no_rougher(frame: Frame) -> Frame:
     bend = np.concatenate([np.diff(frame.rest[rows + k], 2) for rows in lines for k in (0, n)])
     if len(bend) < FEWEST:
         return frame
+    # The median, which a narrow resonance does not raise; second differences of white noise vary six times as much.
     scatter = float(np.median(np.abs(bend))) / (normal_quantile(0.75) * np.sqrt(6.0))
     return replace(frame, weights=frame.weights / max(scatter, 1.0))
 

@@ -44,7 +44,7 @@ def harmonic_evidence(refit: Refit) -> float:
     if len(rows) == 0:
         return 0.0
     predicted, radius = refit.model.third_harmonic_range(refit.theta, data.points)
-    # Where no bound is known the harmonic may be anything: a fixed price, so that nothing is gained by not predicting.
+    # Where no bound is known it may be anything: a fixed price, so that nothing is gained by not predicting.
     if not np.all(np.isfinite(radius)):
         return EVIDENCE.unpredicted_harmonic
     noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude

@@ -77,6 +77,7 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
     found = base
     if not is_material(base.model):
         free = replace(any_material(), effects=base.model.effects)
+        # Its effects only: a spectrum is found for given effects by a convex problem, which needs no start.
         seed = base.theta[len(base.model.material.parameters) :]
         found = refit(free, base.data, base.noise, [seed])
     return MaterialFloor(found, battery(found.frame(), rng))
@@ -156,6 +157,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         Those with a factor for each level are what any law of shifts could do at best.
     """
     measurement = base.fit.measurement
+    # Conditions that some effect has free factors for: of the others no shift could be expected anyway.
     free = [effect for effect in library if effect.by_levels]
     for name in sorted({name for effect in free for name in effect.needs} & set(measurement.conditions)):
         levels = _each_alone(base, name)
@@ -164,6 +166,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
         strange = _no_material(levels)
         if strange:
             yield _strange_in_words(measurement, name, levels, strange)
+        # A level that is no material by itself could be joined to nothing: the question is asked of the others.
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
         if len(sound) >= FEWEST_LEVELS:
@@ -194,7 +197,9 @@ def _no_material(levels: Sequence[Level]) -> list[Level]:
         others = [other for other in levels if other is not level]
         variance = float(np.median([other.variance for other in others]))
         dof = sum(other.fitted.fit.dof for other in others)
-        chance = float(f_sf(level.variance / max(variance, 1e-300), max(level.fitted.fit.dof, 1), dof))
+        ratio = level.variance / max(variance, 1e-300)
+        chance = float(f_sf(ratio, max(level.fitted.fit.dof, 1), dof))
+        # Of any level it might have been said: the alarm is shared among them.
         if level.error > VERDICT.stands_out * middle and chance < VERDICT.sentence_alarm / len(levels):
             strange.append(level)
     return strange
@@ -209,6 +214,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     apart = sum(level.fitted.rss for level in levels)
     spare = sum(level.fitted.fit.dof for level in levels)
     spent = max(together.fit.dof - spare, 1)
+    # Against the scatter about each level's own material, not the noise: a level that is a little off is told above.
     ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
     if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
         return

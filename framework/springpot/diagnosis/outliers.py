@@ -76,6 +76,7 @@ class Outlier:
 
     def counted_in(self, measurement: Measurement) -> Outlier:
         """The same with its row in the whole measurement, of which the data of a fit may be a part."""
+        # By what was measured: thinning and exclusion have renumbered the rows.
         same = np.isclose(measurement.stiffness, self.stiffness, rtol=1e-9, atol=0.0)
         rows = np.flatnonzero(same & np.isclose(measurement.frequency, self.frequency, rtol=1e-9))
         if len(rows) == 0:
@@ -112,6 +113,7 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
     while len(found) <= most:
         rows = np.array([row for row in range(n) if row not in found])
         worst, chance = _worst(frame, followed, rows)
+        # The largest of n points is judged: each of them might have been it.
         if chance > OUTLIERS.rare / n:
             return np.array(sorted(found), dtype=np.int64)
         found.append(worst)
@@ -140,6 +142,7 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
         lost = np.zeros(n)
         lost[seen] = np.sum(rest[seen] * np.linalg.solve(free[seen], rest[seen][..., None])[..., 0], axis=1)
         share = float(lost.max()) / max(float(frame.rest @ frame.rest), 1e-300)
+        # Of few points one carries half of a residual by chance.
         if n >= FEWEST_POINTS and share > largest:
             largest, row = share, int(np.argmax(lost))
     return np.array([row], dtype=np.int64)[: int(row >= 0)]
@@ -158,6 +161,7 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
     """The row that stands out most from a fit to these rows alone, and the chance that noise does so at a row."""
     scaled, _ = _squares(frame, followed, rows)
     worst = int(np.argmax(scaled))
+    # In units of a known noise nothing of the others is needed.
     if frame.scale_dof == inf:
         return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
     # The others are judged without it: a bad point drags the curve from its neighbours, whose tails then seem long.
@@ -173,6 +177,7 @@ def _squares(
     both = np.concatenate([rows, rows + n])
     basis, _ = np.linalg.qr(followed[both])
     left = frame.residual[both] - basis @ (basis.T @ frame.residual[both])
+    # Where curves follow most of a point, its residual is small however wrong it is: so it is brought to full size.
     free = 1.0 - np.sum(basis**2, axis=1)
     variance = trimmed_residual(frame.residual[both], basis, frame.measurement.omega[rows]).variance
     scaled = np.where(free > LEAST_LEFT, left**2 / np.maximum(free, LEAST_LEFT), 0.0)
@@ -189,12 +194,13 @@ def _chance(squares: NDArray[np.float64]) -> float:
     half = 0.5 * np.sort(squares)
     doubtful = max(2, int(OUTLIERS.most * len(half)))
     inner = np.maximum(half[:-doubtful], 1e-12)
-    likelihood = [
-        float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
-        + doubtful * float(np.log(np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)))
-        for nu, scale in TAILS
-    ]
+    likelihood = []
+    for nu, scale in TAILS:
+        of_inner = float(np.sum(f_log_density(inner / scale, 2, nu) - np.log(scale)))
+        beyond = np.maximum(f_sf(inner[-1] / scale, 2, nu), 1e-300)
+        likelihood.append(of_inner + doubtful * float(np.log(beyond)))
     best = int(np.argmax(likelihood))
+    # Normal unless the others clearly say otherwise: some long tail always fits few points a little better.
     if likelihood[best] < likelihood[0] + OUTLIERS.heavier:
         best = 0
     nu, scale = TAILS[best]
@@ -242,5 +248,6 @@ def are_outliers(with_points: tuple[Refit, Refit], without_points: tuple[Refit, 
     # Both in units of the noise of the data without the points: an estimate that holds them cannot judge them.
     scale = np.median(np.abs(base_without.noise.weights)) / np.median(np.abs(base.noise.weights))
     gain = scale**2 * best.rss - best_without.rss
+    # As an effect is judged: by chi-square and a price, which for a point is that of choosing it among all.
     spent = len(best.own) - len(best_without.own)
     return bool(gain + spent * np.log(size) > 2.0 * count * (np.log(0.5 * size) + OUTLIERS.price))

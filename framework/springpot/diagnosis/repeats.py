@@ -33,7 +33,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     """
     if np.sum(data.scatter.dof) < FEWEST_REPEATS:
         return Battery(1.0, {})
-    # Simulated repeats lose the mean of their group as the measured ones did, or their neighbours would be less alike.
+    # Simulated repeats lose the mean of their group, as the measured ones did.
     count = data.scatter.dof + 1.0
     noise = rng.standard_normal((DRAWS, 2, len(data.raw)))
     order = np.argsort(data.group, kind="stable")
@@ -57,7 +57,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
 def _without_bend(values: Drawn) -> Drawn:
     """Values along the last axis without their own gain, slope and bend."""
     count = values.shape[-1]
-    # No higher than a bend: it is what specimens of another size and stiffness do, and more would follow the noise.
+    # Specimens differ by a gain, a slope and a bend; higher degrees would follow the noise.
     bend = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, count), min(2, count - 1))
     curves = orthonormal(np.asarray(bend, dtype=np.float64))
     return values - (values @ curves) @ curves.T

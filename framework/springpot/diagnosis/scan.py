@@ -105,6 +105,7 @@ def influence(model: Model, theta: Real, stiffness: Complex, effect: Effect, mea
     if len(added) > 1:
         count = SETTINGS_OF_MORE + SETTINGS_OF_EACH * (len(added) - 1)
     grid = settings(added, Window.of(measurement), count)
+    # The model's own parameters stand fixed: their part of the change is projected off later, to first order.
     full = np.empty((len(grid), len(grown.names)))
     full[:, old] = theta
     full[:, new] = grid
@@ -142,7 +143,9 @@ class Directions:
     @classmethod
     def of(cls, frame: Frame, influence: Influence) -> Directions:
         """The directions of an effect at a fit."""
-        small = np.flatnonzero((influence.relative > SMALL[0]) & (influence.relative < SMALL[1]))[:PER_EFFECT]
+        # Below the least, differences of K are rounding; above the most, a change is no tangent any more.
+        is_small = (influence.relative > SMALL[0]) & (influence.relative < SMALL[1])
+        small = np.flatnonzero(is_small)[:PER_EFFECT]
         columns = frame.whiten(influence.change[small]).T
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
@@ -217,7 +220,9 @@ def scan(
     """
     tried = [Directions.of(frame, influence) for influence in influences]
     rest = frame.standard(frame.rest[None, :])[0]
-    furthest = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0) ** 2
+    # Signed: a size below zero is no physics, and a residual the other way is no sign of the effect.
+    largest = max((float(np.max(rest @ each.unit, initial=0.0)) for each in tried), default=0.0)
+    furthest = largest**2
     p_value = 1.0
     if rng is not None:
         simulated = _simulated_maxima(frame, tried, rng)
@@ -227,11 +232,13 @@ def scan(
             simulated = np.concatenate([simulated, *(_simulated_maxima(frame, tried, rng) for _ in range(rounds))])
         if len(simulated):
             threshold = float(np.quantile(simulated, 0.99))
+        # The measured one counts as a draw: a chance of zero would be more than the draws can say.
         p_value = (1.0 + float(np.sum(simulated >= furthest))) / (1.0 + len(simulated))
     scores = [
         _score(frame, influence, directions, threshold)
         for influence, directions in zip(influences, tried, strict=True)
     ]
+    # By what should be left, not by the score: a large effect leaves its tangent, and its score says too little.
     scores.sort(key=lambda score: score.predicted)
     return Scan(scores, p_value, threshold)
 
@@ -252,6 +259,7 @@ def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.
 def _score(frame: Frame, influence: Influence, directions: Directions, threshold: float) -> Score:
     along = np.maximum(frame.rest @ directions.unit, 0.0)
     score = float(np.max(along**2, initial=0.0))
+    # A change is seen at threshold plus power, in standard deviations along what the parameters cannot follow.
     needed = (np.sqrt(threshold) + POWER) * influence.relative[directions.setting] / directions.length
     bound = np.inf
     if len(needed) and threshold < np.inf:
@@ -316,6 +324,7 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
     count : int
         How many pairs.
     """
+    # All pairs at once, from a few directions of each: the same over whole grids would cost thousands of times more.
     seen = [score for score in scores if score.directions.unit.shape[1]]
     if not seen:
         return []
@@ -327,6 +336,7 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
     np.maximum.at(best, (owner[:, None], owner[None, :]), gain)
     found = []
     rows = np.concatenate(chosen)
+    # Of two different effects, each pair once; what is needed twice is sought one by one.
     upper = np.where(np.triu(np.ones_like(best), 1) > 0, best, -np.inf)
     for flat in np.argsort(upper.ravel())[::-1][:count]:
         a, b = divmod(int(flat), len(seen))
@@ -356,6 +366,7 @@ def _joint_gain(unit: Real, rest: Real) -> tuple[Real, Real]:
     along = unit.T @ rest
     room = np.maximum(1.0 - cosine**2, 1e-12)
     first = (along[:, None] - cosine * along[None, :]) / room
+    # Both steps forward, as sizes are; of two directions that are nearly one the difference would be rounding.
     allowed = (first > 0.0) & (first.T > 0.0) & (np.abs(cosine) < PARALLEL)
     return np.where(allowed, along[:, None] * first + along[None, :] * first.T, -np.inf), first
 

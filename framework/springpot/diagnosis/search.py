@@ -151,11 +151,12 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
 def _forget_narrow(search: Search) -> None:
     """Leave out of the scan the narrow effects that no fitted model has."""
     named = {name for grown in search.grown for name in grown.names}
-    kept = [
-        score
-        for score in search.scan.scores
-        if not score.influence.effect.narrow or score.influence.effect.name in named
-    ]
+    kept = []
+    for score in search.scan.scores:
+        effect = score.influence.effect
+        if not effect.narrow or effect.name in named:
+            kept.append(score)
+    # Or they would take a share of the prior from the others and stand in the table with nothing behind them.
     search.scan.scores[:] = kept
 
 
@@ -170,8 +171,11 @@ def _resolved(search: Search, grown: Grown) -> bool:
         return True
     others = {effect.name for effect in grown.effects if not effect.narrow}
     without = [one.refit for one in search.grown if {effect.name for effect in one.effects} == others]
-    before = without[0] if without and others else search.base
-    size = np.hypot(*search.frame.whiten(grown.refit.stiffness - before.stiffness).reshape(2, -1))
+    before = search.base
+    if without and others:
+        before = without[0]
+    change = search.frame.whiten(grown.refit.stiffness - before.stiffness)
+    size = np.hypot(*change.reshape(2, -1))
     at_end = any(
         parameter.scale == "linear"
         and parameter.name not in search.base.model.names

@@ -41,6 +41,7 @@ def validation(base: Refit, grown: Refit) -> Iterator[str]:
         folds = folds_of(base.fit.measurement, name)
         if not folds:
             continue
+        # From the ends of the fits of all data: a few rows less do not move a minimum far.
         old, new = (left_out_error(fitted, folds) for fitted in (base, grown))
         word = "does not predict it better"
         if new < VERDICT.predicts_better * old:
@@ -61,6 +62,7 @@ def prediction_gain(before: Refit, after: Refit) -> float:
         A model, and the same with an effect.
     """
     measurement = after.fit.measurement
+    # A condition before the frequency: leaving out a whole level is the harder question.
     by_condition = (folds for name in CONDITIONS if (folds := folds_of(measurement, name)))
     folds = next(by_condition, _folds_of_bands(frequency_numbers(measurement)))
     if not folds:
@@ -102,6 +104,7 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
         return []
     if len(level) >= POINTS_OF_EACH * count:
         return [level == number for number in _inner(count)]
+    # Bands of what moved with the frequency would be bands of the frequency.
     if name not in telling(measurement):
         return []
     return _folds_of_bands(level)

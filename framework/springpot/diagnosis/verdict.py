@@ -103,7 +103,7 @@ class Rule(NamedTuple):
 
 
 RULES = (
-    # Before the alarms: rounding has a pattern that every test sees, and it is no scatter by which to judge one.
+    # Before the alarms: the residual of computed data has a pattern, but no scatter by which to judge it.
     Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
     # First without an alarm: a point set aside may be an interference, so that nothing below may call it adequate.
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
@@ -116,7 +116,7 @@ RULES = (
     Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
     # After the effects beside the free spectrum: one of these that helps clearly leaves it open what is missing.
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
-    # Only where no test is alarmed: drift makes the floor too high, so that an alarm above it is real all the more.
+    # Only where no test is alarmed: drift makes the floor too high, and what shows above it is real all the more.
     Rule("what repeats differ by is no noise", lambda f: not f.alarm and f.repeats, "unexplained"),
     # After its two cases with a pattern: what is left is the error of noise with long tails, which may be noise.
     Rule("more than the noise, in no pattern", lambda f: not f.alarm and f.exceeds, "inconclusive"),
@@ -124,11 +124,11 @@ RULES = (
     Rule("something without a name would help, or it is noise", lambda f: not f.alarm and f.unknown, "inconclusive"),
     # The last without an alarm: whatever could be missing has been asked for. Below, something is missing.
     Rule("noise explains all", lambda f: not f.alarm, "adequate"),
-    # Before "structure is left", whose exception does not hold here: an effect may take nearly all of a fault's misfit.
+    # Before "structure is left", whose exception does not hold: an effect may take nearly all of a fault's misfit.
     Rule("a fault of the measuring chain explains more", lambda f: f.unknown and f.chain, "unexplained"),
     # Before any name: the best wrong effect takes most of a misfit too, but it leaves structure.
     Rule("structure is left", lambda f: (f.left or f.unknown) and not f.nearly_all, "unexplained"),
-    # Before the name too: the battery needs no effect to be right, and no effect is much better than none.
+    # Before the name too: structure is there for certain, and no effect is clearly better than none.
     Rule("no effect helps clearly", lambda f: f.by_battery and not f.clear and not f.nearly_all, "unexplained"),
     # A weak gain is enough where the alarm is beyond doubt: that something is missing is then no question.
     Rule("an effect is named", lambda f: f.named and (f.clear or (f.certain and f.gain > 0.0)), "effect-missing"),
@@ -192,7 +192,7 @@ def _exceeds(search: Search) -> bool:
     """
     base = search.base
     ratio = base.relative_rms / base.floor
-    # Both floor and error are uncertain, so F and not chi-square; and of many points a slight excess is sure but small.
+    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
     chance = f_sf(ratio**2, base.fit.dof, base.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
@@ -226,7 +226,7 @@ def _carried_on(search: Search) -> bool:
     """Whether the errors of repeats go on from point to point: then the scatter that they tell is not the noise."""
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     go_on = beyond_chance and search.repeats.parts[WITHIN] < VERDICT.repeats_alarm
-    # Where a gain, a slope and a bend of each run are the cause, they are specimens, and their scatter is still noise.
+    # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told in a note.
     return go_on and sets_apart(search.base.data).curves < VERDICT.set_apart
 
 
