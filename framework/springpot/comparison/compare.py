@@ -68,6 +68,7 @@ class Judgement:
     @cached_property
     def where(self) -> tuple[Where, ...]:
         """Where it fails; nowhere where noise explains all."""
+        # Places are sought by thresholds of their own: beside noise one in hundreds would be an invention.
         if not self.fails:
             return ()
         return tuple(where(self.refit.frame()))
@@ -114,6 +115,7 @@ class Judgement:
             return f"{ratio}; nothing is left but noise, but {self.error.advice}"
         if not self.fails:
             return f"{ratio}; nothing is left but noise"
+        # What fails without a place, such as too much scatter everywhere, is told by its surest test.
         if not self.where:
             return f"{ratio}; {next(finding.says for finding in self.findings if finding.found)}"
         return f"{ratio}; {'; '.join(place.says for place in self.where[:MOST_PLACES])}"
@@ -148,6 +150,15 @@ class Comparison:
         What the force harmonics say, whatever the model.
     notes : tuple of str
         What else the user should know.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> both = springpot.compare("artificial-hidden", ["fractional-maxwell", "fractional-maxwell + inertia"])
+    >>> both.best.model.name
+    'fractional-maxwell + inertia'
+    >>> [judged.fails for judged in both.judgements]
+    [True, True]
     """
 
     data: str
@@ -259,8 +270,7 @@ def judgements(
 ) -> Iterator[Judgement]:
     """Fits in units of one noise, each beside the material floor with the same effects."""
     least = min(-2.0 * found.log_evidence for found in fits)
-    # A generator for each: what is drawn for one model hangs on no other.
-    # Each has its own stream: its tests may be asked for in any order, or not at all.
+    # A generator for each: its tests may be asked for in any order, or not at all, and hang on no other's draws.
     for found, own_rng in zip(fits, rng.spawn(len(fits)), strict=True):
         error = error_of(found, floors[effects_of(found)])
         yield Judgement(found, error, -2.0 * found.log_evidence - least, own_rng)
@@ -270,6 +280,7 @@ def material_floors(fits: Iterable[Refit], rng: np.random.Generator) -> dict[Eff
     """The material floor for each set of effects, sought from the best of the fits that have them."""
     best: dict[Effects, Refit] = {}
     for found in fits:
+        # The floor does not depend on the model, but the values of its effects begin where this fit ended.
         known = best.setdefault(effects_of(found), found)
         if found.rss < known.rss:
             best[effects_of(found)] = found

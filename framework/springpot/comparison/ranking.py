@@ -149,6 +149,7 @@ def rank(
     floor = case.search.base
     fits: list[Refit] = []
     skipped: list[Skipped] = []
+    # Without the effects too: a model may make by itself what a free spectrum needs them for.
     companions: list[tuple[Effect, ...]] = [()]
     if floor.model.effects:
         companions.insert(0, floor.model.effects)
@@ -165,8 +166,7 @@ def rank(
     floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
-    # The fewest parameters first; of equally many, as they stood, the likelier one.
-    # Sorting keeps the order of equals: of models with as many parameters the likelier comes first.
+    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
     adequate.sort(key=lambda one: len(one.refit.theta))
     others = [one for one in ordered if one not in adequate]
     notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
@@ -195,6 +195,7 @@ def chance_beside(found: Refit, floor: Refit) -> float:
         Any material, in units of the same noise.
     """
     spare = max(found.fit.dof - floor.fit.dof, 1)
+    # Never below one: a spectrum that follows some of the noise must not make the noise seem smaller than it is.
     scale = max(floor.rss / max(floor.fit.dof, 1), 1.0)
     return chance_of_squares(max(found.rss - floor.rss, 0.0) / scale, spare, found.noise.dof)
 
@@ -218,6 +219,7 @@ def _fitted(
     for number in range(FIRST_MEMBER, min(LAST_MEMBER, item.largest) + 1):
         for found in _one(item.build(number), effects, floor, skipped):
             yield found
+            # One more term after that can only follow noise, and each costs a fit of more parameters.
             if found.log_evidence <= evidence or chance_beside(found, floor) >= CHANCE:
                 return
             evidence = found.log_evidence
@@ -240,6 +242,7 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
 def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
     """Models in order, each with the later ones whose curves lie closer to its own than the noise can tell."""
     groups: list[list[Judgement]] = []
+    # Against the first of each group only, or a chain of close neighbours would join curves that are far apart.
     for one in judgements:
         known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
         if known is None:

@@ -85,6 +85,7 @@ class Action:
 def actions(measurement: Measurement) -> Iterator[Action]:
     """What could be measured next, the cheap things first."""
     again = "repeat the same measurement four times"
+    # Always feasible; its effort lets any other win that tells as much.
     yield Action(again, measurement.points, WORKED_FOR, repeats=DENSER, action={"repeats": [4.0]})
     yield from _frequencies(measurement)
     yield from _amplitudes(measurement)
@@ -118,6 +119,7 @@ def _frequencies(measurement: Measurement) -> Iterator[Action]:
         says = f"extend the frequencies {word}wards: {POINTS} points {band}"
         yield _sweep(says, measurement, omega * factor, WAITED_FOR)
     count = min(DENSER * distinct, MOST_POINTS)
+    # Of so many points already, no denser sweep is on offer.
     if count <= distinct:
         return
     dense = np.geomspace(omega[0], omega[-1], count)
@@ -193,6 +195,7 @@ class Clash:
     def linear(self) -> float:
         """Standard deviations between the two where the rival follows as its slopes tell."""
         residual, slopes = self._seen(self.rival.theta)
+        # A parameter without a slope here follows nothing; one without a value would spoil the whole basis.
         usable = np.all(np.isfinite(slopes), axis=1) & (np.sum(slopes**2, axis=1) > 0)
         # A rival that overflows under the new conditions has no slopes to go by: it is worth no trial.
         if not np.all(np.isfinite(residual)):
@@ -209,6 +212,7 @@ class Clash:
         with np.errstate(divide="ignore", invalid="ignore"):
             limits = np.where(logs[:, None], np.log(bounds), bounds)
         start = np.where(logs, np.log(np.maximum(self.rival.theta, 1e-300)), self.rival.theta)
+        # The solver refuses a start on a bound, where fits often end.
         inside = np.clip(start, limits[:, 0] + 1e-9, limits[:, 1] - 1e-9)
 
         def theta(x: Real) -> Real:
@@ -219,7 +223,8 @@ class Clash:
 
         def jacobian(x: Real) -> Real:
             scale = np.where(logs, theta(x), 1.0)
-            slopes: Real = np.clip(-np.nan_to_num(self._seen(theta(x))[1] * scale[:, None], nan=0.0), -FAR, FAR).T
+            by_x = self._seen(theta(x))[1] * scale[:, None]
+            slopes: Real = np.clip(-np.nan_to_num(by_x, nan=0.0), -FAR, FAR).T
             return slopes
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
@@ -302,6 +307,7 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     feasible = {action: linear(action) for action in actions(first.fit.measurement)}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
     reached = {action: fitted(action) for action in tried}
+    # By the better of the two ways: a larger model follows a smaller one wherever one measures.
     telling = [action for action in tried if max(reached[action]) >= EXPERIMENT.telling]
     if not telling:
         best = max(tried, key=lambda action: max(reached[action]))
@@ -341,6 +347,7 @@ def separation(shares: Pair, sigmas: Pair) -> float:
 
 def _either_way(sigmas: Pair) -> bool:
     """Whether the measurement tells the two apart whoever is right."""
+    # Beyond what settles the matter a difference of the two is of no matter; below, up to two-fold is about the same.
     return min(sigmas) >= EXPERIMENT.settled or 2.0 * min(sigmas) >= max(sigmas)
 
 

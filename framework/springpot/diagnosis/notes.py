@@ -57,6 +57,7 @@ def notes(
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
+    # Either the fault that has a description or what is left in general: the second would only repeat the first.
     kind = ""
     if verdict == "unexplained":
         kind = _unknown(search)
@@ -73,6 +74,7 @@ def notes(
             f"other narrow features, such as an interference, look like {names}: "
             f"{share} of the probability is left to them"
         )
+    # Beside an adequate model no effect is up for validation, and none is withheld from judgement.
     if verdict == "adequate":
         return
     if evidence.explanations:
@@ -131,11 +133,13 @@ def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
         Overall.
     """
+    # Beside "effect-missing" of the grown model: a friction that was found makes the harmonic itself.
     refit = search.base
     if verdict == "effect-missing":
         refit = search.best
     odd = harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic
     told = judged(overtones(search.base.data.mean, search.base.noise.sd))
+    # Loud as well as certain: every rig makes a little of them, and many points make a little certain.
     return [
         each
         for each in told
@@ -258,6 +262,7 @@ def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -
         return
     value = float(np.sum((share[rows] / relative[rows]) ** 2))
     chance = float(chi2_sf(value, 2 * len(rows)))
+    # The median, as the largest shares of a small force are mostly noise.
     typical = float(np.median(share[rows]))
     growth = _growth(measurement, share, rows)
     words = f"{word} nonlinearity: harmonic {order} is {100 * typical:.2g} % of the first{growth}"
@@ -277,7 +282,8 @@ def _growth(measurement: Measurement, share: Real, rows: NDArray[np.int64]) -> s
     design = np.column_stack([x - x.mean(), np.ones(len(x))])
     (slope, level), *_ = np.linalg.lstsq(design, y, rcond=None)
     rest = y - design @ np.array([slope, level])
-    error = float(np.sqrt(np.sum(rest**2) / max(len(x) - 2, 1) / np.sum(design[:, 0] ** 2)))
+    variance = np.sum(rest**2) / max(len(x) - 2, 1)
+    error = float(np.sqrt(variance / np.sum(design[:, 0] ** 2)))
     named = min(MEANINGS, key=lambda power: abs(power - slope))
     meaning = ""
     # The powers are one or two apart: a slope known worse than that has no name.

@@ -104,6 +104,7 @@ class Blocks:
 
     def _sums(self, values: Real) -> Real:
         """Sums of point values (n,) over every block, with as many axes as the measurement."""
+        # By cumulative sums along each axis in turn: summed block by block every point would be added many times.
         sums = np.bincount(self._cell, values, int(np.prod(self.shape))).reshape(self.shape)
         for axis, (first, stop) in enumerate(self._ends):
             before = np.zeros_like(np.take(sums, [0], axis=axis))
@@ -148,6 +149,7 @@ class Blocks:
             count = self._sums(free.astype(float))
             usable = (count > 0) & (count >= WHOLE * self._count)
             sigma = self._sums(np.where(free, whitened, 0.0)) / np.sqrt(np.maximum(count, 1.0))
+            # The threshold is that of the plain mean, as simulated; the costs only choose among blocks beyond it.
             worth = np.where(usable & (np.abs(sigma) > threshold), sigma**2 - self._costs, -np.inf)
             best = np.unravel_index(int(np.argmax(worth)), worth.shape)
             if worth[best] == -np.inf:
@@ -170,6 +172,7 @@ class Blocks:
 
     def _joined(self, found: list[Region], whitened: Real) -> list[Region]:
         """Neighbouring blocks that are off to the same side and differ along one axis only are one."""
+        # Of one broad misfit the furthest block is often a part, and the rest of it is found as the next.
         for i, one in enumerate(found):
             for k in range(i):
                 other = found[k]
@@ -201,6 +204,7 @@ def rare(largest: Real, alarm: float, divisor: Real | float = 1.0) -> float:
         Equally likely values of what it is divided by. A scale from few degrees of freedom has a heavy tail, to which
         Gumbel's law would be blind.
     """
+    # By moments, which have a closed form.
     width = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-300)
     middle = float(np.mean(largest)) - width * np.euler_gamma
     undivided = middle - width * float(np.log(-np.log1p(-alarm)))

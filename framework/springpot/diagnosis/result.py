@@ -142,6 +142,15 @@ class Candidate:
         Its own parameters.
     says : str
         One sentence of physics.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> mass = springpot.diagnose("artificial-hidden", "fractional-maxwell").best
+    >>> mass.effect, mass.verdict, mass.alike
+    ('inertia', 'missing', ('inertia',))
+    >>> f"{mass.parameters['m'].value:.2g} {mass.parameters['m'].unit} takes the error to {mass.error_after:.1%}"
+    '0.49 kg takes the error to 4.4%'
     """
 
     physics: Effect
@@ -211,6 +220,17 @@ class Diagnosis:
         The chances on which the verdict rests.
     parameters : dict of str to Value
         Those of the model as it is, with their intervals.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> found = springpot.diagnose("artificial-hidden", "fractional-maxwell")
+    >>> found.verdict, found.best.effect
+    ('effect-missing', 'inertia')
+    >>> found.says
+    'the error is 21 x the noise floor; missing is inertia, and beside it time-delay or fixture-resonance'
+    >>> [f"{row.effect} {row.probability:.0%}" for row in found.candidates[:2]]
+    ['inertia 100%', 'time-delay 91%']
     """
 
     data: str

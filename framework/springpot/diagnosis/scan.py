@@ -324,7 +324,7 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
     count : int
         How many pairs.
     """
-    # All pairs at once, from a few directions of each: the same over whole grids would cost thousands of times more.
+    # All pairs at once, from a few directions of each: whole grids would make some forty times as many pairs.
     seen = [score for score in scores if score.directions.unit.shape[1]]
     if not seen:
         return []

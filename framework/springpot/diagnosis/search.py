@@ -149,14 +149,13 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
 
 
 def _forget_narrow(search: Search) -> None:
-    """Leave out of the scan the narrow effects that no fitted model has."""
+    """Leave out of the scan the narrow effects that no fitted model has: they would share the prior for nothing."""
     named = {name for grown in search.grown for name in grown.names}
     kept = []
     for score in search.scan.scores:
         effect = score.influence.effect
         if not effect.narrow or effect.name in named:
             kept.append(score)
-    # Or they would take a share of the prior from the others and stand in the table with nothing behind them.
     search.scan.scores[:] = kept
 
 
@@ -170,10 +169,8 @@ def _resolved(search: Search, grown: Grown) -> bool:
     if not any(effect.narrow for effect in grown.effects):
         return True
     others = {effect.name for effect in grown.effects if not effect.narrow}
-    without = [one.refit for one in search.grown if {effect.name for effect in one.effects} == others]
-    before = search.base
-    if without and others:
-        before = without[0]
+    without = [one.refit for one in search.grown if others and {effect.name for effect in one.effects} == others]
+    before = [*without, search.base][0]
     change = search.frame.whiten(grown.refit.stiffness - before.stiffness)
     size = np.hypot(*change.reshape(2, -1))
     at_end = any(

@@ -77,6 +77,7 @@ def condition_axes(measurement: Measurement, most: int) -> list[Axis]:
     return found
 
 
+# A chain of close values is one level; where it spans far more than a rig drifts, it is a sweep and has parts.
 def _set_values(measurement: Measurement, name: str, most: int) -> Rows:
     """Number of the value that was set, ascending; of a sweep without steps, of the part of it, `most` at most."""
     column, number = measurement.conditions[name], measurement.levels(name)
@@ -138,7 +139,9 @@ def _dependence(measurement: Measurement, name: str, part: Part, rows: Rows, lev
     relative = np.bincount(level, part.relative[rows]) / count
     whitened = np.bincount(level, part.whitened[rows]) / count
     middle = float(np.average(whitened, weights=count))
-    uneven = float(chi2_sf(np.sum(count * (whitened - middle) ** 2), len(count) - 1)) < WHERE.levels_differ
+    spread = np.sum(count * (whitened - middle) ** 2)
+    uneven = float(chi2_sf(spread, len(count) - 1)) < WHERE.levels_differ
+    # "The same" by size and not by chance: of exact data any two levels differ beyond all noise.
     if np.ptp(relative) <= WHERE.alike * np.abs(np.mean(relative)):
         if _some(measurement, name, rows):
             return f"the same at all these {name}s"
@@ -175,6 +178,7 @@ def _power(amplitude: Real, residual: Real) -> str:
     if amplitude[0] <= 0 or amplitude[-1] < AMPLITUDES * amplitude[0]:
         return ""
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
+    # Unlike that of the frequency an exponent far from all of these is not told: effects have whole powers here.
     power = min(AMPLITUDE_POWERS, key=lambda each: abs(each - slope))
     if abs(power - slope) < WHERE.close_power:
         return AMPLITUDE_POWERS[power]
@@ -205,6 +209,7 @@ def where(frame: Frame) -> list[Where]:
         The fit.
     """
     rng = np.random.default_rng(0)  # the same fit is told of in the same words
+    # How many axes there are decides how fine they may be: blocks go with the square of the bands of each.
     conditions = condition_axes(frame.measurement, BANDS[1])
     most = BANDS[len(conditions)]
     axes = [_frequencies(frame.measurement, most), *condition_axes(frame.measurement, most)]
@@ -216,7 +221,10 @@ def where(frame: Frame) -> list[Where]:
         # Half a swing is a band that is off to one side: the period says so once, not each of its halves.
         found = [(part, region) for part, region in found if _length(axes[0], region) >= 2.0 * period]
     found.sort(key=lambda pair: -abs(pair[1].sigma))
-    found = [(part, region) for part, region in found if abs(region.sigma) > WHERE.slight * abs(found[0][1].sigma)]
+    if found:
+        # Beside a misfit of a thousand deviations one of five is what the curve of the first leaves elsewhere.
+        least = WHERE.slight * abs(found[0][1].sigma)
+        found = [(part, region) for part, region in found if abs(region.sigma) > least]
     plane = ""
     if found:
         plane = _simplest_plane(frame)
@@ -247,6 +255,7 @@ def periodic(frame: Frame) -> Where:
     decades = np.ptp(longest.x) > 0 and np.array_equal(longest.x, np.log(frame.measurement.omega[longest.rows]))
     frequency = frame.measurement.frequency
     relative = np.abs(frame.measurement.stiffness - frame.model_stiffness) / frame.measurement.magnitude
+    # The amplitude of a sinusoid is the square root of two times its root mean square.
     size = float(np.sqrt(2.0 * np.mean(relative**2)))
     length = ""
     if decades:
@@ -270,8 +279,11 @@ def _period(frame: Frame, rng: np.random.Generator) -> tuple[float, float]:
     scale = scales(frame.scale_dof)
     chance = spectrum(frame.measurement, rng.standard_normal((DRAWS, frame.size)))
     peak = int(np.argmax(power))
-    excess = np.maximum(power - np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale)), 0.0)
-    alone = float(np.sum(excess[max(peak - 2, 0) : peak + 3])) > WHERE.one_period * float(np.sum(excess))
+    of_noise = np.mean(chance, axis=0) * np.mean(1.0 / np.asarray(scale))
+    excess = np.maximum(power - of_noise, 0.0)
+    # With two neighbours on each side, over which a period between those of the grid spreads.
+    near_peak = float(np.sum(excess[max(peak - 2, 0) : peak + 3]))
+    alone = near_peak > WHERE.one_period * float(np.sum(excess))
     if peak < first or not alone or power[peak] < rare(np.max(chance[:, first:], axis=1), WHERE.alarm, scale):
         return 0.0, 0.0
     return 2.0 * (len(power) - 1) / peak, float(np.sqrt(power[peak]))
@@ -288,6 +300,7 @@ def _parts(frame: Frame) -> Iterator[Part]:
 
 def _frequencies(measurement: Measurement, most: int) -> Axis:
     """Bands holding equally many distinct frequencies."""
+    # Not equally wide: where frequencies lie dense a band would hold many of them, elsewhere none.
     which = frequency_numbers(measurement)
     distinct = int(which.max()) + 1
     bands = min(most, distinct)
@@ -338,7 +351,8 @@ def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     kept = sign * part.residual[rows] > 0
     if np.sum(kept) < FEWEST_OF_A_LAW:
         return ""
-    slope = float(np.polyfit(np.log(omega[kept]), np.log(np.abs(part.residual[rows][kept])), 1)[0])
+    size = np.abs(part.residual[rows][kept])
+    slope = float(np.polyfit(np.log(omega[kept]), np.log(size), 1)[0])
     return FREQUENCY_POWERS[min(FREQUENCY_POWERS, key=lambda power: abs(power - slope))]
 
 
@@ -361,6 +375,8 @@ def _simplest_plane(frame: Frame) -> str:
         lines = frame.whiten(np.array(columns)).T
         left = frame.project(lines)
         length = np.sqrt(np.sum(left**2, axis=0))
-        along = (frame.rest @ left) / np.maximum(length, 1e-6 * np.sqrt(np.sum(lines**2, axis=0)))
+        # What the parameters follow all but whole would divide rounding by rounding.
+        least = 1e-6 * np.sqrt(np.sum(lines**2, axis=0))
+        along = (frame.rest @ left) / np.maximum(length, least)
         share[plane] = float(np.max(np.abs(along)))
     return max(share, key=lambda plane: share[plane])
