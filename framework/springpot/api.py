@@ -325,7 +325,24 @@ def mastercurve(
 
 
 def library(effects: Sequence[Effect | str] | None = None) -> list[Effect]:
-    """The installed effects, and `effects` beside them or in their places."""
+    """The installed effects, and `effects` beside them or in their places.
+
+    Parameters
+    ----------
+    effects : sequence of Effect or str, optional
+        One of the same name as an installed one takes its place.
+
+    Raises
+    ------
+    SpringpotError
+        If a name is unknown.
+
+    Examples
+    --------
+    >>> from springpot.api import library
+    >>> len(library(["inertia"])) == len(library())
+    True
+    """
     by_name = {effect.name: effect for effect in plugins().items("effect")}
     if effects is not None:
         # One of the same name takes the installed one's place: so a user may try another version of an effect.

@@ -109,6 +109,7 @@ class Judgement:
     def says(self) -> str:
         """The judgement in one sentence."""
         ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
+        # Before "nothing is left but noise", which no error far beyond the floor may be called.
         if self.unclear and self._is_far:
             return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
         if self.unclear:
@@ -301,6 +302,7 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
     for model in models:
         progress(f"fitting {model.name}")
         first.append(fitted_to_floor(model, measurement))
+    # After averaging: repeats are no further points, however many rows the file has.
     for fitted in first:
         if fitted.fit.dof < 1:
             raise DataError(
@@ -311,6 +313,7 @@ def _fits(measurement: Measurement, models: Sequence[Model], progress: Progress)
     quiet = min(first, key=lambda fitted: fitted.floor)
     in_its_noise = []
     for fitted in first:
+        # From where it ended: in another noise the minimum moves a little, and another one may be the least.
         if fitted is not quiet:
             fitted = refit(fitted.model, quiet.data, quiet.noise, [fitted.theta], starts=STARTS)
         in_its_noise.append(fitted)

@@ -64,6 +64,16 @@ class Ranking(Comparison):
         Models beside which no material does better than noise allows, those with the fewest parameters first.
     skipped : tuple of Skipped
         Models that were not fitted.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> from springpot.comparison import rank
+    >>> models = [springpot.parse_model(name) for name in ("kelvin-voigt", "fractional-zener", "fractional-maxwell")]
+    >>> effects = [springpot.plugins().effect(name) for name in ("inertia", "time-delay")]
+    >>> ranking = rank(springpot.read("artificial-hidden"), models, effects, np.random.default_rng(0))
+    >>> [judged.model.name for judged in ranking.adequate]
+    ['fractional-maxwell + inertia + time-delay', 'fractional-zener + inertia + time-delay']
     """
 
     ladder: Ladder
@@ -146,6 +156,7 @@ def rank(
     progress("looking for what is missing from any material")
     ladder = discover(measurement, any_material(), library, rng, progress=progress)
     case = ladder.steps[-1].case
+    # Any material with the accepted effects tells the noise for all: no model leaves less.
     floor = case.search.base
     fits: list[Refit] = []
     skipped: list[Skipped] = []
@@ -202,6 +213,7 @@ def chance_beside(found: Refit, floor: Refit) -> float:
 
 def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
+    # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
     limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
     return any(other.delta_bic < limit and len(other.refit.theta) > size for other in others)
 
@@ -233,6 +245,7 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
     missing = sorted(grown.needs - set(data.mean.conditions))
     if missing:
         skipped.append(Skipped(grown.name, f"needs the column {', '.join(missing)}"))
+    # As many parameters as numbers follow anything: such a model would come first for no reason.
     elif len(grown.parameters) >= 2 * len(data.mean):
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
     else:

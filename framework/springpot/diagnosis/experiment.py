@@ -237,6 +237,7 @@ class Clash:
     def _target(self) -> tuple[Complex, Complex]:
         """K of the truth at old and new points (n,), and their weights."""
         new = self._evaluated(self.truth, self.truth.theta)[0]
+        # The new points are taken to be as noisy as the median of the old ones.
         noise, size = self.truth.noise.sd, np.abs(self.truth.stiffness)
         relative = complex(np.median(noise.real / size), np.median(noise.imag / size)) * self._quieter()
         floor = np.abs(new)
@@ -295,6 +296,7 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     """
     shares = (chances[0] / sum(chances), chances[1] / sum(chances))
 
+    # Either may be right, and the one that is not may change all its parameters to follow.
     def linear(action: Action) -> Pair:
         return Clash(first, second, action).linear, Clash(second, first, action).linear
 
@@ -304,6 +306,7 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     def worth(sigmas: Pair, action: Action) -> float:
         return _expected(shares, (_enough(sigmas[0]), _enough(sigmas[1]))) / action.effort
 
+    # Slopes first, as a fit for each action would take far longer; but a promise is made from a fit only.
     feasible = {action: linear(action) for action in actions(first.fit.measurement)}
     tried = sorted(feasible, key=lambda action: -worth(feasible[action], action))[:TRIED]
     reached = {action: fitted(action) for action in tried}

@@ -100,6 +100,7 @@ def shared_shapes(measurement: Measurement) -> Real:
     What errs alike at one frequency in sweep after sweep (a ripple, a notch) is no noise, however rough it is. None
     where fewer than `FEWEST_ALIKE` sweeps share their frequencies, or there are so many that neighbours tell more.
     """
+    # By frequency, not by order: sweeps may lack single points, or run up and down.
     which = frequency_numbers(measurement)
     count = int(which.max()) + 1
     if count > MOST_SHARED or len(sweeps_of(measurement)) < FEWEST_ALIKE:
@@ -261,6 +262,7 @@ class Frame:
     def _steps(self) -> Complex | None:
         """Rounding steps of K' and K'' (n,), where rounding is a good part of the noise."""
         steps = rounding_step(self.measurement.storage) + 1j * rounding_step(self.measurement.loss)
+        # Where it is small beside the noise, uniform errors are as good as part of it, and drawing them costs time.
         real, imag = steps.real * self.weights.real, steps.imag * self.weights.imag
         # A uniform error of one step has a twelfth of its square for variance; the mean is over both parts.
         share = 0.5 * float(np.mean(real**2 + imag**2)) / 12.0
@@ -292,7 +294,8 @@ class Frame:
         free = max(float(len(rows) - np.sum(self.absorbed[rows] ** 2)), 1.0)
 
         def excess(level: float) -> float:
-            return float(np.sum(squares / (level**2 * size**2 + step[rows] ** 2 / 12.0 + 1e-300))) - free
+            variance = level**2 * size**2 + step[rows] ** 2 / 12.0
+            return float(np.sum(squares / (variance + 1e-300))) - free
 
         # Rounding alone may be as large as the residual: then there is no other noise to be found.
         if excess(LEAST_RELATIVE) <= 0.0:
@@ -338,6 +341,7 @@ class Frame:
     @cached_property
     def _relative_sd(self) -> Real:
         """Standard deviation (n,) of each point relative to |K|, the mean of both parts."""
+        # One for both parts: a deviation is turned with K when it falls elsewhere, and storage becomes loss.
         variance = 0.5 * (1.0 / self.weights.real**2 + 1.0 / self.weights.imag**2)
         return np.asarray(np.sqrt(variance) / np.abs(self.model_stiffness), dtype=np.float64)
 

@@ -198,6 +198,7 @@ def _ladder(measurement: Measurement, steps: Sequence[Step]) -> Ladder:
     return Ladder(measurement.name, tuple(steps), diagnosis.verdict, diagnosis)
 
 
+# Beside the starts read off the data: those know nothing of what the rung before has found.
 def _starts(case: Case, effect: Effect) -> list[Real]:
     """Parameters (p,) of the smaller model with the effect as the scan saw it: the next rung cannot do worse."""
     scanned = scan_effects(case.search.base, case.search.frame, [effect]).scores
@@ -238,7 +239,7 @@ def _explained(steps: list[Step]) -> list[Step]:
     kept = first + 1
     # One after the other: a rung that predicts nothing new ends what may be believed of those above it.
     while kept < len(steps):
-        before, after = (step.case.search.base for step in steps[kept - 1 : kept + 1])
+        before, after = steps[kept - 1].case.search.base, steps[kept].case.search.base
         if prediction_gain(before, after) > VERDICT.predicts:
             break
         kept += 1

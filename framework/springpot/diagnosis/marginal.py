@@ -185,6 +185,7 @@ def marginal(search: Search, grown: Grown) -> float:
     better, the more the effect explains: to a relative width of one over the square root of the drop in chi-square
     (MacKay 1992, doi:10.1162/neco.1992.4.3.415). One that the data leave less certain than that costs less.
     """
+    # Of the model's own parameters: lines of a spectrum come and go with the effect, and are paid in `fair_rss`.
     spent = len(grown.refit.own) - len(search.base.own)
     cost = EVIDENCE.unknown_sign * sum(effect.element.parameters[0].lower < 0.0 for effect in grown.effects)
     explained = _discounted(search, grown.refit.fair_rss, spent, len(grown.effects))
@@ -206,6 +207,7 @@ def _refund(search: Search, grown: Grown) -> float:
     # Only rivals are worth the refits that tell how far a parameter lies open.
     rival = refit.log_likelihood > search.best.log_likelihood - EVIDENCE.rivals
     kept, shares = [], 0.0
+    # Effect by effect: one that has become a simpler one pays in full, whatever its partner does.
     for rows in _extras(search, grown):
         seen = [_seen(refit, i, rival and bool(variance[i] > EVIDENCE.open)) for i in rows]
         if min(seen) > 0.0:

@@ -182,6 +182,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
         inside = number == each
         if np.sum(inside) < POINTS_OF_EACH:
             continue
+        # In the noise of the whole: from so few points no noise could be told from what a spectrum follows.
         fitted = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
         value = float(np.mean(measurement.conditions[name][inside]))
         found.append(Level(value, np.flatnonzero(inside), fitted))
@@ -190,6 +191,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
 
 def _no_material(levels: Sequence[Level]) -> list[Level]:
     """Levels at which a free spectrum fails far more than at the others, beyond what scatter makes of such few."""
+    # The median, which one or two levels that fail do not raise.
     middle = float(np.median([level.error for level in levels]))
     strange = []
     for level in levels:
@@ -230,6 +232,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
 
 def _rms(levels: Sequence[Level]) -> float:
     """Relative error of all levels, each followed by its own material."""
+    # Weighted by points, so that it stands beside the error of one fit to all of them.
     squares: Real = np.array([level.error**2 for level in levels])
     return float(np.sqrt(np.average(squares, weights=[len(level.rows) for level in levels])))
 

@@ -85,6 +85,7 @@ def notes(
 def _of_one_frequency(search: Search) -> Iterator[str]:
     """Why nothing is told of springs, dashpots and masses, where the frequency was not varied."""
     measurement = search.base.fit.measurement
+    # Told first: it explains why the table below calls so much "cannot-tell".
     if float(np.ptp(np.log(measurement.omega))) < ONE_FREQUENCY:
         where = measurement.units.at(float(measurement.frequency[0]))
         yield f"all points have one frequency, {where}: what differs by its dependence on it cannot be told apart"
@@ -115,7 +116,9 @@ def _of_floor(search: Search) -> Iterator[str]:
     base = search.base
     if base.noise.source != "estimated":
         return
-    alone = base.floor * float(np.sqrt(scatter_about(base.frame())[0]))
+    variance, _ = scatter_about(base.frame())
+    alone = base.floor * float(np.sqrt(variance))
+    # By the very share at which the noise was estimated anew: else the note would come without a cause.
     if alone > base.floor / SCATTER.sharper:
         yield (
             f"the noise floor is the scatter about the best model found; about {base.model} alone, as "
@@ -158,6 +161,7 @@ def _of_rest(search: Search) -> Iterator[str]:
 
 def _unknown(search: Search) -> str:
     """The kind of structure that explains the data, if one does that no effect of the library is."""
+    # Without structure some fault still explains best, but nothing that is there.
     if search.structure.p_value >= VERDICT.structure_alarm:
         return ""
     kind, frame = likeliest_unknown(search), search.frame
@@ -232,6 +236,7 @@ def _beside(stated: float, value: Value, factor: float, candidate: Candidate) ->
 
 def judged(found: list[Finding]) -> list[Finding]:
     """Findings held against the number of tests made (Bonferroni), the surest first."""
+    # No simulation as in the battery: harmonics are no part of K, and their noise is known in closed form.
     kept = [replace(one, found=one.p_value * len(found) < VERDICT.harmonic_alarm) for one in found]
     return sorted(kept, key=lambda one: (not one.found, one.p_value))
 
@@ -249,6 +254,7 @@ def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
     if measurement.harmonics is None:
         return []
     relative = np.sqrt(0.5 * (noise.real**2 + noise.imag**2)) / measurement.magnitude
+    # Odd before even: symmetric nonlinearities, friction and rubber among them, make odd ones only.
     return [*_harmonic(measurement, relative, 3, "odd"), *_harmonic(measurement, relative, 2, "even")]
 
 

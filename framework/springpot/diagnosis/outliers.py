@@ -108,6 +108,7 @@ def outlying(frame: Frame) -> NDArray[np.int64]:
     most = max(2, int(OUTLIERS.most * n))
     if n < FEWEST_POINTS:
         return np.zeros(0, dtype=np.int64)
+    # Slow structure is no outlier: of a wrong model every point would stand out from the fit.
     followed = np.concatenate([frame.absorbed, frame.smooth], axis=1)
     found: list[int] = []
     while len(found) <= most:
@@ -150,6 +151,7 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
 
 def may_be_effects(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
     """Whether what makes rows stand out may be physics: neighbours in a sweep, or an end where an effect begins."""
+    # A wrong reading stands alone; two side by side in one sweep are what a notch or a resonance looks like.
     for sweep in sweeps_of(measurement):
         places = np.flatnonzero(np.isin(sweep.rows, rows))
         if np.any(np.diff(places) == 1) or np.any(np.isin(places, (0, len(sweep.rows) - 1))):

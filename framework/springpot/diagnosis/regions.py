@@ -94,6 +94,7 @@ class Blocks:
         self._cell = np.ravel_multi_index(tuple(axis.level for axis in axes), self.shape)
         self._ends = [np.triu_indices(count + 1, 1) for count in self.shape]  # first interval, the one after the last
         self._count = self._sums(np.ones(len(self._cell)))
+        # Costs of the axes add up, as chances of independent choices multiply.
         costs = [self._cost(axis) for axis in range(len(self.shape))]
         self._costs = np.asarray(reduce(np.add.outer, costs), dtype=np.float64)
 
@@ -125,7 +126,8 @@ class Blocks:
             For the noise.
         """
         n = len(self._cell)
-        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(max(DRAWS, FEW // n))])
+        draws = max(DRAWS, FEW // n)
+        most = np.array([self._furthest(rng.standard_normal(n)) for _ in range(draws)])
         return rare(most, alarm, np.sqrt(scale))
 
     def _furthest(self, values: Real) -> float:

@@ -150,6 +150,7 @@ class Directions:
         left = frame.project(columns)
         length = np.sqrt(np.sum(left * left, axis=0))
         share = length / np.maximum(np.sqrt(np.sum(columns * columns, axis=0)), 1e-300)
+        # What the parameters follow but for rounding would be a direction of rounding, and as likely as any to win.
         seen = share > LEAST_SEEN
         unit = left[:, seen] / length[seen]
         return cls(small[seen], unit, length[seen], float(np.max(share, initial=0.0)))
@@ -245,6 +246,7 @@ def scan(
 
 def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.Generator) -> Real:
     """Largest score over the library in each of many draws of noise alone, shape (draws,)."""
+    # All directions against the same draws: their kinship is then in the largest of them.
     unit = np.concatenate([np.zeros((frame.size, 0)), *(each.unit for each in tried)], axis=1).astype(DRAWN)
     if unit.shape[1] == 0:
         return np.zeros(0)
@@ -271,8 +273,10 @@ def _score(frame: Frame, influence: Influence, directions: Directions, threshold
     starts = influence.theta[np.argsort(cost)[:WHOLE_STARTS]]
     if score > 0.0:
         best = int(np.argmax(along))
+        # First of the starts, as for a small effect it is nearly the answer.
         tangent = influence.sized(int(directions.setting[best]), float(along[best] / directions.length[best]))
         starts = np.concatenate([_with(influence, tangent)[None], starts])
+    # The better of the tangent and the settings as they are: each holds where the other does not.
     predicted = min(float(np.min(cost)), float(frame.rest @ frame.rest) - score)
     return Score(influence, directions, score, bound, predicted, starts)
 

@@ -65,6 +65,7 @@ def prediction_gain(before: Refit, after: Refit) -> float:
     # A condition before the frequency: leaving out a whole level is the harder question.
     by_condition = (folds for name in CONDITIONS if (folds := folds_of(measurement, name)))
     folds = next(by_condition, _folds_of_bands(frequency_numbers(measurement)))
+    # Nothing to predict is no sign of physics: the rung is judged as one that gains nothing.
     if not folds:
         return 1.0
     # Both on the same data in units of the same noise: outliers may have been set aside on one rung only.
@@ -113,6 +114,7 @@ def folds_of(measurement: Measurement, name: str) -> list[NDArray[np.bool_]]:
 def _folds_of_bands(number: NDArray[np.int64]) -> list[NDArray[np.bool_]]:
     """Rows of inner bands of frequencies, or of levels, by their numbers (n,); none where they are few."""
     distinct = int(number.max()) + 1
+    # A band of a single frequency is predicted by its neighbours, whatever the model.
     if distinct < 2 * BANDS:
         return []
     band = number * BANDS // distinct
