@@ -240,10 +240,12 @@ def _answer(
     verdict: Verdict,
     library: Sequence[Effect],
 ) -> Diagnosis:
-    """The answer as plain data and sentences."""
+    """The answer as plain data and sentences, told of the user's own model whatever the names were found beside.
+
+    Advice to measure again is the first note: until that is done none of the others is worth reading.
+    """
     naming = evidence.search
     candidates = candidates_of(evidence, verdict)
-    # The error and the verdict are told of the user's own model, whatever the names were found beside.
     says = sentence(search, evidence, verdict, outliers)
     split, classes, experiment = "", [], None
     if naming is not search:
@@ -259,7 +261,6 @@ def _answer(
         classes = evidence.classes
         experiment = _next_experiment(evidence)
     told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]
-    # First of all notes: until the measurement is repeated, none of the others is worth reading.
     if doubted:
         told.insert(0, error.advice)
     return Diagnosis(
