@@ -175,6 +175,7 @@ def rank(
     alone = [found for found in fits if not found.model.effects]
     # That with the accepted effects is known from the discovery.
     floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
+    # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.

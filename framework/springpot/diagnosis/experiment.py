@@ -244,6 +244,7 @@ class Clash:
         if self.action.scale == 0.0:
             # Without a specimen the force is small, and its noise is not.
             floor = np.maximum(floor, float(np.median(size)))
+        # The mean of so many repeats is quieter by the root of their number.
         weights = np.sqrt(self.action.repeats) / np.maximum(floor, 1e-300)
         weights = weights / relative.real + 1j * weights / relative.imag
         return np.concatenate([self.truth.stiffness, new]), np.concatenate([self.truth.noise.weights, weights])
@@ -294,6 +295,7 @@ def next_experiment(first: Refit, second: Refit, names: tuple[str, str], chances
     chances : tuple of float
         Their probabilities: who holds decides what a measurement can show, as a larger model follows a smaller one.
     """
+    # Of these two only: what a third would be is not what the measurement is asked.
     shares = (chances[0] / sum(chances), chances[1] / sum(chances))
 
     # Either may be right, and the one that is not may change all its parameters to follow.

@@ -225,6 +225,7 @@ def _curve(frame: Frame, x: Real) -> Real:
 
 def _pattern(frame: Frame, log_shift: Real | None) -> str:
     """Whether the residual is one curve of the frequency (fixed) or of the reduced frequency (moving)."""
+    # Where the shift is small beside the band, one curve is as good as the other.
     if log_shift is None or not temperatures_differ(frame.measurement) or np.ptp(log_shift) < LEAST_SHIFT:
         return ""
     x = np.log(frame.measurement.omega)

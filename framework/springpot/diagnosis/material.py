@@ -180,6 +180,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
     found = []
     for each in range(int(number.max()) + 1):
         inside = number == each
+        # A spectrum follows a few points whatever they are.
         if np.sum(inside) < POINTS_OF_EACH:
             continue
         # In the noise of the whole: from so few points no noise could be told from what a spectrum follows.

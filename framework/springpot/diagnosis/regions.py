@@ -181,6 +181,7 @@ class Blocks:
                 if one.sigma * other.sigma > 0 and _neighbours(one.spans, other.spans):
                     rows = np.union1d(one.rows, other.rows)
                     sigma = float(np.sum(whitened[rows]) / np.sqrt(len(rows)))
+                    # From the start again: the joined block may touch one that neither of the two touched.
                     rest = [each for j, each in enumerate(found) if j not in (i, k)]
                     return self._joined([Region(self._tight(rows), rows, sigma), *rest], whitened)
         return found

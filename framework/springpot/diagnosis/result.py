@@ -39,6 +39,7 @@ def percent(fraction: float) -> str:
 def plain(value: float, digits: int = 3) -> str:
     """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
     text = f"{value:.{digits}g}"
+    # Only large numbers: a small one written out would be a row of zeros.
     if "e+" in text and value < 1e6:
         return f"{float(text):.0f}"
     return text
@@ -250,6 +251,7 @@ class Diagnosis:
     @property
     def best(self) -> Candidate | None:
         """The effect that should be added, or None if none is missing."""
+        # Candidates stand in the table beside every verdict; only this one says that the first is to be believed.
         if self.candidates and self.verdict == "effect-missing":
             return self.candidates[0]
         return None

@@ -357,6 +357,7 @@ def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dt
     """Directions of an effect that differ: the one along the residual, then ever the least like those kept."""
     unit = score.directions.unit
     kept = [int(np.argmax(frame.rest @ unit))]
+    # Not the best ten: these are neighbours on the grid, and beside a partner another one may be the best.
     alike = np.abs(unit.T @ unit[:, kept[0]])
     while len(kept) < REPRESENTATIVES and alike.min() < PARALLEL:
         kept.append(int(np.argmin(alike)))
@@ -383,6 +384,7 @@ def _pair(
     sizes: tuple[float, float],
     gain: float,
 ) -> Pair:
+    # Sizes are those of both together: each alone would take the other's part of the residual as well.
     first, second = scores
     grown = model + first.influence.effect + second.influence.effect
     values = dict(zip(model.names, theta.tolist(), strict=True))

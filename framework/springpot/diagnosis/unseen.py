@@ -153,6 +153,7 @@ def unseen_error(frame: Frame, sample: Drawn, name: str) -> Real | None:
     total = np.zeros(len(sample))
     for fold in folds:
         rows = np.flatnonzero(np.tile(fold, 2))
+        # By the axes of H, not by a refit of each draw: thousands of draws are asked.
         followed = frame.absorbed[rows]
         axes, shares, _ = np.linalg.svd(followed, full_matrices=False)
         seen = 1.0 - shares**2 > LEAST_FREE

@@ -175,6 +175,7 @@ def _power(amplitude: Real, residual: Real) -> str:
     same = residual * np.sign(np.sum(residual)) > 0
     if len(amplitude) < FEWEST_OF_A_LAW or not np.all(same):
         return ""
+    # Over a narrow range every power looks like every other.
     if amplitude[0] <= 0 or amplitude[-1] < AMPLITUDES * amplitude[0]:
         return ""
     slope = float(np.polyfit(np.log(amplitude), np.log(np.abs(residual)), 1)[0])
@@ -314,6 +315,7 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
     side = "high"
     if size > 0:
         side = "low"
+    # Levels are told only where they set the place apart: "at all temperatures" would be a word for nothing.
     levels = [words for axis in conditions if (words := level_words(measurement, axis, rows))]
     units = measurement.units
     share = f"{plain(100 * abs(size), 2)} % of {units.magnitude}"
@@ -344,6 +346,7 @@ def _range(low: float, high: float, frequency: Real, units: Units) -> str:
 def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
+    # Over less than a factor of two every power looks like every other.
     if np.ptp(np.log(omega)) < WIDE or len(rows) < FEWEST_OF_A_LAW:
         return ""
     # Points that scatter to the other side have no logarithm, and say nothing of how the misfit grows.
