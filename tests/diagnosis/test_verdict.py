@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import fields
 from itertools import product
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+import springpot
 from springpot.diagnosis.policy import VERDICT
-from springpot.diagnosis.verdict import RULES, Facts, rule_for
+from springpot.diagnosis.verdict import RULES, Facts, _stand_out_together, rule_for
 
 CLEAR = VERDICT.clear_evidence
 SEEN = {"by_battery": True, "certain": True}
@@ -73,3 +76,14 @@ def test_every_rule_is_needed_and_none_names_an_effect_without_an_alarm():
             assert not facts.repeats
             assert not facts.unknown
     assert used == {rule.reason for rule in RULES}
+
+
+@pytest.mark.parametrize(("first", "together"), [(slice(0, 300), True), (slice(0, 1500, 5), False)])
+def test_many_points_that_stand_out_are_counted_exactly(monkeypatch, first, together):
+    """Of 1,500 points 300 can stand out in 10^324 ways, more than a floating-point number holds."""
+    inside = np.ones(1500, dtype=bool)
+    inside[first] = False
+    monkeypatch.setattr("springpot.diagnosis.verdict.undragged", lambda base: (base, inside))
+    mean = springpot.Measurement(np.arange(1.0, 1501.0), np.full(1500, 1.0 + 1.0j))
+    base = SimpleNamespace(data=SimpleNamespace(mean=mean))
+    assert _stand_out_together(base) is together

@@ -211,7 +211,8 @@ def _stand_out_together(base: Refit) -> bool:
         pairs += int(np.sum(outside[1:] & outside[:-1]))
     # So many neighbouring pairs or more are so many runs or fewer.
     ways = sum(comb(n - m + 1, runs) * comb(m - 1, runs - 1) for runs in range(1, m - pairs + 1))
-    return pairs > 0 and ways < VERDICT.neighbours * comb(n, m)
+    # A quotient of whole numbers: of many points each of them is beyond any floating-point number.
+    return pairs > 0 and ways / comb(n, m) < VERDICT.neighbours
 
 
 def drifted(search: Search) -> bool:
