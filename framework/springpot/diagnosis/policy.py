@@ -159,10 +159,12 @@ class VerdictLevels:
     """Degrees of freedom below which data cannot be judged."""
     harmonic_alarm: float = 0.05
     """Chance that any harmonic of the force is held to be real where all are noise."""
-    set_apart: float = 0.75
-    """Share of what sets repeats apart from which some curves are its cause. A curve of each run takes 0.998 or more
-    for bitumen specimens (fhwa-ptf-binder-dsr), and 0.24 to 0.51 of noise that goes on from point to point; one slow
-    curve takes 0.88 of an artificial drift."""
+    own_curves: float = 0.75
+    """Share of what sets repeats apart from which a curve of each run is its cause: 0.998 or more for specimens of
+    bitumen (fhwa-ptf-binder-dsr), 0.24 to 0.51 for noise that goes on from point to point."""
+    drift_share: float = 0.5
+    """Share from which one slow curve over all rows is its cause, where it leaves no more than the curves of runs do:
+    0.67 to 0.88 for artificial drifts, the rest being scatter."""
     one_curve: float = 4.0
     """Mean square that one slow curve leaves, over that of curves of each run, up to which there was one drift: 1 to
     2 for an artificial drift, 100 for specimens measured one after the other."""

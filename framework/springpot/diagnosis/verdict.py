@@ -220,7 +220,7 @@ def drifted(search: Search) -> bool:
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     apart = sets_apart(search.base.data)
     # Replicates of specimens differ by slow curves too, but not by one that goes on from run to run.
-    return beyond_chance and apart.one_curve and apart.drift > VERDICT.set_apart
+    return beyond_chance and apart.one_curve and apart.drift > VERDICT.drift_share
 
 
 def _carried_on(search: Search) -> bool:
@@ -228,7 +228,7 @@ def _carried_on(search: Search) -> bool:
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     go_on = beyond_chance and search.repeats.parts[WITHIN] < VERDICT.repeats_alarm
     # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told in a note.
-    return go_on and sets_apart(search.base.data).curves < VERDICT.set_apart
+    return go_on and sets_apart(search.base.data).curves < VERDICT.own_curves
 
 
 def _all_but_explained(search: Search) -> bool:
