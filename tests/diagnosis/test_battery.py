@@ -82,6 +82,18 @@ def test_a_ripple_of_the_size_of_an_unknown_noise_is_seen_on_few_points(seed):
     assert judged(data).parts["ripple"] < 0.002
 
 
+@pytest.mark.parametrize("single", [1, 2])
+def test_sweeps_of_one_point_or_two_stand_beside_long_ones(single):
+    """As where a rig could hold one frequency only at its coldest."""
+    omega = np.concatenate([np.geomspace(0.5, 300.0, 30), np.geomspace(10.0, 20.0, single)])
+    temperature = np.where(np.arange(30 + single) < 30, 20.0, -40.0)
+    rng = np.random.default_rng(1)
+    noise = 0.01 * (rng.normal(size=30 + single) + 1j * rng.normal(size=30 + single))
+    stiffness = MODEL.stiffness(TRUTH, omega) * (1.0 + noise)
+    data = springpot.Measurement(omega, stiffness, conditions={"temperature": temperature})
+    assert 0.005 < judged(data).p_value <= 1.0
+
+
 def test_every_test_has_a_sentence_and_a_silent_battery_finds_nothing():
     found = judged(sweeps("normal", 1))
     assert not found.alarm

@@ -140,7 +140,10 @@ def _paired_waves(count: int, longest: int) -> Real:
     axes, sizes, _ = np.linalg.svd(np.stack([np.cos(phase), np.sin(phase)], axis=-1), full_matrices=False)
     # A constant, and the fastest alternation, have no second wave: its column is rounding.
     axes *= sizes[:, None, :] > 1e-6 * sizes[:, None, :1]
-    return np.asarray(axes.transpose(1, 0, 2).reshape(count, -1))
+    # Nor has a sweep of a single point.
+    pairs = np.zeros((longest + 1, count, 2))
+    pairs[..., : axes.shape[-1]] = axes
+    return np.asarray(pairs.transpose(1, 0, 2).reshape(count, -1))
 
 
 def waves(measurement: Measurement, period: float) -> Real:
