@@ -48,6 +48,13 @@ class Lost:
             pass
 
 
+class Broken:
+    """Its own fault, and no word of the budget."""
+
+    def __del__(self):
+        raise ValueError("broken")
+
+
 def loses_the_first_word():
     Lost()
     for_ever()
@@ -64,12 +71,25 @@ def test_the_budget_is_that_of_the_documentation(tmp_path):
 
 @pytest.mark.parametrize("action", [for_ever, stubborn, loses_the_first_word])
 @pytest.mark.usefixtures("short")
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_reader_that_never_ends_is_ended(path, action):
     with pytest.raises(DataError, match=r"more than 0\.2 s of processor time") as caught:
         within_budget(path, action)
     assert "\n" not in str(caught.value)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.usefixtures("short")
+def test_of_what_a_finaliser_loses_only_other_faults_are_told(path, monkeypatch):
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda lost: told.append(lost.exc_type))
+
+    def action():
+        Broken()
+        loses_the_first_word()
+
+    with pytest.raises(DataError, match="processor time"):
+        within_budget(path, action)
+    assert told == [ValueError]
 
 
 @pytest.mark.usefixtures("short")
@@ -161,7 +181,6 @@ def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path
         spend(0.0)
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
     """A word that is said while another is being heard escaped, once, into what came after the reading."""
     monkeypatch.setattr(budget, "SECONDS", 0.003)

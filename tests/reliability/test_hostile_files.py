@@ -24,9 +24,6 @@ def short(monkeypatch):
     monkeypatch.setattr(budget, "BYTES_A_SECOND", 100e6)
 
 
-# The end of the time may be raised within a finaliser or a callback of a weak reference. Python loses it there and
-# says so; it is raised again, which is what this test sees. No other exception may be lost.
-@pytest.mark.filterwarnings("ignore:(?s)Exception ignored in.*OverTime:pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("make", hostile.FILES, ids=lambda make: make.__name__)
 @pytest.mark.usefixtures("short")
 def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):

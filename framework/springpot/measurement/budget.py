@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import os
 import stat
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -95,7 +96,7 @@ def within_budget(path: Path, action: Callable[[], T]) -> T:
     require_regular(path)
     budget = budget_of(path)
     try:
-        with _ONE, _limited_memory(budget.memory):
+        with _ONE, _limited_memory(budget.memory), _unheard_in_finalisers():
             return _in_time(budget.seconds, action)
     except OverTime:
         spent = f"more than {budget.seconds:.1f} s of processor time"
@@ -123,6 +124,22 @@ def _in_time(seconds: float, action: Callable[[], T]) -> T:
     except OverTime:
         watch.settle()
         raise
+
+
+@contextmanager
+def _unheard_in_finalisers() -> Iterator[None]:
+    """Let nothing be printed of a word that fell into a finaliser, where it is lost: it is said again."""
+    before = sys.unraisablehook
+
+    def hook(lost: sys.UnraisableHookArgs) -> None:
+        if lost.exc_type is not OverTime:
+            before(lost)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 _HERE = threading.local()
