@@ -242,7 +242,9 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         next_experiment=advice,
         notes=tuple(answer["notes"]),
         evidence=answer["evidence"],
-        parameters=values(answer.get("parameters", {})),  # older files have none
+        parameters=values(answer.get("parameters", {})),  # older files have none of these three
+        leading=tuple(answer.get("leading", ())),
+        one_test=answer.get("one_test", ""),
     )
 
 

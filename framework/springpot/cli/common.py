@@ -155,6 +155,16 @@ def quoted(text: str) -> str:
     return quote(text)
 
 
+def with_rows(named: str, chosen: str) -> str:
+    """Data as a user named them, of which only the rows that have a condition are wanted."""
+    from springpot.measurement.naming import is_file
+
+    # A file may have an @ in its name; in what is no file it begins the conditions that were asked for already.
+    if "@" in named and not is_file(named):
+        return f"{named},{chosen}"
+    return f"{named}@{chosen}"
+
+
 @contextmanager
 def own_stdout(quiet: bool = False) -> Iterator[None]:
     """Let whatever foreign code prints go to standard error, or nowhere: standard output is the command's own."""

@@ -21,6 +21,7 @@ from .common import (
     seed_option,
     verbose_option,
     window,
+    with_rows,
 )
 from .faults import BAD_INPUT, FAULT, exit_code
 from .waiting import Waiting
@@ -111,9 +112,21 @@ def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: 
 
     # At once: what is there stays, even where the rest is interrupted.
     print(diagnosis_text(diagnosis, measurement, window(), verbose), flush=True)
-    if diagnosis.best is None:
-        return
+    if command := _next_command(diagnosis, named, model):
+        print(f"\nnext: springpot {command}", flush=True)
+
+
+def _next_command(diagnosis: Diagnosis, named: str, model: str | None) -> str:
+    """The command that goes on from an answer; empty where only a measurement does."""
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
-    print(f"\nnext: springpot discover {quoted(named)}{judged} --accept {diagnosis.best.effect}", flush=True)
+    # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
+    if diagnosis.one_test:
+        return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"
+    if diagnosis.leading:
+        return f"discover {quoted(named)}{judged} --accept {diagnosis.leading[0]}"
+    # Of any material that is adequate the question is left which model has the fewest parameters.
+    if diagnosis.verdict == "adequate" and model is None:
+        return f"compare {quoted(named)}"
+    return ""

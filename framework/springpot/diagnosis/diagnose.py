@@ -10,11 +10,12 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.identification import Uncertainty, is_material, require_conditions
-from springpot.measurement import Measurement, steadied, thinned
+from springpot.measurement import Measurement, largest_test, steadied, tests_together, thinned
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
-from .experiment import next_experiment
+from .experiment import experiment_on_unknown, next_experiment
+from .leftover import Column, column_behind
 from .material import MaterialFloor, error_of, material_floor, split_in_words
 from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
@@ -23,7 +24,7 @@ from .refit import Refit
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Value, Verdict, Where
 from .scan import Score
 from .search import Grown, Search, confounded, scan_effects, search_data, search_from
-from .verdict import facts_of, only_points, rule_for, sentence
+from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
 from .where import periodic, where
 
 Progress: TypeAlias = Callable[[str], None]
@@ -49,6 +50,8 @@ BESIDE_MATERIAL = {
     "inconclusive": "; any linear material comes nearer than the model with any effect",
 }
 """What is added where effects are named beside a free spectrum."""
+OPEN = frozenset({"unexplained", "inconclusive"})
+"""Verdicts after which the cause may be something that no effect knows, such as another column."""
 HARMONICS = "; the force holds harmonics that this model does not make"
 
 
@@ -240,27 +243,29 @@ def _answer(
     verdict: Verdict,
     library: Sequence[Effect],
 ) -> Diagnosis:
-    """The answer as plain data and sentences, told of the user's own model whatever the names were found beside.
-
-    Advice to measure again is the first note: until that is done none of the others is worth reading.
-    """
+    """The answer as plain data and sentences, told of the user's own model whatever the names were found beside."""
     naming = evidence.search
-    candidates = candidates_of(evidence, verdict)
-    says = sentence(search, evidence, verdict, outliers)
-    split, classes, experiment = "", [], None
-    if naming is not search:
-        says = f"{says}{BESIDE_MATERIAL[verdict]}"
-    if unexplained_harmonics(naming, verdict):
-        says = f"{says}{HARMONICS}"
     error = error_of(search.base, floor)
+    # Noise that is hard to believe is told of first: until it is smaller, none of the rest is worth reading.
     doubted = verdict == "inconclusive" and error.is_hardly_noise
+    candidates = candidates_of(evidence, verdict)
+    leading = leading_names(search, evidence, verdict)
+    column, split, classes, experiment = None, "", [], None
+    if verdict in OPEN:
+        column = column_behind(naming.best.frame())
+    one_test = _one_test(search, verdict, column)
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
             split = split_in_words(search.base, floor)
         classes = evidence.classes
-        experiment = _next_experiment(evidence)
-    told = [*notes(evidence, verdict, outliers, len(measurement), library), *header_notes(candidates, measurement)]
+        # To look at one test needs no measurement: it comes first.
+        if not one_test:
+            experiment = _next_experiment(search, evidence, verdict, leading)
+    told = [
+        *notes(evidence, verdict, outliers, column, len(measurement), library),
+        *header_notes(candidates, measurement),
+    ]
     if doubted:
         told.insert(0, error.advice)
     return Diagnosis(
@@ -268,23 +273,53 @@ def _answer(
         model=search.base.model,
         error=error,
         verdict=verdict,
-        says=says,
+        says=_says(search, evidence, verdict, outliers, column),
         split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
         classes=tuple(tuple(group) for group in classes),
         next_experiment=experiment,
         notes=tuple(told),
-        evidence={
-            "p_library": search.scan.p_value,
-            "p_structure": search.structure.p_value,
-            "p_left": naming.left.p_value,
-            "p_repeats": search.repeats.p_value,
-            "nothing": evidence.nothing,
-            "unknown": evidence.unknown + evidence.narrow + evidence.other_shape,
-        },
+        evidence=_chances(search, evidence),
         parameters=printed(search.base),
+        leading=tuple(leading),
+        one_test=one_test,
     )
+
+
+def _says(
+    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], column: Column | None
+) -> str:
+    """The sentence of the verdict, with what was seen beside any material and in the force's harmonics."""
+    says = sentence(search, evidence, verdict, outliers, column)
+    if evidence.search is not search:
+        says = f"{says}{BESIDE_MATERIAL[verdict]}"
+    if unexplained_harmonics(evidence.search, verdict):
+        says = f"{says}{HARMONICS}"
+    return says
+
+
+def _chances(search: Search, evidence: Evidence) -> dict[str, float]:
+    """The chances on which the verdict rests."""
+    return {
+        "p_library": search.scan.p_value,
+        "p_structure": search.structure.p_value,
+        "p_left": evidence.search.left.p_value,
+        "p_repeats": search.repeats.p_value,
+        "nothing": evidence.nothing,
+        "unknown": evidence.unknown + evidence.narrow + evidence.other_shape,
+    }
+
+
+def _one_test(search: Search, verdict: Verdict, column: Column | None) -> str:
+    """How to choose one of several tests that stand together, where no effect explains what sets them apart."""
+    data = search.base.data.raw
+    if column is not None:
+        return column.one_test
+    names = tests_together(data)
+    if verdict in OPEN and names:
+        return largest_test(data, names[0])
+    return ""
 
 
 def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
@@ -299,7 +334,21 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
         yield periodic(search.frame)
 
 
-def _next_experiment(evidence: Evidence) -> NextExperiment | None:
+def _next_experiment(
+    search: Search, evidence: Evidence, verdict: Verdict, leading: Sequence[str]
+) -> NextExperiment | None:
+    """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
+    # Effects that nobody believes in are not worth a measurement that tells them apart.
+    experiment = None
+    if verdict != "unexplained" or leading:
+        experiment = _between_effects(evidence)
+    # Where repeats drift, the very question has been answered.
+    if experiment is None and verdict == "unexplained" and not drifted(search):
+        experiment = experiment_on_unknown(search.base.data.raw)
+    return experiment
+
+
+def _between_effects(evidence: Evidence) -> NextExperiment | None:
     """What would settle the more open of two questions: which effect leads, and which one stands beside it."""
     if not evidence.explanations:
         return None

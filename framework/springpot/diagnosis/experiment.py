@@ -1,4 +1,4 @@
-"""The next experiment: which feasible measurement would tell the leading explanations apart.
+"""The next experiment: which feasible measurement would tell the leading explanations apart, or what is unknown.
 
 For every feasible action the two explanations are evaluated where the new points would lie, and one is allowed to
 follow the other with all its parameters. Actions are ranked with linear slopes; those that would be named are fitted
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from springpot.identification import weighted
-from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega
+from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega, spread_of, sweeps_of
 from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 
 from .frame import orthonormal
@@ -48,6 +48,9 @@ FAR = 1000000000.0
 """Stands for a difference beyond all numbers."""
 TRIED = 3
 """Actions that are fitted in earnest at most."""
+MOST_TOLD = 1000.0
+"""Standard deviations that are told at most: so far from the data a model is a guess, and nobody doubts that it is
+enough."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,13 +362,51 @@ def _either_way(sigmas: Pair) -> bool:
 def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
     """What the measurement will show if the first or the second of two explanations holds."""
     less, more = sorted(range(2), key=lambda i: sigmas[i])
-    told = plain(separation(shares, sigmas), 2)
+    told = _sigmas(separation(shares, sigmas))
     if _either_way(sigmas):
-        return f"it separates {names[0]} from {names[1]} by {told} sigma"
+        return f"it separates {names[0]} from {names[1]} by {told}"
     verb = "speaks against"
     if sigmas[more] >= EXPERIMENT.settled:
         verb = "rules out"
     return (
-        f"if {names[more]} is right it {verb} {names[less]} by {plain(sigmas[more], 2)} sigma; "
-        f"if not, {names[more]} stays possible; {told} sigma are to be expected"
+        f"if {names[more]} is right it {verb} {names[less]} by {_sigmas(sigmas[more])}; "
+        f"if not, {names[more]} stays possible; {told} are to be expected"
     )
+
+
+def _sigmas(number: float) -> str:
+    """Standard deviations in words."""
+    if number > MOST_TOLD:
+        return f"more than {MOST_TOLD:.0f} sigma"
+    return f"{plain(number, 2)} sigma"
+
+
+def experiment_on_unknown(measurement: Measurement) -> NextExperiment:
+    """What to measure where something is missing that no effect explains: whether it is there again, and with what.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data as measured, with their repeats.
+    """
+    longest = max(sweeps_of(measurement), key=lambda sweep: len(sweep.rows))
+    # As they stand in the file, which is the order in which they were measured.
+    omega = measurement.omega[np.sort(longest.rows)][:MOST_POINTS]
+    again: dict[str, list[float]] = {"omega": omega[::-1].tolist()}
+    # The cheapest question first: nothing else is worth asking of what is gone the next time.
+    if measurement.repeat is None:
+        says = (
+            "measure the same points again in the opposite order: what comes back is the specimen's or the rig's, "
+            "what does not is drift or ageing"
+        )
+        return NextExperiment(says, (), None, again)
+    amplitude = spread_of(measurement, "amplitude")
+    if amplitude is not None and not amplitude.varied:
+        half = 0.5 * float(np.median(measurement.conditions["amplitude"]))
+        says = "measure the same points at half the amplitude: what then changes is no linear material's"
+        return NextExperiment(says, (), None, {"omega": omega.tolist(), "amplitude": [half]})
+    says = (
+        "measure something known in place of the specimen, such as a steel spring or a standard fluid: what it shows "
+        "too is the rig's"
+    )
+    return NextExperiment(says, (), None)

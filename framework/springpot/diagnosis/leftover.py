@@ -1,4 +1,4 @@
-"""What the best model leaves, without a name: its size, fixed in Hz or moving, causal or not."""
+"""What the best model leaves, without a name: its column, its size, fixed in Hz or moving, causal or not."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from springpot.distributions import normal_quantile
-from springpot.measurement import distinct_log_omega, sweeps_of, temperatures_differ
+from springpot.distributions import f_sf, normal_quantile
+from springpot.measurement import distinct_log_omega, largest_test, settings_of, sweeps_of, temperatures_differ
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
@@ -129,6 +129,68 @@ def _evidence_of_bumps(columns: Real, values: Real, sizes: Real) -> Real:
     # Normal coefficients are integrated out exactly: more bumps cost what they could follow of noise.
     explained = gain / (1.0 + gain) * along
     return np.asarray(0.5 * np.sum(explained - np.log1p(gain), axis=1), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that no effect knows, and with which the misfit goes.
+
+    Attributes
+    ----------
+    name : str
+        Of the column.
+    values : int
+        How many different ones it has.
+    share : float
+        Of the misfit, in chi-square, that a gain and a phase of its own at each value takes.
+    one_test : str
+        How a user chooses the rows of one value: ``current=0.5``.
+    """
+
+    name: str
+    values: int
+    share: float
+    one_test: str
+
+    @property
+    def says(self) -> str:
+        """One plain sentence."""
+        return (
+            f"what is missing goes with {self.name}: a gain and a phase of its own at each of its {self.values} "
+            f"values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so choose one by "
+            f"'@{self.one_test}'"
+        )
+
+
+def column_behind(frame: Frame) -> Column | None:
+    """The column of the file with which a misfit goes; None where there is none, or it takes too little.
+
+    A current, a preload or a batch that was changed between tests looks like scatter, or like a fault of the chain
+    from row to row, to all that knows frequency, temperature and amplitude alone.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit of the best model.
+    """
+    misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
+    settings = settings_of(frame.measurement)
+    best: Column | None = None
+    for name, number in settings.items():
+        values = int(number.max()) + 1
+        at_each = (number == np.arange(values)[:, None]).astype(np.float64)
+        basis = frame.beyond(frame.relative(at_each), LEAST_SEEN)
+        taken, spent = _seen(frame, basis).energy, int(basis.shape[1])
+        if spent == 0 or spare <= spent:
+            continue
+        left = max(misfit - taken, 1e-300)
+        chance = f_sf((taken / spent) / (left / (spare - spent)), spent, spare - spent)
+        share = taken / misfit
+        # Each of the columns might have been it (Bonferroni); and what takes less than most of it explains nothing.
+        is_behind = share > VERDICT.takes_most and chance * len(settings) < VERDICT.sentence_alarm
+        if is_behind and (best is None or share > best.share):
+            best = Column(name, values, share, largest_test(frame.measurement, name))
+    return best
 
 
 @dataclass(frozen=True)

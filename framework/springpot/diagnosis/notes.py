@@ -15,7 +15,7 @@ from springpot.rheology import INERTANCE, Complex, Effect, Real
 from .battery import Finding
 from .evidence import Evidence
 from .floor import scatter_about
-from .leftover import discrepancy, log_shift_of
+from .leftover import Column, discrepancy, log_shift_of
 from .marginal import harmonic_evidence, likeliest_unknown
 from .material import notes_on_levels
 from .outliers import Outlier
@@ -35,7 +35,12 @@ MEANINGS = {
 
 
 def notes(
-    evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], measured: int, library: Sequence[Effect]
+    evidence: Evidence,
+    verdict: Verdict,
+    outliers: Sequence[Outlier],
+    column: Column | None,
+    measured: int,
+    library: Sequence[Effect],
 ) -> Iterator[str]:
     """Sentences on the data, on what is left, and on how well the grown model predicts the unseen.
 
@@ -47,6 +52,8 @@ def notes(
         Overall.
     outliers : sequence of Outlier
         Points set aside.
+    column : Column or None
+        With which of the file's columns the misfit goes.
     measured : int
         Rows of the data before thinning.
     library : sequence of Effect
@@ -61,7 +68,10 @@ def notes(
     kind = ""
     if verdict == "unexplained":
         kind = _unknown(search)
-    if kind:
+    # Rows that stand by a setting differ "from row to row" too: the column is the plainer cause.
+    if column is not None:
+        yield column.says
+    elif kind:
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
     elif search.left.p_value < VERDICT.structure_alarm:
         yield from _of_rest(search)

@@ -157,6 +157,9 @@ class VerdictLevels:
     """Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
     fewest_spare: int = 4
     """Degrees of freedom below which data cannot be judged."""
+    enough_spare: int = 10
+    """Degrees of freedom from which the evidence may rule out that nothing is missing without an alarm: of fewer one
+    lucky fit does, as of a sweep of three points that a phase error follows to a thirtieth of its scatter."""
     harmonic_alarm: float = 0.05
     """Chance that any harmonic of the force is held to be real where all are noise."""
     own_curves: float = 0.75

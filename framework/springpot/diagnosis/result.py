@@ -183,11 +183,23 @@ class Candidate:
 
 @dataclass(frozen=True)
 class NextExperiment:
-    """The feasible measurement that would best tell the leading effects apart."""
+    """The feasible measurement that would best tell the leading effects apart, or what is unknown.
+
+    Attributes
+    ----------
+    says : str
+        What to measure, and what it will show.
+    separates : tuple of str
+        The two effects that it tells apart; none where something unknown is asked for.
+    expected_separation_sigma : float or None
+        By how many standard deviations; None where there are no two effects.
+    action : dict of str to list of float
+        The new conditions, as far as they can be told in numbers.
+    """
 
     says: str
     separates: tuple[str, ...]
-    expected_separation_sigma: float
+    expected_separation_sigma: float | None
     action: dict[str, list[float]] = field(default_factory=dict)
 
 
@@ -214,13 +226,18 @@ class Diagnosis:
     classes : tuple of tuple of str
         Effects that these data cannot tell apart.
     next_experiment : NextExperiment or None
-        What would tell the leading ones apart.
+        What would tell the leading ones apart, or whether what is unknown is there again.
     notes : tuple of str
         What else the user should know.
     evidence : dict of str to float
         The chances on which the verdict rests.
     parameters : dict of str to Value
         Those of the model as it is, with their intervals.
+    leading : tuple of str
+        Effects that the sentence of the verdict names, the one to add first.
+    one_test : str
+        How to choose the rows of one test, ``current=0.5``, where rows of several tests are the likely cause; else
+        empty.
 
     Examples
     --------
@@ -247,6 +264,8 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     evidence: dict[str, float] = field(default_factory=dict)
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    leading: tuple[str, ...] = ()
+    one_test: str = ""
 
     @property
     def best(self) -> Candidate | None:
@@ -280,6 +299,8 @@ class Diagnosis:
             "where": [where.to_dict() for where in self.where],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "classes": [list(names) for names in self.classes],
+            "leading": list(self.leading),
+            "one_test": self.one_test,
             "next_experiment": asdict(self.next_experiment) if self.next_experiment else None,
             "notes": list(self.notes),
             "evidence": self.evidence,

@@ -14,6 +14,7 @@ from springpot.measurement import sweeps_of
 
 from .evidence import Evidence
 from .floor import undragged
+from .leftover import Column
 from .marginal import likeliest_unknown
 from .outliers import Outlier
 from .policy import EVIDENCE, SEARCH, VERDICT
@@ -170,7 +171,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         gain=search.gain,
         named=evidence.nothing < VERDICT.likely,
         unknown=unknown,
-        ruled_out=evidence.nothing < VERDICT.ruled_out,
+        ruled_out=evidence.nothing < VERDICT.ruled_out and search.base.fit.dof >= VERDICT.enough_spare,
         chain=unknown and bool(likeliest_unknown(search).says),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
@@ -243,7 +244,9 @@ def _all_but_explained(search: Search) -> bool:
     return before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
 
 
-def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier]) -> str:
+def sentence(
+    own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], column: Column | None
+) -> str:
     """The verdict in words.
 
     Parameters
@@ -256,6 +259,8 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
         Overall.
     outliers : sequence of Outlier
         Points set aside.
+    column : Column or None
+        With which of the file's columns the misfit goes.
     """
     ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
@@ -281,11 +286,24 @@ def sentence(own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequen
     # "1 x the noise floor; something is missing" would read as a contradiction.
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
+    missing = "something is missing that no effect of the library explains"
     if most := _most_of_it(own):
         names = " or ".join(grown.names[0] for grown in most)
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
-        return f"{error}; {names} takes it to {left}, and something is missing beside it that no effect explains"
-    return f"{error}; something is missing that no effect of the library explains"
+        missing = f"{names} takes it to {left}, and something is missing beside it that no effect explains"
+    if column is not None:
+        missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
+    return f"{error}; {missing}"
+
+
+def leading_names(own: Search, evidence: Evidence, verdict: Verdict) -> list[str]:
+    """Effects that the sentence of a verdict names and that a user can add, the one to begin with first."""
+    if verdict == "effect-missing":
+        rivals = [name for name in evidence.classes[0] if name != evidence.leader]
+        return [evidence.leader, *rivals]
+    if verdict == "unexplained":
+        return [grown.names[0] for grown in _most_of_it(own)]
+    return []
 
 
 def only_points(own: Search, outliers: Sequence[Outlier]) -> bool:
@@ -315,7 +333,10 @@ def _named(evidence: Evidence) -> str:
     """The effects one of which is missing, and those one of which is missing beside it."""
     named, beside = evidence.classes[0], evidence.beside
     words = " or ".join(named)
-    if beside:
+    # "missing is A or B, and beside it A or B" would be a riddle.
+    if beside and set(beside) == set(named) and len(named) > 1:
+        words = f"{words}, and a second of these beside it"
+    elif beside:
         words = f"{words}, and beside it {' or '.join(beside)}"
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:

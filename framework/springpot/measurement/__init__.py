@@ -38,6 +38,7 @@ from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import TimeTest
+from .together import largest_test, settings_of, tests_together
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -121,6 +122,7 @@ __all__ = [
     "independent",
     "joined",
     "known_unit",
+    "largest_test",
     "measurement_from_signals",
     "misspelt",
     "normal_unit",
@@ -137,9 +139,11 @@ __all__ = [
     "robust_noise_shape",
     "rounding_step",
     "select",
+    "settings_of",
     "spread_of",
     "steadied",
     "telling",
+    "tests_together",
     "temperature_in_celsius",
     "open_in_time",
     "thinned",

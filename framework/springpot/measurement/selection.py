@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -20,7 +21,7 @@ def conditions(text: str, where: str) -> dict[str, str]:
     Parameters
     ----------
     text : str
-        The conditions, with commas between them.
+        The conditions, with commas between them; a value of words may hold commas too.
     where : str
         What they stand in, for the message.
 
@@ -30,7 +31,8 @@ def conditions(text: str, where: str) -> dict[str, str]:
         If a part of it is none.
     """
     wanted = {}
-    for part in text.split(","):
+    # A comma that no further condition follows belongs to a value, which may be anybody's words.
+    for part in re.split(r",(?=[^,=]*=)", text):
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if not (key and equals and value):
             raise DataError(f"'{where}': write conditions as {EXAMPLE}")

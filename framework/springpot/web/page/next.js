@@ -16,6 +16,11 @@ export class Next {
       put(this.parent, h("p", { class: "quiet" }, answer ? "Nothing is open that another measurement would decide." : "What to measure next is told here."));
       return;
     }
+    if (!proposed.separates.length) {
+      put(this.parent, h("p", {}, proposed.says),
+        h("p", { class: "bar" }, h("button", { type: "button", id: "plan", onclick: () => this.app.leaveWith("plan") }, "Plan as CSV")));
+      return;
+    }
     const drawable = answer.next?.rivals.length === 2;
     const box = h("input", { type: "checkbox", id: "show-plan", checked: Boolean(looks.plan), disabled: !drawable,
       onchange: () => this.app.look({ plan: box.checked ? 1 : 0 }) });
