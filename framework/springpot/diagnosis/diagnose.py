@@ -14,7 +14,7 @@ from springpot.measurement import Measurement, largest_test, steadied, tests_tog
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
-from .experiment import experiment_on_unknown, next_experiment
+from .experiment import experiment_on_confounded, experiment_on_unknown, next_experiment
 from .leftover import Column, column_behind
 from .material import MaterialFloor, error_of, material_floor, split_in_words
 from .notes import header_notes, notes, unexplained_harmonics
@@ -23,7 +23,7 @@ from .policy import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 from .refit import Refit
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Value, Verdict, Where
 from .scan import Score
-from .search import Grown, Search, confounded, scan_effects, search_data, search_from
+from .search import Grown, Search, scan_effects, search_data, search_from
 from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
 from .where import periodic, where
 
@@ -193,7 +193,7 @@ def examine(
     floor = material_floor(search.base, rng)
     naming = _naming_search(search, floor, library, rng, progress)
     progress("weighing what was found")
-    evidence = Evidence.of(naming, confounded(naming, library), naming is not search)
+    evidence = Evidence.of(naming, naming is not search)
     verdict = rule_for(facts_of(evidence, outliers, naming is not search)).verdict
     if verdict == "adequate" and error_of(search.base, floor).is_hardly_noise:
         # Nothing is adequate beside an error of 40 %, whatever the scatter looks like.
@@ -338,6 +338,10 @@ def _next_experiment(
     search: Search, evidence: Evidence, verdict: Verdict, leading: Sequence[str]
 ) -> NextExperiment | None:
     """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
+    # Whatever else is open: first the frequency and the amplitude must be told from each other.
+    if evidence.search.confounded and verdict != "adequate":
+        names = [grown.names[0] for grown in evidence.search.confounded]
+        return experiment_on_confounded(search.base.data.raw, names)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
     if verdict != "unexplained" or leading:

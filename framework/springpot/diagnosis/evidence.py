@@ -74,16 +74,13 @@ class Evidence:
     beside_material: bool = False
 
     @classmethod
-    def of(cls, search: Search, confounded: Sequence[Grown] = (), beside_material: bool = False) -> Evidence:
+    def of(cls, search: Search, beside_material: bool = False) -> Evidence:
         """Weigh the fitted models by their marginal likelihoods and the prior weights of their effects.
 
         Parameters
         ----------
         search : Search
             A finished search.
-        confounded : sequence of Grown
-            Models grown by effects of a condition that was not varied by itself. They share the place of the
-            likeliest explanation: that they fit as well or better is no evidence, as the data cannot tell them apart.
         beside_material : bool
             Whether a part of the material is missing already.
         """
@@ -107,8 +104,10 @@ class Evidence:
         leaning = frozenset(name for each in tried for name in each.names) - asked_for - imitators
         found = [Explanation(each, weight) for each, weight in zip(tried, weights[1:].tolist(), strict=True)]
         found.sort(key=lambda one: -one.probability)
-        if found and confounded:
-            found[:1] = _shared(found[0], confounded)
+        # What needs a condition that was not varied by itself shares the place of the likeliest explanation: that it
+        # fits as well or better is no evidence, as the data cannot tell the two apart.
+        if found and search.confounded:
+            found[:1] = _shared(found[0], search.confounded)
         return cls(search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material)
 
     @cached_property

@@ -7,7 +7,7 @@ in earnest, since a rival far from its old parameters can follow much better tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from springpot.identification import weighted
-from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega, spread_of, sweeps_of
+from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega, moved_along, spread_of, sweeps_of
 from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 
 from .frame import orthonormal
@@ -48,6 +48,8 @@ FAR = 1000000000.0
 """Stands for a difference beyond all numbers."""
 TRIED = 3
 """Actions that are fitted in earnest at most."""
+MOST_NAMED = 3
+"""Effects that are named as what a measurement is for."""
 MOST_TOLD = 1000.0
 """Standard deviations that are told at most: so far from the data a model is a guess, and nobody doubts that it is
 enough."""
@@ -379,6 +381,26 @@ def _sigmas(number: float) -> str:
     if number > MOST_TOLD:
         return f"more than {MOST_TOLD:.0f} sigma"
     return f"{plain(number, 2)} sigma"
+
+
+def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> NextExperiment:
+    """What to measure where a condition moved with the frequency: the same frequencies with the condition held.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data as measured.
+    names : sequence of str
+        Effects of that condition which would explain the data.
+    """
+    (moved, *_) = sorted(moved_along(measurement))
+    middle = float(np.median(measurement.conditions[moved]))
+    omega = np.exp(distinct_log_omega(measurement))[:MOST_POINTS]
+    says = (
+        f"measure the same frequencies at one {moved}, and again at another: only then can an effect of it "
+        f"({', '.join(names[:MOST_NAMED])}) be told from one of the frequency"
+    )
+    return NextExperiment(says, (), None, {"omega": omega.tolist(), moved: [middle]})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:

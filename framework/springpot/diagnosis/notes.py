@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import PRESSURE_UNITS, Measurement
+from springpot.measurement import PRESSURE_UNITS, Measurement, moved_along
 from springpot.rheology import INERTANCE, Complex, Effect, Real
 
 from .battery import Finding
@@ -21,7 +21,7 @@ from .material import notes_on_levels
 from .outliers import Outlier
 from .policy import EVIDENCE, SCATTER, VERDICT
 from .result import Candidate, Value, Verdict, percent, times
-from .search import Search, moved_along
+from .search import Search
 from .unseen import validation
 
 ONE_FREQUENCY = 1e-3
@@ -66,9 +66,10 @@ def notes(
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
     # Either the fault that has a description or what is left in general: the second would only repeat the first.
     kind = ""
-    if verdict == "unexplained":
+    # Rows that stand by a setting differ "from row to row" too: where a column or a condition that moved may be the
+    # cause, nobody is to look for it in the measuring chain.
+    if verdict == "unexplained" and column is None and not search.confounded:
         kind = _unknown(search)
-    # Rows that stand by a setting differ "from row to row" too: the column is the plainer cause.
     if column is not None:
         yield column.says
     elif kind:
@@ -187,7 +188,8 @@ def _unknown(search: Search) -> str:
 
 def _confounded(evidence: Evidence) -> Iterator[str]:
     """A sentence for each condition that varied, but not by itself."""
-    explained = {effect.name: effect for one in evidence.explanations for effect in one.grown.effects}
+    everything = [*(one.grown for one in evidence.explanations), *evidence.search.confounded]
+    explained = {effect.name: effect for grown in everything for effect in grown.effects}
     for name in sorted(moved_along(evidence.search.base.fit.measurement)):
         beside = "frequency or temperature"
         if name == "temperature":

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.identification import EDGE, Effort, is_material, within_material
-from springpot.measurement import CONDITIONS, Measurement, spread_of, telling
+from springpot.measurement import Measurement, moved_along, telling
 from springpot.rheology import Effect, Model, Real
 
 from .battery import Battery, battery
@@ -70,6 +70,9 @@ class Search:
         The test on the residual of the best model.
     repeats : Battery
         The test on the scatter of repeats.
+    confounded : list of Grown
+        Models grown by effects of a condition that was not varied by itself and that explain the data as well as any
+        other, the best evidence first.
     """
 
     base: Refit
@@ -79,6 +82,7 @@ class Search:
     grown: list[Grown] = field(default_factory=list)
     left: Battery = field(default_factory=lambda: Battery(1.0, {}))
     repeats: Battery = field(default_factory=lambda: Battery(1.0, {}))
+    confounded: list[Grown] = field(default_factory=list)
 
     @property
     def best(self) -> Refit:
@@ -130,6 +134,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         if search.left.p_value < SEARCH.left_over or _strained(search):
             _seek_pairs(search, [*effects, *_try_narrow(search, library)], rng)
             _forget_narrow(search)
+    search.confounded = _confounded(search, library)
     return search
 
 
@@ -404,19 +409,12 @@ def _without_a_pulling_point(
     return reduced, described(reduced.best.frame_of(measurement), rows)
 
 
-def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
+def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     """Models grown by effects that took no part and explain the data as well as the best that did.
 
     The condition that such an effect needs moved with the frequency, or an amplitude with the temperature, so that
     no fit can say which of the two is the cause: they form a class with whatever else explains the data. Their scores
     join the scan.
-
-    Parameters
-    ----------
-    search : Search
-        A finished search.
-    library : sequence of Effect
-        Effects that may be missing.
     """
     base = search.base
     measurement = base.fit.measurement
@@ -434,14 +432,7 @@ def confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
         if grown.refit.log_evidence > least:
             search.scan.scores.append(score)
             alike.append(grown)
-    return alike
-
-
-def moved_along(measurement: Measurement) -> set[str]:
-    """Conditions that varied, but not by themselves."""
-    spreads = {name: spread_of(measurement, name) for name in CONDITIONS}
-    varied = {name for name, spread in spreads.items() if spread is not None and spread.varied}
-    return varied - telling(measurement)
+    return sorted(alike, key=lambda grown: -grown.refit.log_evidence)
 
 
 def better_start(search: Search) -> Real | None:
@@ -483,8 +474,10 @@ def _search_in_noise(
         if borne_out(search.best):
             return search
     search = search_from(base, library, rng)
-    gain = 2.0 * (search.best.log_evidence - search.base.log_evidence)
-    if gain >= SEARCH.decisive and (sharper := sharpened(base, search.best)) is not None:
+    # What moved with the frequency is no evidence for a cause, but what it follows so closely is no noise.
+    nearest = max([search.best, *(grown.refit for grown in search.confounded)], key=lambda fit: fit.log_evidence)
+    gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
+    if gain >= SEARCH.decisive and (sharper := sharpened(base, nearest)) is not None:
         search = search_from(sharper, library, rng)
     return search
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.distributions import f_sf
-from springpot.measurement import sweeps_of
+from springpot.measurement import moved_along, sweeps_of
 
 from .evidence import Evidence
 from .floor import undragged
@@ -291,9 +291,28 @@ def sentence(
         names = " or ".join(grown.names[0] for grown in most)
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
         missing = f"{names} takes it to {left}, and something is missing beside it that no effect explains"
+    elif moved := _by_confounded(evidence.search):
+        missing = moved
     if column is not None:
         missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
     return f"{error}; {missing}"
+
+
+def _by_confounded(search: Search) -> str:
+    """What effects of a condition that was not varied by itself would explain, where no other effect does."""
+    clear = 0.5 * SEARCH.decisive
+    better = [each for each in search.confounded if each.refit.log_evidence > search.best.log_evidence + clear]
+    if not better:
+        return ""
+    names = [grown.names[0] for grown in better]
+    first, last = names[:-1], names[-1]
+    if len(names) > VERDICT.most_alike:
+        first = names[: VERDICT.most_alike]
+        last = f"one of {len(names) - VERDICT.most_alike} more"
+    shown = " or ".join(filter(None, (", ".join(first), last)))
+    moved = " and ".join(sorted(better[0].effects[0].needs & moved_along(search.base.fit.measurement)))
+    left = times(better[0].refit.relative_rms / better[0].refit.floor)
+    return f"{shown} would take it to {left}, but the {moved} was not varied by itself, and no fit can tell"
 
 
 def leading_names(own: Search, evidence: Evidence, verdict: Verdict) -> list[str]:

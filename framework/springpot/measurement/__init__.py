@@ -9,7 +9,7 @@ from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .imposed import Loading
-from .independence import Spread, independent, spread_of, steadied, telling
+from .independence import Spread, independent, moved_along, spread_of, steadied, telling
 from .interface import as_modulus, as_stiffness, through
 from .joining import joined
 from .measurement import CONDITIONS, Measurement, misspelt, points_at
@@ -125,6 +125,7 @@ __all__ = [
     "largest_test",
     "measurement_from_signals",
     "misspelt",
+    "moved_along",
     "normal_unit",
     "noise_of",
     "noise_of_repeats",
