@@ -23,12 +23,15 @@ GOAL = 12
 """Sets of the sixteen that must be near the floor or have a named cause."""
 CAUSES = (
     "what is missing looks like",
+    "what is missing goes with",
     "repeats differ",
     "no linear passive material behaves as",
     "no shift of times and moduli",
     "odd nonlinearity",
 )
 """How a note begins that names a cause which is no effect of the library."""
+MOVED = "would explain the data as well, and no fit can tell"
+"""How a note ends that names effects of a condition which was not varied by itself."""
 ONLY_POINTS = "nothing else is missing"
 """What the headline says where single points are all that is wrong; beside other structure they explain nothing."""
 COLUMNS = (
@@ -39,8 +42,9 @@ NOTE = (
     "No model is named: any linear passive material is judged (model `material`), and `discover` accepts effects on "
     "its own. Noise floor: of the last rung; material floor: the least error of any such material before an effect "
     "is accepted. Named cause: the effects said to be missing where the verdict is `effect-missing`, otherwise what "
-    "a note tells of repeats, single points, the measuring chain, temperatures at which no linear material "
-    "behaves so or that no shift joins, or force harmonics that the model does not make."
+    "a note tells of repeats, single points, the measuring chain, a column that no effect knows, effects of an "
+    "amplitude that moved with the frequency, temperatures at which no linear material behaves so or that no shift "
+    "joins, or force harmonics that the model does not make."
 )
 
 
@@ -116,7 +120,7 @@ def cause(one: dict[str, Any]) -> str:
         return ""
     if ONLY_POINTS in last["says"]:
         return str(last["says"])
-    return "; ".join(note for note in last["notes"] if note.startswith(CAUSES))
+    return "; ".join(note for note in last["notes"] if note.startswith(CAUSES) or note.endswith(MOVED))
 
 
 def is_settled(one: dict[str, Any]) -> bool:

@@ -339,8 +339,10 @@ def _next_experiment(
 ) -> NextExperiment | None:
     """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
     # Whatever else is open: first the frequency and the amplitude must be told from each other.
-    if evidence.search.confounded and verdict != "adequate":
-        names = [grown.names[0] for grown in evidence.search.confounded]
+    names = [grown.names[0] for grown in evidence.search.confounded]
+    if evidence.search.promoted:
+        names = [name for name in evidence.classes[0] if name in evidence.search.promoted]
+    if names and verdict != "adequate":
         return experiment_on_confounded(search.base.data.raw, names)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None

@@ -135,15 +135,17 @@ class Evidence:
 
     @property
     def other_shape(self) -> float:
-        """That what takes one effect twice, or two beside a part of the material, is one thing of another shape."""
+        """That what takes one effect twice, two beside a part of the material, or a condition is something else."""
         return EVIDENCE.other_shape * sum(one.probability for one in self.explanations if self._is_patchwork(one))
 
     def _is_patchwork(self, one: Explanation) -> bool:
         """Whether an explanation puts together what may be one thing of another shape.
 
-        A spectrum and two effects beside it follow any slow error of storage and of loss.
+        A spectrum and two effects beside it follow any slow error of storage and of loss, and what goes with an
+        amplitude that moved with the frequency may as well go with the frequency.
         """
-        return one.twice or (self.beside_material and len(one.names) > 1)
+        moved = not self.search.promoted.isdisjoint(one.names)
+        return one.twice or moved or (self.beside_material and len(one.names) > 1)
 
     def _is_imitated(self, one: Explanation) -> bool:
         """Whether something else as narrow may hold the place of one of its effects."""

@@ -31,7 +31,7 @@ from springpot.measurement import (
 from springpot.rheology import Complex, Model, Real
 
 from .frame import LEAST_SEEN, Frame, drift_shapes, orthonormal, spectrum, waves
-from .policy import SCATTER
+from .policy import SCATTER, VERDICT
 from .refit import Refit, refit
 
 STARTS = 16
@@ -101,6 +101,18 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     if noise is first.noise:
         return first
     return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
+
+
+def beyond_floor(found: Refit) -> bool:
+    """Whether an error is beyond the noise floor by more than chance.
+
+    The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
+    long tails too: no test sees them, and yet the model does not go through them.
+    """
+    ratio = found.relative_rms / found.floor
+    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
+    chance = f_sf(ratio**2, found.fit.dof, found.noise.dof)
+    return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
 def as_given(base: Refit) -> Refit:

@@ -194,9 +194,12 @@ def _confounded(evidence: Evidence) -> Iterator[str]:
         beside = "frequency or temperature"
         if name == "temperature":
             beside = "frequency"
-        says = f"the {name} was not varied by itself but moves with {beside}; its effects are not judged"
+        moves = f"the {name} was not varied by itself but moves with {beside}"
+        says = f"{moves}; its effects are not judged"
         names = sorted(effect.name for effect in explained.values() if name in effect.needs)
-        if names:
+        if evidence.search.promoted:
+            says = f"{moves}, of which no effect explains the data"
+        elif names:
             says = f"{says}: {', '.join(names)} would explain the data as well, and no fit can tell"
         yield says
 

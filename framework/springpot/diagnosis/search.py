@@ -16,7 +16,7 @@ from springpot.measurement import Measurement, moved_along, telling
 from springpot.rheology import Effect, Model, Real
 
 from .battery import Battery, battery
-from .floor import as_given, borne_out, fitted_to_floor, sharpened
+from .floor import as_given, beyond_floor, borne_out, fitted_to_floor, sharpened
 from .frame import Frame
 from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
 from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
@@ -73,6 +73,8 @@ class Search:
     confounded : list of Grown
         Models grown by effects of a condition that was not varied by itself and that explain the data as well as any
         other, the best evidence first.
+    promoted : frozenset of str
+        Effects of such a condition that are judged all the same, as nothing else explains the data.
     """
 
     base: Refit
@@ -83,6 +85,7 @@ class Search:
     left: Battery = field(default_factory=lambda: Battery(1.0, {}))
     repeats: Battery = field(default_factory=lambda: Battery(1.0, {}))
     confounded: list[Grown] = field(default_factory=list)
+    promoted: frozenset[str] = frozenset()
 
     @property
     def best(self) -> Refit:
@@ -135,6 +138,12 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
             _seek_pairs(search, [*effects, *_try_narrow(search, library)], rng)
             _forget_narrow(search)
     search.confounded = _confounded(search, library)
+    if _only_confounded(search):
+        search.promoted = frozenset(grown.names[0] for grown in search.confounded)
+        search.grown += search.confounded
+        search.confounded = []
+        _sort(search)
+        search.left = battery(search.best.frame(), rng)
     return search
 
 
@@ -433,6 +442,16 @@ def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
             search.scan.scores.append(score)
             alike.append(grown)
     return sorted(alike, key=lambda grown: -grown.refit.log_evidence)
+
+
+def _only_confounded(search: Search) -> bool:
+    """Whether nothing but an effect of a condition that was not varied by itself follows the data to their noise."""
+    if not search.confounded:
+        return False
+    best, judged = search.confounded[0].refit, search.best
+    # Not by fitting better alone: whatever else was tried must miss the data.
+    clear = best.log_evidence > judged.log_evidence + 0.5 * SEARCH.decisive
+    return clear and beyond_floor(judged) and not beyond_floor(best)
 
 
 def better_start(search: Search) -> Real | None:

@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.distributions import f_sf
 from springpot.measurement import moved_along, sweeps_of
 
 from .evidence import Evidence
-from .floor import undragged
+from .floor import beyond_floor, undragged
 from .leftover import Column
 from .marginal import likeliest_unknown
 from .outliers import Outlier
@@ -162,7 +161,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
     """
     search = evidence.search
     unknown = evidence.unknown > VERDICT.likely
-    exceeds = _exceeds(search)
+    exceeds = beyond_floor(search.base)
     return Facts(
         repeats=drifted(search) or _carried_on(search),
         by_scan=search.scan.p_value < VERDICT.library_alarm,
@@ -183,19 +182,6 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
         exact=not beside_material and search.base.relative_rms < VERDICT.arithmetic,
     )
-
-
-def _exceeds(search: Search) -> bool:
-    """Whether the error is beyond the floor by more than chance.
-
-    The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
-    long tails too: no test sees them, and yet the model does not go through them.
-    """
-    base = search.base
-    ratio = base.relative_rms / base.floor
-    # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
-    chance = f_sf(ratio**2, base.fit.dof, base.noise.dof)
-    return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
 def _stand_out_together(base: Refit) -> bool:
@@ -360,6 +346,9 @@ def _named(evidence: Evidence) -> str:
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
-    if evidence.other_shape > VERDICT.worth_a_word:
+    if evidence.search.promoted & set(named):
+        moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
+        words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
+    elif evidence.other_shape > VERDICT.worth_a_word:
         words = f"{words} (or, in their place, something of another shape)"
     return words
