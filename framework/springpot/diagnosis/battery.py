@@ -301,7 +301,8 @@ def _ripple(frame: Frame, sample: Drawn) -> Real:
     # The largest over all periods, in the data and in each draw alike: so the number of periods costs no false alarm.
     largest = spectrum(frame.measurement, sample).max(axis=1)
     if frame.estimated:
-        largest = largest / np.einsum("ij,ij->i", sample, sample)
+        # Of three points a fit may leave nothing at all.
+        largest = largest / np.maximum(np.einsum("ij,ij->i", sample, sample), 1e-300)
     return np.asarray(largest)
 
 

@@ -351,7 +351,8 @@ class _Search:
 def _step(residual: Real, slopes: Real, damping: float) -> Real:
     """A damped Gauss-Newton step (q,), no coordinate of it beyond `REACH`."""
     size = np.linalg.norm(slopes, axis=0)
-    size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-300))
+    # Slopes so small that their squares are zero have no size: divided by less they would drown the damping.
+    size = np.maximum(size, 1e-9 * max(float(size.max()), 1e-150))
     scaled = slopes / size
     matrix = scaled.T @ scaled + damping * np.eye(len(size))
     step: Real = np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)

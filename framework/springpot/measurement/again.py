@@ -6,7 +6,8 @@ import numpy as np
 
 from .measurement import Measurement
 from .sweeps import DRIFT, frequency_numbers
-from .together import RUNS
+from .together import NOTE as TOGETHER
+from .together import RUNS, largest_test, told_apart
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""
@@ -17,7 +18,7 @@ SAME_AMPLITUDE = 0.05
 
 
 def again_note(measurement: Measurement) -> dict[str, str]:
-    """A note where each frequency stands equally often under the same conditions; empty otherwise.
+    """A note where each frequency stands equally often under the same conditions, or under other ones of a setting.
 
     Told and not taken for repeats: a sweep up and down, or one before and one after an ageing, looks alike.
 
@@ -26,6 +27,13 @@ def again_note(measurement: Measurement) -> dict[str, str]:
     measurement : Measurement
         The data.
     """
+    numbers = [name for name in told_apart(measurement) if name in measurement.conditions and name not in RUNS]
+    if numbers:
+        chosen = largest_test(measurement, numbers[0])
+        return {
+            TOGETHER: f"rows of several tests are together, told apart by {' and '.join(numbers)}; "
+            f"choose one by '@{chosen}'"
+        }
     number = frequency_numbers(measurement)
     count = np.bincount(number)
     if len(count) < FEWEST_FREQUENCIES or count.min() < 2 or count.min() != count.max():

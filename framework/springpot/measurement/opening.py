@@ -53,6 +53,10 @@ def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Ite
         return _read(Path(text), Choice(), readers)
     # A file may have an @ in its name: only what is no file is taken apart.
     name, at, wanted = text.rpartition("@")
+    # A value may hold one too, as in binder=PG 64-22 @ 58: what follows it is then no condition.
+    while "@" in name and "=" not in wanted:
+        name, _, more = name.rpartition("@")
+        wanted = f"{more}@{wanted}"
     if not at:
         return _named(text, datasets, readers)
     return select(_named(name, datasets, readers), conditions(wanted, short(text)))

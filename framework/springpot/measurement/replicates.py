@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -15,7 +15,7 @@ from springpot.rheology import Complex, Model, Real
 from .measurement import CONDITIONS, Measurement
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
 from .sweeps import frequency_numbers, sweeps_of
-from .together import settings_of
+from .together import told_apart
 
 Rows: TypeAlias = NDArray[np.int64]
 
@@ -148,7 +148,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
     """
     columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
     if measurement.repeat is not None:
-        columns += [*_told_apart(measurement), measurement.repeat]
+        columns += [*told_apart(measurement).values(), measurement.repeat]
     _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
     run = run.ravel()
     usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
@@ -186,35 +186,14 @@ def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
     """Which averaged row each row belongs to, and the first row of each; only marked repeats are merged."""
     columns: list[Rows] = [np.arange(len(measurement))]
     if measurement.repeat is not None:
-        columns = [*_points(measurement), *_told_apart(measurement)]
+        columns = [frequency_numbers(measurement), *told_apart(measurement).values()]
+        columns += [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
     _, first, group = np.unique(np.column_stack(columns), axis=0, return_index=True, return_inverse=True)
     # In the order of the data, not in that of the numbers, by which `unique` sorts.
     order = np.argsort(first)
     rank = np.empty(len(first), dtype=np.int64)
     rank[order] = np.arange(len(first))
     return rank[group.ravel()], first[order].astype(np.int64)
-
-
-def _points(measurement: Measurement) -> list[Rows]:
-    """Columns (N,) of whole numbers that are alike in rows of one frequency under the same conditions."""
-    levels = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
-    return [frequency_numbers(measurement), *levels]
-
-
-def _told_apart(measurement: Measurement) -> Iterator[Rows]:
-    """Columns (N,) that set apart rows which otherwise would be one point of one repeat: no repeats of each other.
-
-    A column of specimens that are the repeats themselves sets nothing apart, and stays out.
-    """
-    if measurement.repeat is None:
-        return
-    known = np.column_stack([*_points(measurement), measurement.repeat])
-    for column in settings_of(measurement).values():
-        points = len(np.unique(known, axis=0))
-        finer = np.column_stack([known, column])
-        if points < len(known) and len(np.unique(finer, axis=0)) > points:
-            yield column
-            known = finer
 
 
 def noise_of_repeats(averaged: Averaged) -> Noise | None:

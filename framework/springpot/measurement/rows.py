@@ -81,6 +81,9 @@ def _matching(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     if ".." in value:
         return _between(measured, key, value, column)
     number = _number(measured, key, value)
+    # Batches 1001 and 1002 are a thousandth apart: a number of no known kind means itself where it stands there.
+    if key not in (*CLOSE, "temperature", "frequency", "omega") and np.any(column == number):
+        return np.asarray(column == number)
     # Measured conditions are never quite what was set; a row has a number, which is exact.
     reach = CLOSE.get(key, 0.01) * abs(number)
     if key == "temperature":
@@ -139,7 +142,7 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     column = measured.labels[key]
     known = [str(word) for word in np.unique(column)]
     low = value.lower()
-    exact = [word for word in known if word.lower() == low]
+    exact = [word for word in known if word == value] or [word for word in known if word.lower() == low]
     begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
     within = [word for word in known if low in word.lower()]
     # The surest first: a word that is written out means itself, though it may begin another one.

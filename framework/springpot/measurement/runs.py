@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.rheology import Real, levels_of
 
-from .together import RUNS
+from .together import RUNS, Rows, told_apart
 
 MOST_WORDS = 0.5
 """Share of the rows that distinct words may be: with more, they are remarks on rows rather than names of sweeps."""
@@ -21,26 +20,6 @@ RECURS = 1.5
 that follows the frequency, as inertia makes it, recurs once."""
 SAME_FREQUENCY = 3
 """Digits of ln omega within which frequencies are one: a tenth of a per cent, far below any step of a sweep."""
-
-
-class Rows(Protocol):
-    """What of a measurement tells its sweeps."""
-
-    @property
-    def omega(self) -> Real:
-        """Angular frequency (n,) in rad/s."""
-
-    @property
-    def conditions(self) -> Mapping[str, Real]:
-        """Columns (n,) beside the frequency."""
-
-    @property
-    def labels(self) -> Mapping[str, NDArray[np.str_]]:
-        """Columns (n,) of words."""
-
-    @property
-    def repeat(self) -> NDArray[np.int64] | None:
-        """Which repetition a row (n,) belongs to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +99,8 @@ def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
     for name, words in data.labels.items():
         if name == "step" or len(np.unique(words)) <= MOST_WORDS * len(words):
             found.append(words)
-    return [*found, *(column for name, column in data.conditions.items() if name in RUNS)]
+    apart = told_apart(data)
+    return [*found, *(column for name, column in data.conditions.items() if name in RUNS or name in apart)]
 
 
 def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -148,7 +128,8 @@ def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, st
         # The amplitude is told only where it was set: it wanders in every sweep.
         if column is not None and (name == "temperature" or _is_set(column, rows)):
             found[name] = float(np.mean(column[rows]))
-    found |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in RUNS}
+    names = RUNS | told_apart(data).keys()
+    found |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names}
     if data.repeat is not None:
         found["repeat"] = float(data.repeat[rows[0]])
     return found

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from springpot.rheology import Real
 
 from .measurement import Measurement
+from .together import told_apart
 
 DIGITS = 6
 """Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
@@ -72,7 +73,8 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
     # A sweep of fewer than three points has no course of its own: then the points follow another condition.
     most = max(1, len(measurement) // 3)
     log_omega = np.log(measurement.omega)
-    groups = [rows for _, rows in measurement.sweeps()]
+    apart = list(told_apart(measurement).values())
+    groups = [part for _, rows in measurement.sweeps() for part in _parted(rows, apart)]
     if len(groups) <= most and np.ptp(log_omega) > 0:
         return [_ordered(rows, log_omega) for rows in groups]
     for name, scale in SCALES.items():
@@ -86,12 +88,23 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
     return [_ordered(np.arange(len(measurement)), log_omega)]
 
 
+def _parted(rows: NDArray[np.int64], columns: list[NDArray[np.int64]]) -> Iterator[NDArray[np.int64]]:
+    """The rows of each set of values of some columns (n,)."""
+    if not columns:
+        yield rows
+        return
+    _, which = np.unique(np.column_stack([column[rows] for column in columns]), axis=0, return_inverse=True)
+    for group in range(int(which.max()) + 1):
+        yield rows[which.ravel() == group]
+
+
 def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
     """Rows at one frequency and equal conditions but for the swept one."""
     columns = [frequency_numbers(measurement).astype(float)]
     for name in SCALES:
         if name != swept and name in measurement.conditions:
             columns.append(np.round(measurement.conditions[name], DIGITS))
+    columns += [number.astype(float) for number in told_apart(measurement).values()]
     if measurement.repeat is not None:
         columns.append(measurement.repeat.astype(float))
     _, which = np.unique(np.column_stack(columns), axis=0, return_inverse=True)

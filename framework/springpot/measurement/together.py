@@ -5,12 +5,14 @@ Nobody fits them as one without a word, and nobody takes what sets them apart fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping, Sequence
+from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Real
+from springpot.rheology import Real, levels_of
 
 from .measurement import CONDITIONS, Measurement
 
@@ -27,6 +29,29 @@ _MOST_RUNS = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
 """Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own."""
+
+_DIGITS = 6
+"""Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
+
+
+class Rows(Hashable, Protocol):
+    """What of a measurement tells its tests and its sweeps."""
+
+    @property
+    def omega(self) -> Real:
+        """Angular frequency (n,) in rad/s."""
+
+    @property
+    def conditions(self) -> Mapping[str, Real]:
+        """Columns (n,) beside the frequency."""
+
+    @property
+    def labels(self) -> Mapping[str, NDArray[np.str_]]:
+        """Columns (n,) of words."""
+
+    @property
+    def repeat(self) -> NDArray[np.int64] | None:
+        """Which repetition a row (n,) belongs to."""
 
 
 def runs_together(
@@ -75,15 +100,17 @@ def largest_test(measurement: Measurement, column: str) -> str:
 
 def tests_together(measurement: Measurement) -> list[str]:
     """Columns that name the tests of which rows stand together, those of few values first."""
-    return [name for name in settings_of(measurement) if name in measurement.labels or name in RUNS]
+    settings = settings_of(measurement)
+    apart = told_apart(measurement)
+    return [name for name in settings if name in measurement.labels or name in RUNS or name in apart]
 
 
-def settings_of(measurement: Measurement) -> dict[str, NDArray[np.int64]]:
+def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     """Columns that no effect knows and that hold a setting, a test or a specimen, those of few values first.
 
     Parameters
     ----------
-    measurement : Measurement
+    data : Measurement
         The data.
 
     Returns
@@ -99,8 +126,8 @@ def settings_of(measurement: Measurement) -> dict[str, NDArray[np.int64]]:
     >>> settings_of(data)["current"].tolist()
     [0, 0, 0, 0, 1, 1, 1, 1]
     """
-    columns: dict[str, NDArray[np.float64] | NDArray[np.str_]] = dict(measurement.labels)
-    columns |= {name: column for name, column in measurement.conditions.items() if name not in CONDITIONS}
+    columns: dict[str, NDArray[np.float64] | NDArray[np.str_]] = dict(data.labels)
+    columns |= {name: column for name, column in data.conditions.items() if name not in CONDITIONS}
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
@@ -108,3 +135,44 @@ def settings_of(measurement: Measurement) -> dict[str, NDArray[np.int64]]:
         if 1 < len(values) <= len(column) // _ROWS_OF_A_SETTING:
             numbered[name] = np.asarray(number.ravel(), dtype=np.int64)
     return dict(sorted(numbered.items(), key=lambda each: int(each[1].max())))
+
+
+# Every look at neighbours asks anew, of the same data: of a few it is remembered.
+@lru_cache(maxsize=8)
+def told_apart(data: Rows) -> dict[str, NDArray[np.int64]]:
+    """The settings (n,) without which rows of one frequency, under the same conditions, would be one point.
+
+    Such rows are neither repeats of each other nor points of one sweep. Names set apart what is no other repeat
+    already: a column of specimens that are the repeats themselves stays out. Numbers are sizes of something that was
+    changed, whether or not the rows are numbered as repeats.
+
+    Parameters
+    ----------
+    data : Measurement
+        The data.
+    """
+    settings = settings_of(data)
+    if not settings:
+        return {}
+    same = [np.unique(np.round(np.log(data.omega), _DIGITS), return_inverse=True)[1].ravel()]
+    same += [levels_of(name, data.conditions[name]) for name in CONDITIONS if name in data.conditions]
+    repeat = np.zeros(len(data.omega), dtype=np.int64)
+    if data.repeat is not None:
+        repeat = data.repeat
+    apart: dict[str, NDArray[np.int64]] = {}
+
+    def points(beside: Sequence[NDArray[np.int64]], name: str) -> int:
+        columns = [*same, *apart.values(), *beside]
+        # A name and a repeat are two words for one thing; a size and a repeat are not.
+        if name in data.labels or name in RUNS:
+            columns.append(repeat)
+        return len(np.unique(np.column_stack(columns), axis=0))
+
+    while more := sorted(settings.keys() - apart.keys()):
+        left = {name: points([settings[name]], name) - points([], name) for name in more}
+        # Whatever tells most rows apart first: beside it others, such as the number of cycles, say nothing more.
+        name = min(left, key=lambda name: (-left[name], int(settings[name].max()), name))
+        if left[name] == 0:
+            break
+        apart[name] = settings[name]
+    return apart
