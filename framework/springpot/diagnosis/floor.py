@@ -54,6 +54,10 @@ SLOW_WAVES = 2
 """Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
 FEWEST_FREE = 20.0
 """Degrees of freedom below which a period would take too many of them."""
+LEAST_RISE = 0.01
+"""Relative change of the noise over |K| along a sweep from which its shape is another than that of |K|."""
+LEAST_LEFT = 0.1
+"""Share of a point's variance that curves leave, from which the rest says anything of it."""
 LEAST_KEPT = 0.7
 """Share of the data below which what is left out is no few frequencies any more."""
 ROUNDS = 2
@@ -67,6 +71,10 @@ ENOUGH_NEIGHBOURS = 10
 """Degrees of freedom below which second differences say too little."""
 FEWEST_ABOUT_MODEL = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
+
+LEAST_SPARE = 0.4
+"""Share of the numbers that a model leaves over before its scatter says anything: of nine points a free spectrum, a
+filter and a resonance follow the noise to a fiftieth of it."""
 
 
 def fitted_to_floor(model: Model, measurement: Measurement, seeds: Sequence[Real] = ()) -> Refit:
@@ -132,6 +140,10 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     # Proportional to |K| to begin with: both parts alike, and no frequency outweighs the others.
     found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
     free, inside = found, np.ones(len(data.mean), dtype=bool)
+    # Before anything is set aside: where a rig is noisier at the ends of its range, these points are no outliers.
+    shape = next(_shapes(found, data.mean, inside))
+    if np.ptp(shape.sd.real / size) > LEAST_RISE * np.min(shape.sd.real / size):
+        found = free = refit(model, data, shape, [found.theta], starts=STARTS_OF_A_ROUND)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
         tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside)]
@@ -189,7 +201,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     frame = best.frame()
     # Without slow curves: where conditions differ from point to point there are none.
     dof = frame.size - int(frame.absorbed.shape[1])
-    if base.noise.source != "estimated" or dof < FEWEST_ABOUT_MODEL:
+    if base.noise.source != "estimated" or dof < max(FEWEST_ABOUT_MODEL, LEAST_SPARE * frame.size):
         return None
     everything = np.ones(frame.size, dtype=bool)
     noise = _of_residual(best, Trimmed(frame.rest, everything, float(dof)))
@@ -219,7 +231,11 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
     # Within rounding it is the same scatter, and a second fit of the same shape would cost time for nothing.
     if not np.allclose(left, frame.rough, atol=1e-6 * float(np.max(np.abs(frame.rough), initial=0.0))):
         scatters.append(left)
+    # Curves bow to the ends of a sweep: what they leave there is less than the noise by as much as they follow.
+    followed = np.sum(frame.absorbed**2, axis=1) + np.sum(frame.structured**2, axis=1)
+    left_of_noise = np.sqrt(np.maximum(1.0 - followed, LEAST_LEFT))
     for scatter in scatters:
+        scatter = scatter / left_of_noise
         rough = scatter[:n] / free.noise.weights.real + 1j * scatter[n:] / free.noise.weights.imag
         sd = at_least_rounding(robust_noise_shape(measurement, rough, inside), measurement)
         yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
@@ -355,7 +371,6 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
     _, group = np.unique(np.round(np.log(omega), 6), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
-    usual = chi2_quantile(1.0 - SCATTER.outlying_frequency, count)
     middle = chi2_quantile(0.5, count)
     kept = np.ones(len(count), dtype=bool)
     if first is not None:
@@ -370,6 +385,8 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         variance = mean
         if turn == 0 and first is None:
             variance = float(np.median(squares / middle))
+        # By the ratio of variances: beside a few numbers that are left over one frequency is easily far larger.
+        usual = count * f_quantile(1.0 - SCATTER.outlying_frequency, count, found.dof)
         within = squares <= usual * variance
         # Where a good part of the data would go, these are no few frequencies: what scatters so is the noise.
         too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)

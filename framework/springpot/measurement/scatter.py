@@ -41,6 +41,13 @@ STUDENT_ROUNDS = 25
 UNUSUAL_SHAPE = 10.0
 """Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
 some shape fits chance best, and structure is then seen where there is none."""
+PARTS_DIFFER = 6.0
+"""The same for noise of two sizes, one of K' and one of K'': that one of them scatters more is no structure, so that
+it must be believed before the test of each part alone raises its alarm."""
+END_LEVELS = (2.0, 4.0, 8.0)
+"""Noise at an end of the frequencies over that far from it: rigs are weak where forces are small or masses pull."""
+END_POWERS = (2, 4)
+"""How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
 FORCE_FLOOR = 6.0
 """Minus twice the log-likelihood that a floor of constant force must bring: a load cell has one, so that less is
 asked than of other shapes; noise proportional to |K| brings as much in 1 to 2 of 100 (a maximum over the levels of
@@ -159,18 +166,33 @@ class Shape:
 
 
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
-    """Noise proportional to |K|, to each part by itself, or with a constant-force floor beside it."""
+    """Noise proportional to |K|, to each part by itself, larger at an end, or beside a floor of constant force."""
     size = measurement.magnitude
     parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
     yield Shape(size, size, True, 0.0)
-    yield Shape(size, size, False, UNUSUAL_SHAPE)
+    yield Shape(size, size, False, PARTS_DIFFER)
     yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
+    yield Shape(parts[0], parts[1], False, PARTS_DIFFER)
+    for rise in _rises(np.log(measurement.omega)):
+        yield Shape(size * rise, size * rise, True, UNUSUAL_SHAPE)
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
     if force.max() > FORCE_RANGE * force.min():
         for level in FORCE_LEVELS:
             floor = np.hypot(size, level * force.min() / amplitude)
             yield Shape(floor, floor, True, FORCE_FLOOR)
+
+
+def _rises(log_omega: Real) -> Iterator[Real]:
+    """Factors (n,) by which noise is larger towards the upper end, the lower end, or both ends of the frequencies."""
+    whole = float(np.ptp(log_omega))
+    if whole == 0.0:
+        return
+    up = (log_omega - log_omega.min()) / whole
+    for way in (up, 1.0 - up, np.abs(2.0 * up - 1.0)):
+        for power in END_POWERS:
+            for level in END_LEVELS:
+                yield np.hypot(1.0, level * way**power)
 
 
 def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
