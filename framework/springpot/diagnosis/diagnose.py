@@ -14,7 +14,7 @@ from springpot.measurement import Measurement, largest_test, steadied, tests_tog
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
-from .experiment import experiment_on_confounded, experiment_on_unknown, next_experiment
+from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
 from .leftover import Column, column_behind
 from .material import MaterialFloor, error_of, material_floor, split_in_words
 from .notes import header_notes, notes, unexplained_harmonics
@@ -261,7 +261,7 @@ def _answer(
         classes = evidence.classes
         # To look at one test needs no measurement: it comes first.
         if not one_test:
-            experiment = _next_experiment(search, evidence, verdict, leading)
+            experiment = _next_experiment(search, evidence, verdict, outliers, leading)
     told = [
         *notes(evidence, verdict, outliers, column, len(measurement), library),
         *header_notes(candidates, measurement),
@@ -335,7 +335,7 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
 
 
 def _next_experiment(
-    search: Search, evidence: Evidence, verdict: Verdict, leading: Sequence[str]
+    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], leading: Sequence[str]
 ) -> NextExperiment | None:
     """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
     # Whatever else is open: first the frequency and the amplitude must be told from each other.
@@ -344,12 +344,14 @@ def _next_experiment(
         names = [name for name in evidence.classes[0] if name in evidence.search.promoted]
     if names and verdict != "adequate":
         return experiment_on_confounded(search.base.data.raw, names)
+    if only_points(search, outliers):
+        return experiment_on_points(outliers)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
     if verdict != "unexplained" or leading:
         experiment = _between_effects(evidence)
     # Where repeats drift, the very question has been answered.
-    if experiment is None and verdict == "unexplained" and not drifted(search):
+    if experiment is None and verdict in OPEN and not drifted(search):
         experiment = experiment_on_unknown(search.base.data.raw)
     return experiment
 
@@ -363,6 +365,8 @@ def _between_effects(evidence: Evidence) -> NextExperiment | None:
         chances = evidence.partners
         fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
     if _openness(chances) < EXPERIMENT.rival:
+        return None
+    if sorted(chances.values())[-2] < EXPERIMENT.believed:
         return None
     # Two, not all rivals: a measurement that separates the leading ones can be promised in one sentence.
     first, second = sorted(chances, key=lambda name: -chances[name])[:2]
@@ -399,6 +403,9 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
         if groups and name in groups[0]:
             least = VERDICT.likely
         missing = verdict == "effect-missing" and chance > least * evidence.trust(name)
+        # One of its class needs a condition that moved with the frequency: no fit can say which of them it is.
+        if search.confounded and groups and name in groups[0]:
+            missing = False
         word = _effect_verdict(search, score, best.get(name), missing)
         before, grown = search.base, alone.get(name)
         if name in beside:

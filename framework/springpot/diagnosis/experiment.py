@@ -19,6 +19,7 @@ from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega
 from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 
 from .frame import orthonormal
+from .outliers import Outlier
 from .policy import EXPERIMENT
 from .refit import Refit
 from .result import NextExperiment, plain
@@ -48,6 +49,8 @@ FAR = 1000000000.0
 """Stands for a difference beyond all numbers."""
 TRIED = 3
 """Actions that are fitted in earnest at most."""
+BESIDE = (0.97, 1.0, 1.03)
+"""Factors of a frequency at which a point was bad: so near that no material changes, and off the line of a hum."""
 MOST_NAMED = 3
 """Effects that are named as what a measurement is for."""
 MOST_TOLD = 1000.0
@@ -401,6 +404,23 @@ def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> 
         f"({', '.join(names[:MOST_NAMED])}) be told from one of the frequency"
     )
     return NextExperiment(says, (), None, {"omega": omega.tolist(), moved: [middle]})
+
+
+def experiment_on_points(outliers: Sequence[Outlier]) -> NextExperiment:
+    """What to measure where nothing but single points is wrong.
+
+    Parameters
+    ----------
+    outliers : sequence of Outlier
+        The points that were set aside.
+    """
+    places = " and ".join(outlier.at for outlier in outliers[:MOST_NAMED])
+    says = (
+        f"measure again at {places}, and close beside: a bad point does not come back, an interference or a "
+        "resonance does"
+    )
+    omega = [2.0 * np.pi * outlier.frequency * factor for outlier in outliers for factor in BESIDE]
+    return NextExperiment(says, (), None, {"omega": omega})
 
 
 def experiment_on_unknown(measurement: Measurement) -> NextExperiment:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from springpot.identification import Uncertainty, Window, held_costs, shown
-from springpot.measurement import CONDITIONS
+from springpot.measurement import CONDITIONS, telling
 from springpot.rheology import Complex, Real
 
 from .frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
@@ -94,18 +94,31 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
         yield Unknown("", _explained(frame, basis), int(basis.shape[1]))
     log_omega = np.log(frame.measurement.omega)
     order = np.arange(len(frame.measurement), dtype=float)
-    for along, words in ((log_omega, "along frequency"), (order, "from row to row")):
+    ways = [(log_omega, "along frequency")]
+    # Where rows stand by temperature or amplitude, what changes from row to row may as well be theirs.
+    if not _stand_by_a_condition(frame):
+        ways.append((order, "from row to row"))
+        yield from _settling(frame, order)
+    for along, words in ways:
         if np.ptp(along) > 0:
             curves = _creep(along)
             yield _family(frame, curves, f"a gain that changes slowly {words}")
             yield _family(frame, np.multiply(1j, curves), f"a phase that changes slowly {words}")
-    yield from _settling(frame, order)
     for name in CONDITIONS:
         curves = _own_levels(frame, name)
         if len(curves):
             yield _family(frame, curves, f"a gain of its own at each {name}")
             yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
     yield from _step(frame, log_omega)
+
+
+def _stand_by_a_condition(frame: Frame) -> bool:
+    """Whether the levels of a condition follow one another, up or down, in the order of the rows."""
+    for name in telling(frame.measurement) & set(CONDITIONS):
+        steps = np.diff(frame.measurement.levels(name))
+        if np.any(steps != 0) and (np.all(steps >= 0) or np.all(steps <= 0)):
+            return True
+    return False
 
 
 def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:

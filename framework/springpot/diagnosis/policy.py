@@ -153,6 +153,8 @@ class VerdictLevels:
     """Error of the best model over the noise floor up to which what it leaves is small beside the noise."""
     noisy: float = 1.2
     """Error over noise floor below which only the pattern of a misfit tells it from noise."""
+    below: float = 0.9
+    """Error over an estimated noise floor below which the estimate is wrong, not the model."""
     nothing_left: float = 10.0
     """Chi-square beyond the degrees of freedom that is no misfit worth a verdict."""
     fewest_spare: int = 4
@@ -282,6 +284,8 @@ class ExperimentLevels:
     """Separation in standard deviations that settles the matter."""
     rival: float = 0.001
     """Chance, beside that of the leading effect, from which another is worth a measurement."""
+    believed: float = 0.001
+    """Chance by itself from which the second is: beside nothing, or an unknown, nobody may believe in either."""
 
 
 EXPERIMENT = ExperimentLevels()

@@ -63,6 +63,8 @@ class Facts:
         The points that are beyond it are neighbours, as those of a notch are and those of long-tailed noise are not.
     exact : bool
         The error is that of arithmetic: the data were computed, and their residual is no scatter.
+    below : bool
+        The error is smaller than the noise that was told by these very data.
     """
 
     repeats: bool = False
@@ -82,11 +84,13 @@ class Facts:
     exceeds: bool = False
     together: bool = False
     exact: bool = False
+    below: bool = False
 
     @property
     def alarm(self) -> bool:
         """Noise alone does not explain the residual."""
-        return self.by_scan or self.by_battery or self.ruled_out
+        # An error below the noise is no misfit: there the noise was misjudged, and with it all that is told in its units.
+        return (self.by_scan or self.by_battery or self.ruled_out) and not self.below
 
     @property
     def clear(self) -> bool:
@@ -181,7 +185,14 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         together=exceeds and _stand_out_together(search.base),
         # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
         exact=not beside_material and search.base.relative_rms < VERDICT.arithmetic,
+        below=search.base.noise.source == "estimated"
+        and search.base.relative_rms < VERDICT.below * search.base.floor,
     )
+
+
+def _below_noise(base: Refit) -> bool:
+    """Whether the error is below a noise that was told by these very data."""
+    return base.noise.source == "estimated" and base.relative_rms < VERDICT.below * base.floor
 
 
 def _stand_out_together(base: Refit) -> bool:
@@ -303,6 +314,9 @@ def _by_confounded(search: Search) -> str:
 
 def leading_names(own: Search, evidence: Evidence, verdict: Verdict) -> list[str]:
     """Effects that the sentence of a verdict names and that a user can add, the one to begin with first."""
+    # Where a condition that moved explains the data as well, none of them is to be added before that is settled.
+    if evidence.search.confounded:
+        return []
     if verdict == "effect-missing":
         rivals = [name for name in evidence.classes[0] if name != evidence.leader]
         return [evidence.leader, *rivals]
