@@ -20,6 +20,8 @@ from .policy import EVIDENCE, VERDICT
 from .refit import Refit
 from .search import Grown, Search
 
+ROW_BY_ROW = "from row to row"
+"""How the kinds are called that follow the order of the rows."""
 SETTLING_TIMES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
 """Times, in durations of the measurement, in which a rig may settle; slower ones are a straight line."""
 MOST_STEPS = 200
@@ -94,16 +96,12 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
         yield Unknown("", _explained(frame, basis), int(basis.shape[1]))
     log_omega = np.log(frame.measurement.omega)
     order = np.arange(len(frame.measurement), dtype=float)
-    ways = [(log_omega, "along frequency")]
-    # Where rows stand by temperature or amplitude, what changes from row to row may as well be theirs.
-    if not _stand_by_a_condition(frame):
-        ways.append((order, "from row to row"))
-        yield from _settling(frame, order)
-    for along, words in ways:
+    for along, words in ((log_omega, "along frequency"), (order, ROW_BY_ROW)):
         if np.ptp(along) > 0:
             curves = _creep(along)
             yield _family(frame, curves, f"a gain that changes slowly {words}")
             yield _family(frame, np.multiply(1j, curves), f"a phase that changes slowly {words}")
+    yield from _settling(frame, order)
     for name in CONDITIONS:
         curves = _own_levels(frame, name)
         if len(curves):
@@ -155,7 +153,7 @@ def _settling(frame: Frame, order: Real) -> Iterator[Unknown]:
     x = order / len(order)
     curves = np.exp(-x / np.array(SETTLING_TIMES)[:, None])
     for factor, word in ((1.0, "gain"), (1.0j, "phase")):
-        yield Unknown(f"a {word} that settles from row to row", _each_alone(frame, factor * curves), 1)
+        yield Unknown(f"a {word} that settles {ROW_BY_ROW}", _each_alone(frame, factor * curves), 1)
 
 
 def _each_alone(frame: Frame, curves: Complex) -> Real:
@@ -309,6 +307,9 @@ def unknown_marginal(search: Search) -> float:
     # Summed, not the likeliest alone: a few kinds that explain as well are together the more likely cause.
     weights = np.full(len(kinds), EVIDENCE.prior_chain)
     weights[[not kind.says for kind in kinds]] = 1.0 / general
+    # Where rows stand by temperature or amplitude, what changes from row to row may as well be theirs.
+    if _stand_by_a_condition(search.frame):
+        weights[[kind.says.endswith(ROW_BY_ROW) for kind in kinds]] *= float(np.exp(-EVIDENCE.as_good))
     evidence = np.array([_evidence_of(search, kind) for kind in kinds]) + np.log(weights)
     return float(logsumexp(evidence))
 

@@ -89,7 +89,7 @@ class Facts:
     @property
     def alarm(self) -> bool:
         """Noise alone does not explain the residual."""
-        # An error below the noise is no misfit: there the noise was misjudged, and with it all that is told in its units.
+        # An error below the noise is no misfit: the noise was misjudged, and with it all that is told in its units.
         return (self.by_scan or self.by_battery or self.ruled_out) and not self.below
 
     @property
