@@ -37,7 +37,7 @@ TORQUE_UNITS = {
     "N mm": 1e-3,
     "lbf in": 0.1129848290276167,
 }
-ANGLE_UNITS = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295}
+ANGLE_UNITS = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295, "gon": 0.015707963267948967}
 
 
 def _quotients(over: dict[str, float], under: dict[str, float]) -> dict[str, float]:
@@ -85,7 +85,10 @@ _SPELLINGS = {
     "°f": "degF", "f": "degF", "hertz": "Hz", "cpm": "1/min", "rpm": "1/min",
     "u/min": "1/min", "upm": "1/min", "r/min": "1/min", "rev/min": "1/min", "min^-1": "1/min", "cps": "Hz",
     "cycles/s": "Hz", "kpsi": "ksi", "rads/s": "rad/s", "rad s^-1": "rad/s",
-    "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
+    "grad c": "degC", "grad celsius": "degC", "gradc": "degC", "grd c": "degC",
+    # German test benches write Grad for a degree; the hundredth of a right angle is a gon there.
+    "grad": "deg", "grd": "deg", "altgrad": "deg", "winkelgrad": "deg", "degs": "deg", "neugrad": "gon",
+    "gradian": "gon", "gradians": "gon", "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
     "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in", "inches": "in",
     "newton": "N", "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "pounds": "lbf", "pound": "lbf",
     "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -45,7 +45,7 @@ def cleaned(roles: dict[str, Column], others: list[Column]) -> tuple[dict[str, C
     if ("storage_sd" in roles) != ("loss_sd" in roles):
         # One of the two weighs nothing: an objective needs both.
         roles.pop("storage_sd", roles.pop("loss_sd", None))
-    return roles, _named_apart([rows_of(column, keep) for column in others]), notes
+    return roles, _named_apart([rows_of(column, keep) for column in others], roles), notes
 
 
 def with_unit_of_cells(column: Column) -> Column:
@@ -113,16 +113,17 @@ def _without_sign_of_gap(cell: str) -> str:
     return cell
 
 
-def _named_apart(columns: list[Column]) -> list[Column]:
+def _named_apart(columns: list[Column], taken: Collection[str]) -> list[Column]:
     """Further columns, each with a name of its own: of two that mean alike, the second keeps the file's words."""
     made: dict[str, Column] = {}
     for column in columns:
         words = re.sub(r"[\W_]+", "_", bare_name(column).lower()).strip("_")
         stem = column.name
-        if column.name in made and words:
+        # A second temperature must not take the place of the one that was chosen.
+        if (column.name in made or column.name in taken) and words:
             stem = words
         name, number = stem, 2
-        while name in made:
+        while name in made or name in taken:
             name, number = f"{stem}_{number}", number + 1
         made[name] = replace(column, name=name)
     return list(made.values())

@@ -86,7 +86,8 @@ def measurement_of(
     if "note parts" in provenance:
         # That note tells already that the steps are several runs.
         known_labels = frozenset({"step"})
-    notes = {**_doubts(roles), **runs_together(extra, labels, known_labels), **_negative_loss(stiffness)}
+    shown = Units(unit, amplitude_unit, _clock(roles), _letter(roles, unit))
+    notes = {**_doubts(roles), **runs_together(extra, labels, known_labels), **_negative(omega, stiffness, shown)}
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
     measured = Measurement(
@@ -96,7 +97,7 @@ def measurement_of(
         conditions={**conditions, **extra},
         repeat=repeat,
         harmonics=harmonics,
-        units=Units(unit, amplitude_unit, _clock(roles), _letter(roles, unit)),
+        units=shown,
         name=name,
         provenance=provenance,
         labels=labels,
@@ -226,20 +227,42 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
-NOTES_OF_VALUES = frozenset({"note loss", "note together", "note temperature", AGAIN, EXCHANGED})
+NOTES_OF_VALUES = frozenset({"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED})
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
 
 
-def _negative_loss(stiffness: Complex) -> dict[str, str]:
-    """A note where the specimen gives work away, which no material does."""
-    count = int((stiffness.imag < 0).sum())
-    if not count:
-        return {}
-    note = f"negative in {count} of {len(stiffness)} rows: a specimen gives no work away"
+def _negative(omega: Real, stiffness: Complex, units: Units) -> dict[str, str]:
+    """Notes where storage or loss is negative, each by the name that the data have for it."""
+    notes = {}
+    if (stiffness.real < 0).any():
+        notes["note storage"] = _negative_storage(omega, stiffness.real, units)
+    if (stiffness.imag < 0).any():
+        notes["note loss"] = _negative_loss(stiffness.imag, units)
+    return notes
+
+
+def _negative_storage(omega: Real, storage: Real, units: Units) -> str:
+    rows = storage < 0
+    note = f"{units.storage} negative in {int(rows.sum())} of {len(rows)} rows"
+    inertia = "the inertia of the rig or the instrument outweighs the specimen"
+    if rows.all():
+        return f"{note}: {inertia} at all these frequencies, or check the sign of the force"
+    # A mass takes m omega^2 away: it outweighs a stiffness above some frequency, never below one.
+    if np.median(omega[rows]) > np.median(omega[~rows]):
+        begin = units.at(float(omega[rows].min()) / FREQUENCY_UNITS["Hz"])
+        return f"{note}, from {begin} on: {inertia} there, which is no error"
+    if 2 * rows.sum() > len(rows):
+        return f"{note}; check the sign of the force"
+    return f"{note}, not the highest frequencies, where inertia does so; noise, or the instrument at its limit"
+
+
+def _negative_loss(loss: Real, units: Units) -> str:
+    count = int((loss < 0).sum())
+    note = f"{units.loss} negative in {count} of {len(loss)} rows: a specimen gives no work away"
     # In most rows it is the sign of all of them; in a few it is scatter about nearly nothing.
-    if 2 * count > len(stiffness):
-        return {"note loss": f"{note}; check the sign of the force or of the phase"}
-    return {"note loss": f"{note}; noise, or the instrument at its limit"}
+    if 2 * count > len(loss):
+        return f"{note}; check the sign of the force or of the phase"
+    return f"{note}; noise, or the instrument at its limit"
 
 
 def _complex(real: Real, imaginary: Real) -> Complex:

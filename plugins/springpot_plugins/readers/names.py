@@ -10,6 +10,7 @@ import unicodedata
 from functools import lru_cache
 
 from .languages import LANGUAGES
+from .peaks import says_whole_swing, without_swing
 
 EXACT = {"T": "temperature", "t": "time", "f": "frequency", "w": "omega", "W": "omega", "d": "phase"}
 """Single letters, where case decides."""
@@ -56,7 +57,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "rigiditeeffective",
         ),
         *("c'", "re(f/x)", "ref/x", "dynamicstiffnessreal", "realstiffness", "realpartofstiffness"),
-        *("horizontalstiffness", "kh", "shearstiffness", "rigidezefectiva", "rigidezzaefficace"),
+        *("horizontalstiffness", "kh", "kdyn'", "k'dyn", "cdyn'", "c'dyn", "kdynstorage", "storagekdyn", "shearstiffness", "rigidezefectiva", "rigidezzaefficace"),
         *("aquivalentesteifigkeit", "rigiditeequivalente", "raideurequivalente", "rigidezequivalente"),
         *("storagemod", "re(k)", "re(k*)", "rek*", "re(g)", "re(e)", "re(e*)", "kstorage", "kstor", "storagek"),
         *("moduledestockage", "moduledeconservation", "moduleelastique", "modulestockage", "moduleconservation"),
@@ -89,6 +90,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "viscousmodulusg''",
         ),
         *("c''", "im(f/x)", "imf/x", "dynamicstiffnessimag", "imaginarystiffness", "imaginarypartofstiffness"),
+        *("kdyn''", "k''dyn", "cdyn''", "c''dyn", "kdynloss", "losskdyn"),
         *("lossmod", "im(k)", "im(k*)", "imk*", "im(g)", "im(e)", "im(e*)", "kloss", "lossk"),
         *("moduledeperte", "moduledepertes", "moduleperte", "moduledissipatif", "modulevisqueux"),
         *("moduledeperteencisaillement", "verlustmodul", "verlustschubmodul", "schubverlustmodul"),
@@ -228,8 +230,13 @@ NAMES: dict[str, tuple[str, ...]] = {
             "teta",
             "ϑ",
         ),
-        *("chambertemperature", "chambertemp", "tempchamber", "tempkammer", "kammertemperatur", "oventemperature"),
-        *("ofentemperatur", "furnacetemperature", "temperatureenceinte", "umgebungstemperatur", "ambienttemperature"),
+        *("sampletemp", "specimentemperature", "specimentemp", "tempsample", "tempspecimen", "temperaturesample"),
+        *("temperaturespecimen", "materialtemperature", "materialtemp", "probentemp", "temperaturprobe", "tempprobe"),
+        *("temperaturderprobe", "temperatureechantillon", "temperatureeprouvette", "temperaturedeleprouvette"),
+        *("temperaturamuestra", "temperaturademuestra", "temperaturadelamuestra", "temperaturaprobeta"),
+        *("temperaturacampione", "temperaturadelcampione", "temperaturaprovino", "temperaturadelprovino"),
+        *("chambertemperature", "chambertemp", "tempchamber", "tempkammer", "kammertemperatur"),
+        *("temperatureenceinte", "umgebungstemperatur", "ambienttemperature"),
         *("temperaturedelechantillon", "testtemperature", "temperaturedegc"),
     ),
     "amplitude": (
@@ -238,6 +245,8 @@ NAMES: dict[str, tuple[str, ...]] = {
             "strainamp",
             "amplitude",
             "amp",
+            "peakamplitude",
+            "amplitudepeak",
             "x0",
             "dynamicamplitude",
             "dynamicdisplacement",
@@ -303,6 +312,10 @@ _PRIMES = str.maketrans(
     | {"\x91": "'", "\x92": "'", "\x93": "''", "\x94": "''"}
 )
 _LATEX = re.compile(r"\\(?:text|mathrm|mathit|rm|left|right)\b|[${}^\\]")
+_SAMPLE = re.compile(r"T[\s_.]*(?:sample|specimen|probe|material|muestra|campione|provino)\Z", re.IGNORECASE)
+"""A sample's temperature by its symbol; written small it may be a time."""
+_MOVED = frozenset(("displacement", "disp", "displ", "deflection", "weg", "verschiebung", "deplacement"))
+"""What is an amplitude where it counts from trough to crest, and may be a mean position otherwise."""
 _LOST = re.compile(r"[\s_.\-:,]+")
 
 
@@ -332,6 +345,12 @@ _NEUTRAL = frozenset(
             "modulus",
             "dynamic stiffness",
             "dynamic modulus",
+            "dyn stiffness",
+            "dyn modulus",
+            "complex stiffness",
+            "complex modulus",
+            "dynamische steifigkeit",
+            "dyn steifigkeit",
             "steifigkeit",
             "modul",
             "raideur",
@@ -373,6 +392,12 @@ def role_of(name: str) -> str | None:
     # The whole name before its parts: "loss factor" is no loss with a remark.
     if folded in _ROLE_OF:
         return _ROLE_OF[folded]
+    if _is_of_sample(name):
+        return "temperature"
+    if folded.endswith("ampl"):
+        return _ROLE_OF.get(f"{folded}itude")
+    if (bare := without_swing(name)) != name:
+        return _swinging(bare, says_whole_swing(name))
     # Means of repeated measurements stand for the quantity itself.
     if folded.endswith(_MEANS):
         stem = _ROLE_OF.get(folded.removesuffix("mean").removesuffix("avg"))
@@ -395,6 +420,25 @@ def role_of(name: str) -> str | None:
     return None
 
 
+def _swinging(bare: str, is_whole: bool) -> str | None:
+    """The role of a name whose words for where an amplitude counts from were taken away."""
+    role = role_of(bare)
+    if role in ("amplitude", "force_amplitude"):
+        return role
+    if is_whole and fold(bare) in _MOVED:
+        return "amplitude"
+    # A peak that is no amplitude, such as a phase from peak to peak, is something else.
+    return None
+
+
 def rank(name: str) -> int:
     """How surely a column of that name is the one meant; lower is surer."""
-    return _RANK.get(fold(name), 99)
+    if name in EXACT or _is_of_sample(name):
+        return 0
+    # "Temperature (sample)" is the sample's as "sample temperature" is.
+    return _RANK.get(fold(name), _RANK.get(fold(name.replace("(", "").replace(")", "")), 99))
+
+
+def _is_of_sample(name: str) -> bool:
+    """Whether a name is the symbol of a sample's temperature, as in ``T_sample``."""
+    return name.startswith("T") and bool(_SAMPLE.match(name))

@@ -34,9 +34,9 @@ from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
 from .generic import read as read_any
 from .grid import MISSING, shortest
-from .names import role_of
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
+from .titles import heading
 
 _CELSIUS, _UNIT = "degC", "unit "
 _TWICE = "measured twice"
@@ -59,7 +59,7 @@ def recognises(head: bytes) -> float:
     if not names & {"loss", "phase", "loss_factor"}:
         return 0.0
     # Another's table may call the amplitude a strain: then the reader of any table knows more names than this one.
-    foreign = {role for title in titles if (role := role_of(name_and_unit(title)[0])) in ROLES} - names
+    foreign = {role for title in titles if (role := heading(title).role) in ROLES} - names
     if foreign and not head.lstrip(b"\xef\xbb\xbf").startswith(b"# name: "):
         return 0.7
     return 0.9

@@ -23,6 +23,7 @@ from springpot.measurement import (
 
 from .curve_names import CurveName, curve_in_suffix, curve_in_title, logarithm
 from .names import FREQUENCIES, role_of
+from .peaks import without_swing
 from .written import DECIBEL, INVERSE, OPPOSITE, PER_PERIOD, decibel_of
 
 VISCOSITY_UNITS = {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1, "cP": 1e-3}
@@ -221,6 +222,7 @@ def _plain(title: str) -> Heading:
         or _after_sign(title)
         or _joined(title)
         or _made_a_name(title)
+        or _behind_unit(title)
         or Heading(title, title, None, None)
     )
 
@@ -230,6 +232,10 @@ def _stem_role(stem: str) -> str | None:
     role, match = role_of(stem), _PARENTHESES.match(stem)
     if role is not None or match is None:
         return role
+    # "Temperature (sample)", "dyn. stiffness (K')": the remark may be what makes the name known.
+    whole = role_of(f"{match[1]} {match[2]}")
+    if whole is not None:
+        return whole
     own, explained = role_of(match[1]), role_of(match[2])
     # Where both are known and differ, the title does not tell which is meant.
     if explained not in (None, own) or _restricts(match[2]):
@@ -291,6 +297,17 @@ def _made_a_name(title: str) -> Heading | None:
         return None
     named = _joined(f"{match[1]}_{match[2]}".replace(".", "_"))
     if named is None:
+        return None
+    return replace(named, title=title)
+
+
+def _behind_unit(title: str) -> Heading | None:
+    """``Amplitude (mm) p-p``: from where it counts stands behind the unit."""
+    bare = without_swing(title)
+    if bare in ("", title):
+        return None
+    named = _plain(bare)
+    if named.role not in ("amplitude", "force_amplitude"):
         return None
     return replace(named, title=title)
 
