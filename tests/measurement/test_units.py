@@ -3,10 +3,12 @@ import pytest
 
 from springpot.errors import DataError
 from springpot.measurement import (
+    ANGLE_UNITS,
     FREQUENCY_UNITS,
     MODULUS_UNITS,
     Units,
     known_unit,
+    near_units,
     normal_unit,
     temperature_in_celsius,
 )
@@ -89,3 +91,22 @@ def test_rates_and_powers_of_lengths_are_written_as_a_person_would(units, powers
 def test_a_torque_against_degrees_keeps_its_size():
     factor, _ = Units("N m/rad", "deg").of(Dimension(stiffness=1, amplitude=1))
     assert factor == pytest.approx(np.pi / 180.0)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit"),
+    [
+        *((each, "deg") for each in ("Grad", "grad", "grd", "°", "deg.", "Altgrad")),
+        ("gon", "gon"),
+        ("Neugrad", "gon"),
+    ],
+)
+def test_a_german_degree_is_no_gon(written, unit):
+    assert known_unit(written, ANGLE_UNITS, "phase") == unit
+    assert {"deg": 360, "gon": 400}[unit] * ANGLE_UNITS[unit] == pytest.approx(2 * np.pi, rel=1e-15)
+
+
+def test_units_that_differ_in_case_alone_go_before_those_that_look_alike():
+    assert near_units("mpa", MODULUS_UNITS) == ["MPa", "mPa"]
+    assert near_units("kilopascals", MODULUS_UNITS) == []
+    assert "Hz" in near_units("Hzz", FREQUENCY_UNITS)

@@ -189,7 +189,7 @@ def test_a_folder_with_a_manifest_is_a_data_set(folder):
     ("text", "message"),
     [
         ("file = ", "dataset.toml"),
-        ('file = "raw.csv"', "no frequency, storage and loss among the columns"),
+        ('file = "raw.csv"', "missing storage .* among the columns f, Ks, Kl"),
         ('file = "raw.csv"\n[columns]\nomega = 3', "column 'omega' needs"),
         (MANIFEST.replace("Ks", "Kx"), "no column 'Kx'"),
         (MANIFEST.replace("raw.csv", "gone.csv"), "missing"),

@@ -54,6 +54,7 @@ from .units import (
     TORQUE_UNITS,
     Units,
     known_unit,
+    near_units,
     normal_unit,
     temperature_in_celsius,
 )
@@ -125,6 +126,7 @@ __all__ = [
     "largest_test",
     "measurement_from_signals",
     "misspelt",
+    "near_units",
     "moved_along",
     "normal_unit",
     "noise_of",

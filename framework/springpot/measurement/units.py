@@ -88,7 +88,8 @@ _SPELLINGS = {
     "grad c": "degC", "grad celsius": "degC", "gradc": "degC", "grd c": "degC",
     # German test benches write Grad for a degree; the hundredth of a right angle is a gon there.
     "grad": "deg", "grd": "deg", "altgrad": "deg", "winkelgrad": "deg", "degs": "deg", "neugrad": "gon",
-    "gradian": "gon", "gradians": "gon", "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%", "°": "deg", "degree": "deg", "degrees": "deg",
+    "gradian": "gon", "gradians": "gon", "°": "deg", "degree": "deg", "degrees": "deg",
+    "": "-", "1": "-", "strain": "-", "m/m": "-", "percent": "%",
     "sec": "s", "seconds": "s", "kips": "kip", "lb": "lbf", "inch": "in", "inches": "in",
     "newton": "N", "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "pounds": "lbf", "pound": "lbf",
     "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "meter": "m", "meters": "m",
@@ -198,11 +199,10 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     unit = normal_unit(text)
     if unit in table:
         return unit
-    folded = [known for known in table if known.lower() == unit.lower()]
+    near = near_units(unit, table)
     # Case may be sloppy, but it must not turn mega into milli.
-    if len(folded) == 1 and (folded[0][0] == unit[0] or unit[0] not in "mM"):
-        return folded[0]
-    near = folded or get_close_matches(unit, table, n=2, cutoff=0.5)
+    if len(near) == 1 and near[0].lower() == unit.lower() and (near[0][0] == unit[0] or unit[0] not in "mM"):
+        return near[0]
     hint = ""
     if near:
         proposals = " or ".join(f"[{known}]" for known in near)
@@ -211,6 +211,19 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     if len(table) > _SHOWN:
         shown += ", ..."
     raise DataError(f"unknown unit [{text}] for {what}: {hint}known are {shown}")
+
+
+def near_units(text: str, table: dict[str, float]) -> list[str]:
+    """The units of a table that an unknown one may stand for: those that differ in case alone, else the most alike.
+
+    Examples
+    --------
+    >>> near_units("mpa", {"Pa": 1.0, "MPa": 1e6, "mPa": 1e-3})
+    ['MPa', 'mPa']
+    """
+    unit = normal_unit(text)
+    folded = [known for known in table if known.lower() == unit.lower()]
+    return folded or get_close_matches(unit, table, n=2, cutoff=0.5)
 
 
 @dataclass(frozen=True)

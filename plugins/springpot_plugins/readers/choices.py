@@ -20,6 +20,7 @@ from springpot.measurement import (
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, ROLES, fold, role_of
+from .proposals import proposal, stated_unit, usual_unit
 from .titles import UNITS, USUAL, Heading, heading, is_unit
 
 LOG, CURVES = "log", "curves"
@@ -152,6 +153,9 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"
         raise DataError(f"'{meaning:.40}' is neither a unit nor one of {roles}, ignore")
+    if role is None:
+        # Without a name it is no further condition either.
+        name = ""
     return Heading(heading_.title, name, role, unit, written=base or heading_.written)
 
 
@@ -159,22 +163,23 @@ def ask_units(headings: Iterable[Heading]) -> OpenQuestion:
     """The question for the units that are missing."""
     missing = [heading for heading in headings if heading.role]
     names = ", ".join(f"'{heading.title}'" for heading in missing)
-    given = ",".join(f"{heading.role}={USUAL.get(str(heading.role), 'UNIT')}" for heading in missing)
+    units = {str(heading.role): usual_unit(str(heading.role), heading.title) for heading in missing}
+    given = ",".join(f"{role}={unit}" for role, unit in units.items())
     have, they_are = "has", "it is"
     if len(missing) > 1:
         have, they_are = "have", "they are"
-    write = f"{missing[0].title} [{USUAL.get(str(missing[0].role))}]"
+    write = f"{missing[0].title} [{units[str(missing[0].role)]}]"
     if any(heading.role == "frequency" for heading in missing):
         # Hz and rad/s differ by 2 pi, and a bare "frequency" may be either: both are offered.
         write = "frequency [Hz] or omega [rad/s]"
-    usual = " and ".join(dict.fromkeys(USUAL.get(str(heading.role), "UNIT") for heading in missing))
+    usual = " and ".join(dict.fromkeys(units.values()))
     message = f"{names} {have} no unit; if {they_are} {usual}, open 'FILE?{given}', or write {write} in it"
     return OpenQuestion(message, [_unit_of(heading) for heading in missing])
 
 
 def _unit_of(heading_: Heading) -> Question:
     role = str(heading_.role)
-    return Question.of_unit(role, USUAL.get(role, "UNIT"), UNITS.get(role, ()))
+    return Question.of_unit(role, usual_unit(role, heading_.title), UNITS.get(role, ()))
 
 
 def ask_base(headings: Iterable[Heading]) -> OpenQuestion:
@@ -208,13 +213,13 @@ FIRST_COLUMNS = ("omega[rad/s]", "storage[Pa]", "loss[Pa]")
 def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> DataError:
     """The error of a table that lacks something, with how to say it where that would mend it.
 
-    A hint must not lead to wrong numbers when it is typed as it stands: columns are named only by who knows them.
+    A hint must not lead to wrong numbers without a word when it is typed as it stands: it says what it assumes.
     """
     if block_lacks == "missing frequency [Hz] or omega [rad/s]":
         return _ask_frequency(says, headings)
-    moduli = [each for each in headings if each.role is None and normal_unit(each.unit or "") in MODULUS_UNITS]
+    moduli = [each for each in headings if each.role is None and stated_unit(each) in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
-        return _ask_which_modulus(says, moduli, headings)
+        return _ask_which_modulus(says, moduli[0], headings)
     # A length that nobody names may be the amplitude, but also a gap: it is asked for, not taken.
     moved = next(
         (i for i, h in enumerate(headings, 1) if not h.role and normal_unit(h.unit or "") in LENGTH_UNITS), 0
@@ -227,9 +232,9 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
     unknown = {i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None}
     if not block_lacks.startswith("missing") or not unknown:
         return DataError(says)
-    named = ", ".join([*unknown.values()][:6])
-    hint = f"; if {named} hold it, say so by 'FILE?NAME=storage[UNIT],NAME=loss[UNIT]'"
-    return OpenQuestion(f"{says}{hint}", ask_each(unknown))
+    if hint := proposal(headings):
+        says = f"{says}; {hint}"
+    return OpenQuestion(says, ask_each(unknown))
 
 
 _SWEPT = frozenset({"amplitude", "temperature", "time", "stress", "torque", "displacement", "repeat"})
@@ -257,10 +262,9 @@ def _ask_frequency(says: str, headings: Sequence[Heading]) -> OpenQuestion:
     return OpenQuestion(f"{says}; {hint}", [Question("frequency", "column", columns)])
 
 
-def _ask_which_modulus(says: str, moduli: Sequence[Heading], headings: Sequence[Heading]) -> OpenQuestion:
+def _ask_which_modulus(says: str, each: Heading, headings: Sequence[Heading]) -> OpenQuestion:
     """The question whether a modulus beside a loss angle is the whole one or its part in phase, which differ."""
-    each = moduli[0]
-    place, unit = headings.index(each) + 1, normal_unit(each.unit or "")
+    place, unit = headings.index(each) + 1, stated_unit(each)
     hints = {f"{role}[{unit}]": f"{place}={role}[{unit}]" for role in ("magnitude", "storage")}
     whole, part = hints.values()
     hint = f"; if {each.title} is the whole one, open 'FILE?{whole}', if it is the part in phase, 'FILE?{part}'"

@@ -31,6 +31,7 @@ from springpot.measurement.exchange import exchange_note
 from springpot.measurement.together import runs_together
 from springpot.rheology import Complex, Real
 
+from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE
 from .table import Column
 
 ROLES = (
@@ -227,7 +228,10 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
-NOTES_OF_VALUES = frozenset({"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED})
+NOTES_OF_VALUES = frozenset(
+    {"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED}
+    | {COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE}
+)
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
 
 
@@ -253,7 +257,7 @@ def _negative_storage(omega: Real, storage: Real, units: Units) -> str:
         return f"{note}, from {begin} on: {inertia} there, which is no error"
     if 2 * rows.sum() > len(rows):
         return f"{note}; check the sign of the force"
-    return f"{note}, not the highest frequencies, where inertia does so; noise, or the instrument at its limit"
+    return f"{note}, not at the highest frequencies, where inertia does so; noise, or the instrument at its limit"
 
 
 def _negative_loss(loss: Real, units: Units) -> str:

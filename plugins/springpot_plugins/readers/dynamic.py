@@ -23,6 +23,7 @@ from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
 from .names import FREQUENCIES, rank
+from .proposals import condition_name, offers, unit_proposal
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
 from .titles import UNITS, Heading, heading
@@ -91,6 +92,9 @@ def measurement_from(
         origin = dict(parts[0].provenance)
         if chosen[0].name and len(blocks) > 1:
             origin["part"] = chosen[0].name
+        if len(blocks) == 1:
+            # Of columns side by side the numbers and names would be those of the whole file.
+            origin |= offers(parts[0], with_choice(chosen[0].headings, choice).headings, choice)
         return replace(parts[0], name=name, provenance={**origin, **left_out})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
@@ -303,7 +307,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     made: list[Column] = []
     complete = _has_all_units(headings)
     for heading_, column in zip(headings, cells, strict=False):
-        name = heading_.role or re.sub(r"[\s-]+", "_", heading_.name.strip().lower())
+        name = heading_.role or condition_name(heading_)
         unit = _normal(heading_.unit)
         if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
@@ -383,4 +387,6 @@ def _require_units(roles: Mapping[str, Column]) -> None:
         try:
             known_unit(column.unit, UNITS[role], role)
         except DataError as error:
-            raise column.error(f"{error}; say it with 'FILE?{role}=UNIT'") from None
+            # All that are in it are said at once: storage alone would only lead to the same question for the loss.
+            alike = [each for each, other in roles.items() if other.unit == column.unit and each in UNITS]
+            raise column.error(f"{error}; {unit_proposal(alike, column.title, column.unit)}") from None

@@ -13,7 +13,7 @@ from pathlib import Path
 from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
-from .blocks import Block, blocks_of, is_data, is_dynamic, is_header
+from .blocks import Block, blocks_of, is_data, is_dynamic, is_header, lacking
 from .choices import ask_columns, ask_each, numbered
 from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
@@ -22,6 +22,7 @@ from .header_facts import facts_of, pairs_in
 from .headings import headings_of
 from .names import FREQUENCIES, MODULI
 from .pairs import with_pairs_apart
+from .proposals import proposal
 from .side_by_side import apart
 from .text import head_text, text_of
 from .titles import Heading
@@ -127,9 +128,13 @@ def _without_names(grid: Grid, choice: Choice) -> Block:
 def _ask_which(names: Sequence[str]) -> OpenQuestion:
     """The question for columns with names of which too few are known."""
     shown = ", ".join(cell.strip() for cell in names)
-    spec = "by name or number, such as 'FILE?NAME=omega[rad/s],NAME=storage[UNIT],NAME=loss[UNIT]'"
-    says = f"no frequency, storage and loss among the columns {shown:.120}; say which, {spec}"
     headings = headings_of(names, [], len(names))
+    hint = proposal(headings) or "say which, such as 'FILE?1=omega[rad/s],2=storage[Pa],3=loss[Pa]'"
+    roles = {str(heading.role) for heading in headings if heading.role}
+    lacks = "no frequency, storage and loss"
+    if roles:
+        lacks = lacking(roles)
+    says = f"{lacks} among the columns {shown:.120}; {hint}"
     unknown = {i: name.strip() for i, name in enumerate(names, 1) if headings[i - 1].role is None}
     return OpenQuestion(says, ask_each(unknown))
 

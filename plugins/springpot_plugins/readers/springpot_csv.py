@@ -34,6 +34,7 @@ from .cleaning import cleaned
 from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
 from .generic import read as read_any
 from .grid import MISSING, shortest
+from .proposals import offers
 from .table import Column, header_of, name_and_unit, table_of
 from .text import head_text, text_of
 from .titles import heading
@@ -94,7 +95,11 @@ def parse(text: str, name: str) -> Measurement:
     # A file that springpot wrote of repeated frequencies says so, since it must be readable again.
     if _TWICE not in table.comments:
         _check_duplicates(measurement, roles.get("omega") or roles["frequency"])
-    return measurement
+    if "name" in comments:
+        # What springpot wrote itself has known all its columns.
+        return measurement
+    asked = offers(measurement, [heading(column.title) for column in table.columns], Choice())
+    return replace(measurement, provenance={**measurement.provenance, **asked})
 
 
 def _told(units: Units, words: str) -> Units:

@@ -126,7 +126,7 @@ def test_a_model_beside_the_measurement_is_no_curve(folder, titles):
 
 def test_a_model_is_not_read_in_place_of_a_measurement(folder):
     said = folder.complaint(f"f [Hz],G'_exp [Pa],G''_exp [Pa],G'_fit [Pa],G''_fit [Pa]\n{NUMBERS}\n")
-    assert "say so" in said
+    assert "if 'G'_exp [Pa]' is storage [Pa] and 'G''_exp [Pa]' is loss [Pa], open" in said
     assert "\n" not in said
 
 
