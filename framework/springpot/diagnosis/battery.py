@@ -302,7 +302,7 @@ def _ripple(frame: Frame, sample: Drawn) -> Real:
     largest = spectrum(frame.measurement, sample).max(axis=1)
     if frame.estimated:
         # Of three points a fit may leave nothing at all.
-        largest = largest / np.maximum(np.einsum("ij,ij->i", sample, sample), 1e-300)
+        largest = largest / np.maximum(np.einsum("ij,ij->i", sample, sample), np.finfo(sample.dtype).tiny)
     return np.asarray(largest)
 
 

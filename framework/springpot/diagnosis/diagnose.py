@@ -22,8 +22,8 @@ from .outliers import Outlier
 from .policy import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 from .refit import Refit
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Value, Verdict, Where
-from .scan import Score
-from .search import Grown, Search, scan_effects, search_data, search_from
+from .scan import Score, scan_effects
+from .search import Grown, Search, search_data, search_from
 from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
 from .where import periodic, where
 

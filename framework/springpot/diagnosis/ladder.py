@@ -18,7 +18,7 @@ from .diagnose import Case, Progress, examine, printed, silent, within
 from .policy import SEARCH, VERDICT
 from .refit import refit
 from .result import Diagnosis, Value, Verdict
-from .search import scan_effects
+from .scan import scan_effects
 from .unseen import prediction_gain
 
 MOST_HIDDEN = 2

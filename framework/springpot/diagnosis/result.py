@@ -22,6 +22,9 @@ BELIEVED = 0.1
 """Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
 rigs and rheometers repeat a stiffness within a few per cent."""
 
+ALIKE = 0.3
+"""Relative difference beyond which repeats are none of one thing; three specimens of bitumen differ by 3 %."""
+
 
 def times(ratio: float) -> str:
     """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
@@ -81,12 +84,18 @@ class Error:
 
     @property
     def is_hardly_noise(self) -> bool:
-        """Whether so large an error, which only the scatter about models calls noise, is hard to believe as noise."""
+        """Whether an error is too large for what is called noise: scatter about models, or of unequal repeats."""
+        if self.noise_source == "repeats":
+            return self.noise_floor > ALIKE
         return self.noise_source == "estimated" and self.relative_rms > BELIEVED
 
     @property
     def advice(self) -> str:
         """What to do about noise that is hard to believe."""
+        if self.noise_source == "repeats":
+            return (
+                f"rows that differ by {100 * self.noise_floor:.2g} % are no repeats of each other: judge them apart"
+            )
         return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"
 
 

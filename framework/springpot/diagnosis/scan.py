@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification import Window, settings
-from springpot.measurement import LEAST_RELATIVE, Measurement
+from springpot.measurement import LEAST_RELATIVE, Measurement, telling
 from springpot.rheology import Complex, Effect, Model, Real
 
 from .frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
+from .refit import Refit
 
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""
@@ -242,6 +243,28 @@ def scan(
     # By what should be left, not by the score: a large effect leaves its tangent, and its score says too little.
     scores.sort(key=lambda score: score.predicted)
     return Scan(scores, p_value, threshold)
+
+
+def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
+    """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them.
+
+    Factors without a law are left out: they can imitate every law.
+    """
+    columns = telling(measurement)
+    return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
+
+
+def scan_effects(
+    base: Refit,
+    frame: Frame,
+    effects: Sequence[Effect],
+    rng: np.random.Generator | None = None,
+    threshold: float = inf,
+) -> Scan:
+    """Score effects at a fit; see `scan`."""
+    measurement = base.fit.measurement
+    influences = [influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects]
+    return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
 def _simulated_maxima(frame: Frame, tried: Sequence[Directions], rng: np.random.Generator) -> Real:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.identification import EDGE, Effort, is_material, within_material
-from springpot.measurement import Measurement, moved_along, telling
+from springpot.measurement import Measurement, moved_along
 from springpot.rheology import Effect, Model, Real
 
 from .battery import Battery, battery
@@ -23,7 +23,7 @@ from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
 from .repeats import repeats_structure
 from .result import counted
-from .scan import Scan, Score, best_pairs, influence, scan
+from .scan import Scan, Score, applicable, best_pairs, scan_effects
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,28 +212,6 @@ def _twice(model: Model, effect: Effect) -> bool:
 def _fits(base: Refit, model: Model) -> bool:
     """Whether the data are numbers enough for a grown model."""
     return len(model.names) <= 2 * len(base.fit.measurement)
-
-
-def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effect]:
-    """Effects whose conditions these data tell of: what only moved with the frequency is no evidence for them.
-
-    Factors without a law are left out: they can imitate every law.
-    """
-    columns = telling(measurement)
-    return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
-
-
-def scan_effects(
-    base: Refit,
-    frame: Frame,
-    effects: Sequence[Effect],
-    rng: np.random.Generator | None = None,
-    threshold: float = inf,
-) -> Scan:
-    """Score effects at a fit; see `scan`."""
-    measurement = base.fit.measurement
-    influences = [influence(base.model, base.theta, base.stiffness, effect, measurement) for effect in effects]
-    return scan(frame, [each for each in influences if len(each.theta)], rng, threshold)
 
 
 def _grow(search: Search, score: Score) -> Grown:

@@ -13,7 +13,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
 
 from springpot.rheology import Real
 
@@ -192,6 +191,8 @@ def _off_curve(x: Real, y: Real) -> Real:
 
     One that rises in steps is no polynomial, and yet it went up with the frequency.
     """
+    from scipy.optimize import isotonic_regression  # the first look at a file must not take its time
+
     if len(np.unique(np.round(x, 6))) >= FEWEST_ONE_WAY:
         order = np.argsort(x, kind="stable")
         for upwards in (True, False):
