@@ -160,6 +160,8 @@ def test_a_narrow_window_goes_without_the_spare_columns():
         (Value(1e-90, 8.5e-191, 1.4e197, "s"), ("-", "not determined")),
         (Value(7.4e12, 5e4, np.inf, "kN/m"), ("-", "not determined, above 50000")),
         (Value(1e-9, 0.0, 12.0, "kN/m"), ("0", "[0, 12]")),
+        (Value(-0.033, -0.99, np.inf, "-"), ("-", "not determined")),
+        (Value(0.0, 0.0, np.inf, "N s/mm"), ("-", "not determined")),
         (Value(0.5, 0.5, 0.5, "-", fixed=True), ("0.5000", "fixed")),
         (Value(400.1, 399.2, 401.0, "kN/m"), ("400.1", "[399.2, 401.0]")),
     ],

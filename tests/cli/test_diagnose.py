@@ -224,6 +224,18 @@ def test_without_models_the_installed_ones_are_ranked(springpot, heavy, undrawn,
     assert all(axes.lines for axes in figure.axes[:2])
 
 
+def test_rows_of_several_tests_are_compared_one_by_one(springpot, write):
+    omega, current = np.tile(OMEGA[::4], 3), np.repeat([0.0, 1.0, 2.0], 10)
+    loss = 0.5 * omega * (1.0 + 4.0 * current)
+    rows = zip((omega / 2 / np.pi).tolist(), loss.tolist(), current.tolist(), strict=True)
+    lines = [f"{f!r},20.0,{k!r},{i!r}" for f, k, i in rows]
+    path = write("\n".join(["frequency [Hz],storage [kN/m],loss [kN/m],current [A]", *lines]) + "\n", "mr.csv")
+    last = springpot("compare", path, "-m", "kelvin", "-m", "maxwell").out.splitlines()[-1]
+    assert last == f"next: springpot compare {path}@current=0 --model kelvin --model maxwell"
+    chosen = springpot("compare", f"{path}@current=0", "-m", "kelvin", "-m", "maxwell")
+    assert chosen.out.splitlines()[-1].endswith("--model kelvin")
+
+
 def test_who_waits_is_told_why(capsys, monkeypatch):
     from springpot.cli import waiting
 

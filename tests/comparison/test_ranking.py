@@ -7,7 +7,8 @@ import pytest
 
 import springpot
 from springpot.comparison import Ranking, rank
-from springpot.comparison.ranking import ALIKE, CHANCE, chance_beside, grouped
+from springpot.comparison.ranking import ALIKE, CHANCE, chance_beside, grouped, spends_most
+from springpot.diagnosis.floor import beyond_floor
 from springpot.diagnosis.policy import SEARCH
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
@@ -87,7 +88,7 @@ def test_every_adequate_model_is_as_good_as_any_material(heavy):
             other.delta_bic < one.delta_bic - SEARCH.decisive and len(other.refit.theta) > len(one.refit.theta)
             for other in heavy.judgements
         )
-        assert (one in heavy.adequate) == (as_good and not outdone)
+        assert (one in heavy.adequate) == (as_good and not outdone and not beyond_floor(one.refit))
 
 
 def test_models_that_need_what_was_not_measured_are_named_and_left_out(heavy):
@@ -173,3 +174,65 @@ def test_data_that_judge_no_model_are_refused():
     few = measured("kelvin", [1.0, 0.1], omega=OMEGA[:3])
     with pytest.raises(DataError, match="points"):
         ranked(few, [springpot.parse_model("prony-6")])
+
+
+def switched(noise=0.01):
+    """A magnetorheological damper at three currents, whose loss alone follows the current."""
+    rng = np.random.default_rng(6)
+    current, omega = np.repeat([0.0, 1.0, 2.0], 8), np.tile(2.0 * np.pi * np.geomspace(0.3, 30.0, 8), 3)
+    exact = 20.0 + 1j * omega * 0.5 * (1.0 + 4.0 * current)
+    scatter = rng.normal(size=24) + 1j * rng.normal(size=24)
+    return Measurement(
+        omega, exact * (1 + noise * scatter), conditions={"current": current}, units=Units("N/mm", "mm"), name="mr"
+    )
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    return ranked(switched())
+
+
+def test_what_no_material_follows_to_the_noise_makes_no_model_adequate(mixed):
+    """It read: the simplest model is kelvin, adequate, 16 x the noise floor."""
+    assert mixed.adequate == ()
+    assert mixed.near
+    assert all(beyond_floor(one.refit) for one in mixed.near)
+    assert mixed.best is mixed.near[0]
+    says = "is as near as any linear material, but not at the noise: what is missing is no part of the material"
+    assert mixed.says == f"{mixed.best.model.name} {says}"
+    text = ranked_text(mixed)
+    assert "as any material" in text
+    assert "adequate  " not in text
+    assert jsonable(mixed)["ranking"]["near"] == [one.model.name for one in mixed.near]
+
+
+def test_rows_of_several_tests_are_compared_one_by_one(mixed):
+    assert mixed.one_test == "current=0"
+    assert any("choose one by '@current=0'" in note for note in mixed.notes)
+    given = springpot.compare(switched(), ["kelvin"])
+    assert given.one_test == jsonable(given)["one_test"] == "current=0"
+    assert any("choose one by '@current=0'" in note for note in given.notes)
+    one = switched()
+    alone = springpot.compare(one.subset(np.flatnonzero(one.conditions["current"] == 0.0)), ["kelvin"])
+    assert alone.one_test == ""
+    assert not alone.best.fails
+
+
+GEL = """
+    0.05 66.23 65.21; 0.09978 93.07 86.99; 0.1991 127.9 122.1; 0.3974 180.5 168.4; 0.7931 244.9 236.6;
+    1.583 354.7 317.7; 3.159 485.5 461.7; 6.304 686.1 643.9; 12.58 961 881.9; 25.11 1304 1192;
+    50.11 1793 1707; 100 2500 2286
+"""
+"""Omega in rad/s, G' and G'' in Pa: a power law with 1.5 % of artificial noise."""
+
+
+def test_few_numbers_are_not_followed_by_as_many_parameters():
+    """It read: the simplest model is kelvin-6, with 13 parameters on 24 numbers."""
+    omega, storage, loss = np.array([row.split() for row in GEL.split(";")], dtype=float).T
+    data = Measurement(omega, storage + 1j * loss, units=Units("Pa", "-"), name="gel")
+    family = next(item for item in springpot.registry.plugins().items("model") if item.name == "kelvin-N")
+    ranking = ranked(data, [*SMALL, family], effects=("inertia",))
+    assert ranking.best.model.name == "springpot"
+    assert ranking.best in ranking.adequate
+    assert not spends_most(ranking.best.refit)
+    assert ranking.notes[0].startswith("the noise floor is the scatter about ")

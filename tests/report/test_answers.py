@@ -7,7 +7,7 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, Units
-from springpot.report.answers import beside_floor, change, changes_text, diagnosis_text, ladder_text
+from springpot.report.answers import beside_floor, change, changes_text, diagnosis_text, ladder_text, worth_showing
 from springpot.report.html import report_html
 from springpot.report.numbers import number, percent
 from springpot.report.reference import reference_note
@@ -170,3 +170,29 @@ def test_points_that_were_set_aside_are_drawn():
         drawn = [line for line in axes.lines if line.get_marker() == "D"]
     np.testing.assert_allclose(drawn[0].get_xdata(), data.frequency[[20, 33]])
     np.testing.assert_allclose(drawn[1].get_ydata(), data.loss[[20, 33]])
+
+
+def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
+    """Its sentence of physics was read as advice, beside a probability of nothing."""
+    ladder = springpot.discover(
+        damper(lambda f: 1.0 + 0.04 * np.sin(6.0 * np.pi * np.log10(f))), "fractional-maxwell"
+    )
+    found = ladder.steps[-1].case.diagnosis
+    hopeless = tuple(replace(row, probability=0.001, verdict="cannot-tell") for row in found.candidates[:3])
+    told = replace(found, verdict="unexplained", candidates=hopeless, leading=())
+    assert worth_showing(told) == []
+    name, says = hopeless[0].effect, hopeless[0].says
+    assert says not in diagnosis_text(told)
+    assert f"{name}: {says}" in " ".join(diagnosis_text(told, verbose=True).split())
+    assert says not in told._repr_html_()
+    assert f">{name}</td>" not in told._repr_html_()
+    step = replace(ladder.steps[-1], case=replace(ladder.steps[-1].case, diagnosis=told))
+    page = report_html(replace(ladder, steps=(step,), diagnosis=told), damper(), ["x"])
+    # The data of the figures, which programs read, keep all.
+    section = page.partition("<h2>Which effects could it be?")[2].partition("<h2>")[0]
+    assert told.says[1:] in section
+    assert says not in section
+    assert told.plot() is not None
+    kept = replace(told, candidates=(replace(hopeless[0], probability=0.02), *hopeless[1:]))
+    assert [row.effect for row in worth_showing(kept)] == [name]
+    assert f">{name}</td>" in kept._repr_html_()

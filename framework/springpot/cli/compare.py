@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from . import timetests
-from .common import FILE, data_argument, emit, geometry_option, json_option, opened, quoted, seed_option, window
+from .common import (
+    FILE,
+    data_argument,
+    emit,
+    geometry_option,
+    json_option,
+    opened,
+    quoted,
+    seed_option,
+    window,
+    with_rows,
+)
 from .waiting import Waiting
 
 if TYPE_CHECKING:
@@ -54,26 +66,42 @@ def command(
         from springpot.report.residuals import figure_compared
 
         figure_compared(comparison, figure)
-    emit(comparison, as_json, lambda: _show(comparison, data, figure))
+    emit(comparison, as_json, lambda: _show(comparison, data, models, figure))
 
 
-def _show(found: Comparison, data: str, figure: Path | None) -> None:
-    """The answer, and what to go on with: what is missing from the best model, or its parameters where nothing is."""
+def _show(found: Comparison, data: str, models: Sequence[str], figure: Path | None) -> None:
+    """The answer, and the command that goes on from it."""
     from springpot.comparison import Ranking
     from springpot.report.answers import comparison_text
     from springpot.report.ranking import ranked_text
 
-    best = found.best
     if isinstance(found, Ranking):
         print(ranked_text(found, window()))
     else:
         print(comparison_text(found, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
+    print(f"\nnext: springpot {_next_command(found, data, models)}")
+
+
+def _next_command(found: Comparison, data: str, models: Sequence[str]) -> str:
+    """One test of several; else what is missing from the best model, or its parameters where nothing is."""
+    from springpot.comparison import Ranking
+
+    # Before any model: what sets several tests apart is part of none.
+    if found.one_test:
+        given = "".join(f" --model {quoted(model)}" for model in dict.fromkeys(models))
+        return f"compare {quoted(with_rows(data, found.one_test))}{given}"
+    best, not_enough = found.best, False
+    if isinstance(found, Ranking):
+        # What is missing from any material is not to be sought beside one model of it.
+        if not found.adequate and found.near:
+            return f"diagnose {quoted(data)}"
+        not_enough = not found.adequate
     command = "identify"
-    if best.fails or best.unclear:
+    if not_enough or best.fails or best.unclear:
         command = "diagnose"
-    print(f"\nnext: springpot {command} {quoted(data)} --model {quoted(best.model.name)}")
+    return f"{command} {quoted(data)} --model {quoted(best.model.name)}"
 
 
 def _compared(measurement: Measurement, models: list[Model], seed: int) -> Comparison:

@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.diagnosis.battery import Battery, Finding, battery
 from springpot.diagnosis.diagnose import Progress, printed, silent
-from springpot.diagnosis.floor import fitted_to_floor
+from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
 from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
 from springpot.diagnosis.notes import judged, overtones
 from springpot.diagnosis.policy import VERDICT
@@ -24,6 +24,8 @@ from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement, thinned
 from springpot.rheology import Model
+
+from .apart import one_test_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,21 +101,22 @@ class Judgement:
     @property
     def unclear(self) -> bool:
         """Whether it is far from the noise, and no test says how; or the noise is larger than one may believe."""
-        return not self.fails and (self._is_far or self.error.is_hardly_noise)
+        return not self.fails and not self.at_noise
 
     @property
-    def _is_far(self) -> bool:
-        return self.error.relative_rms > VERDICT.small_rest * self.error.noise_floor
+    def at_noise(self) -> bool:
+        """Whether its error is as large as noise makes it; what pattern it has, is another question."""
+        return at_noise(self.refit, self.error)
 
     @property
     def says(self) -> str:
         """The judgement in one sentence."""
         ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
-        # Before "nothing is left but noise", which no error far beyond the floor may be called.
-        if self.unclear and self._is_far:
-            return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
-        if self.unclear:
+        if self.unclear and self.error.is_hardly_noise and not beyond_floor(self.refit):
             return f"{ratio}; nothing is left but noise, but {self.error.advice}"
+        # Before "nothing is left but noise", which no error beyond the floor may be called.
+        if self.unclear:
+            return f"{ratio}; what is left has no pattern: these data cannot tell whether something is missing"
         if not self.fails:
             return f"{ratio}; nothing is left but noise"
         # What fails without a place, such as too much scatter everywhere, is told by its surest test.
@@ -151,6 +154,9 @@ class Comparison:
         What the force harmonics say, whatever the model.
     notes : tuple of str
         What else the user should know.
+    one_test : str
+        How to choose the rows of one test, ``current=0.5``, where rows of several stand together and the best model
+        leaves more than noise; else empty.
 
     Examples
     --------
@@ -166,11 +172,12 @@ class Comparison:
     judgements: tuple[Judgement, ...]
     harmonics: tuple[Finding, ...]
     notes: tuple[str, ...]
+    one_test: str
 
     @property
     def best(self) -> Judgement:
         """The model with the least information criterion."""
-        return min(self.judgements, key=lambda judgement: judgement.delta_bic)
+        return best_of(self.judgements)
 
     @property
     def shown(self) -> tuple[Judgement, ...]:
@@ -215,6 +222,7 @@ class Comparison:
             "best": self.best.model.name,
             "models": [judgement.to_dict() for judgement in self.judgements],
             "harmonics": [finding.to_dict() for finding in self.harmonics],
+            "one_test": self.one_test,
             "notes": list(self.notes),
         }
 
@@ -257,8 +265,37 @@ def compare(
     if measured > len(measurement):
         notes.append(f"compared on {len(measurement)} of the {measured} points")
     progress("looking how near any material comes")
-    each = judgements(fits, material_floors(fits, rng), rng)
-    return Comparison(measurement.name, tuple(each), harmonics_of(quiet), tuple(notes))
+    each = tuple(judgements(fits, material_floors(fits, rng), rng))
+    best, one_test = best_of(each), ""
+    # Rows of several tests that one model follows to the noise need no parting.
+    if best.fails or best.unclear:
+        one_test, why = one_test_of(best.refit)
+        notes += filter(None, [why])
+    return Comparison(measurement.name, each, harmonics_of(quiet), tuple(notes), one_test)
+
+
+def best_of(compared: Sequence[Judgement]) -> Judgement:
+    """The model with the least information criterion."""
+    return min(compared, key=lambda one: one.delta_bic)
+
+
+def at_noise(found: Refit, error: Error) -> bool:
+    """Whether an error is as large as noise makes it, by the rules by which `diagnose` calls a model adequate.
+
+    Parameters
+    ----------
+    found : Refit
+        The model.
+    error : Error
+        Its error.
+    """
+    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
+    if error.relative_rms < VERDICT.arithmetic:
+        return True
+    # Of so few numbers neither the error nor the floor is known.
+    if found.fit.dof < VERDICT.fewest_spare:
+        return False
+    return not beyond_floor(found) and not error.is_hardly_noise
 
 
 def harmonics_of(found: Refit) -> tuple[Finding, ...]:

@@ -1,8 +1,9 @@
 """Installed models in order, where none is named: the simplest that does what any material can comes first.
 
 What is no part of the material is found first, by a discovery that begins with any material; with the effects that
-it accepts each model is fitted in units of the same noise. The material floor then says which models are adequate:
-those beside which a free spectrum gains no more than it gains from noise.
+it accepts each model is fitted in units of the same noise. The material floor then says which models are as near as
+any material: those beside which a free spectrum gains no more than it gains from noise. Adequate are those of them
+that leave no more than noise, by the rule of `diagnose`.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from springpot.diagnosis import Progress, any_material, silent
+from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
 from springpot.diagnosis.frame import chance_of_squares
 from springpot.diagnosis.ladder import Ladder, discover
+from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
 from springpot.diagnosis.policy import SEARCH
 from springpot.diagnosis.refit import Refit, refit
 from springpot.errors import DataError
@@ -25,7 +28,8 @@ from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
-from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
+from .apart import one_test_of
+from .compare import Comparison, Judgement, at_noise, effects_of, harmonics_of, judgements, material_floors
 
 CHANCE = 0.001
 """Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
@@ -35,12 +39,16 @@ ALIKE = 2.0
 them apart."""
 STARTS = 8
 """Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
+MOST_SPENT = 0.5
+"""Share of the measured numbers from which a model has more parameters than it leaves numbers to judge them by."""
 NEXT = 3
 """Models shown beside the adequate ones, which tell how much worse the next are."""
 LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
 MOST_DRAWN = 6
 """Models in a picture: more colours are not told apart."""
+TOO_FREE = "a free spectrum follows most of so few numbers, and what it leaves is less than their noise"
+"""Why the floor of any material is not taken."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
 
@@ -61,7 +69,10 @@ class Ranking(Comparison):
     ladder : Ladder
         The discovery from any material: what was accepted beside every model.
     adequate : tuple of Judgement
-        Models beside which no material does better than noise allows, those with the fewest parameters first.
+        Models beside which no material does better than noise allows and which leave no more than noise, those with
+        the fewest parameters first.
+    near : tuple of Judgement
+        Models beside which no material does better either, where any material leaves more than noise.
     skipped : tuple of Skipped
         Models that were not fitted.
 
@@ -78,22 +89,23 @@ class Ranking(Comparison):
 
     ladder: Ladder
     adequate: tuple[Judgement, ...]
+    near: tuple[Judgement, ...]
     skipped: tuple[Skipped, ...]
 
     @property
     def best(self) -> Judgement:
-        """The simplest adequate model; of none the one with the least information criterion."""
+        """The simplest adequate model, or the simplest near one; else that with the least information criterion."""
         return self.judgements[0]
 
     @cached_property
     def groups(self) -> tuple[tuple[Judgement, ...], ...]:
-        """The adequate models, those together whose curves lie closer than the noise can tell."""
-        return grouped(self.adequate)
+        """The adequate models and the near ones, those together whose curves lie closer than the noise can tell."""
+        return (*grouped(self.adequate), *grouped(self.near))
 
     @cached_property
     def next(self) -> tuple[Judgement, ...]:
         """The best of those that are not adequate, one of each kind of curve."""
-        nearest = self.judgements[len(self.adequate) :][:LOOKED_AT]
+        nearest = self.judgements[len(self.adequate) + len(self.near) :][:LOOKED_AT]
         return tuple(group[0] for group in grouped(nearest)[:NEXT])
 
     @property
@@ -105,9 +117,16 @@ class Ranking(Comparison):
     def says(self) -> str:
         """The answer in one sentence."""
         name = self.best.model.name
-        if not self.adequate:
-            return f"no installed model follows these data as well as any material does; the nearest is {name}"
-        return f"the simplest model that follows these data as well as any material does is {name}"
+        if self.adequate:
+            return f"the simplest model that follows these data as well as any material does is {name}"
+        if self.near and beyond_floor(self.best.refit):
+            return (
+                f"{name} is as near as any linear material, but not at the noise: what is missing is no part of the "
+                "material"
+            )
+        if self.near:
+            return f"{name} is as near as any linear material, but {self.best.error.advice}"
+        return f"no installed model follows these data as well as any material does; the nearest is {name}"
 
     def to_dict(self) -> dict[str, Any]:
         """Schema ``springpot.comparison/1``, with the ranking."""
@@ -119,6 +138,7 @@ class Ranking(Comparison):
                 "accepted": [effect.name for effect in last.model.effects],
                 "material": last.to_dict(),
                 "adequate": [one.model.name for one in self.adequate],
+                "near": [one.model.name for one in self.near],
                 "classes": [[one.model.name for one in group] for group in self.groups],
                 "skipped": [one._asdict() for one in self.skipped],
             },
@@ -158,39 +178,92 @@ def rank(
     case = ladder.steps[-1].case
     # Any material with the accepted effects tells the noise for all: no model leaves less.
     floor = case.search.base
-    fits: list[Refit] = []
     skipped: list[Skipped] = []
-    # Without the effects too: a model may make by itself what a free spectrum needs them for.
-    companions: list[tuple[Effect, ...]] = [()]
-    if floor.model.effects:
-        companions.insert(0, floor.model.effects)
-    for effects in companions:
-        for number, item in enumerate(installed, 1):
-            progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
-            fits += _fitted(item, effects, floor, skipped)
+    fits = _fits(installed, floor, skipped, progress)
     if not fits:
         raise DataError(
             f"{measurement.name}: none of the installed models can be judged by {len(measurement)} points"
         )
-    alone = [found for found in fits if not found.model.effects]
-    # That with the accepted effects is known from the discovery.
-    floors = material_floors(alone, rng) | {effects_of(floor): case.floor}
-    # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
-    ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
-    adequate = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
-    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
-    adequate.sort(key=lambda one: len(one.refit.theta))
-    others = [one for one in ordered if one not in adequate]
-    notes = dict.fromkeys([*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes])
+    order, notes = _in_order(fits, floor, case.floor, rng), []
+    if order.adequate and spends_most(order.adequate[0].refit):
+        progress("looking for a simpler model that is adequate by its own noise")
+        quietest = _quietest_alone(order.others, case.floor, rng)
+        if quietest is not None:
+            notes.append(f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
+            floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
+            fits = _fits(installed, floor, [], progress)
+            order = _in_order(fits, floor, material_floor(floor, rng), rng)
+    one_test = ladder.diagnosis.one_test
+    if one_test:
+        notes.append(one_test_of(case.naming.best)[1])
+    notes += [*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
     return Ranking(
         measurement.name,
-        (*adequate, *others),
+        (*order.adequate, *order.near, *order.others),
         harmonics_of(floor),
-        tuple(notes),
+        tuple(dict.fromkeys(filter(None, notes))),
+        one_test,
         ladder,
-        tuple(adequate),
+        tuple(order.adequate),
+        tuple(order.near),
         tuple(dict.fromkeys(skipped)),
     )
+
+
+class _Order(NamedTuple):
+    """Models sorted out, each list with its best first."""
+
+    adequate: list[Judgement]
+    near: list[Judgement]
+    others: list[Judgement]
+
+
+def _fits(
+    installed: Sequence[Model | Family], floor: Refit, skipped: list[Skipped], progress: Progress
+) -> list[Refit]:
+    """All models with the accepted effects, and without them: a model may make by itself what a spectrum cannot."""
+    companions: list[tuple[Effect, ...]] = [()]
+    if floor.model.effects:
+        companions.insert(0, floor.model.effects)
+    fits: list[Refit] = []
+    for effects in companions:
+        for number, item in enumerate(installed, 1):
+            progress(f"fitting model {number} of {len(installed)}{_with(effects)}: {item.name}")
+            fits += _fitted(item, effects, floor, skipped)
+    return fits
+
+
+def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator) -> _Order:
+    """The fits judged and sorted out, beside any material with the accepted effects."""
+    alone = [found for found in fits if not found.model.effects]
+    # That with the accepted effects is known already.
+    floors = material_floors(alone, rng) | {effects_of(floor): lowest}
+    # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
+    ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
+    as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
+    # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
+    as_near.sort(key=lambda one: len(one.refit.theta))
+    adequate = [one for one in as_near if one.at_noise]
+    near: list[Judgement] = []
+    # Where a material is at the noise, a model that is not lacks what the material has: only chance made it as near.
+    if not at_noise(floor, error_of(floor, lowest)):
+        near = [one for one in as_near if not one.at_noise]
+    return _Order(adequate, near, [one for one in ordered if one not in adequate and one not in near])
+
+
+def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.random.Generator) -> Refit | None:
+    """Of the models that `diagnose` would call adequate by the noise that their own fit finds, that of least noise.
+
+    A free spectrum follows so much of a few points that what it leaves is too small to be their noise.
+    """
+    found: list[Refit] = []
+    for one in [one for one in others if not spends_most(one.refit)][:LOOKED_AT]:
+        own = fitted_to_floor(one.model, one.refit.data.raw, [one.refit.theta])
+        alone = Judgement(own, error_of(own, lowest), 0.0, rng)
+        if alone.at_noise and not alone.fails:
+            found.append(own)
+    # One that is wrong takes part of its misfit for noise.
+    return min(found, key=lambda own: own.floor, default=None)
 
 
 def chance_beside(found: Refit, floor: Refit) -> float:
@@ -216,7 +289,16 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
     # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
     limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
-    return any(other.delta_bic < limit and len(other.refit.theta) > size for other in others)
+    better = [other for other in others if other.delta_bic < limit and len(other.refit.theta) > size]
+    # What one that spends most of the numbers gains on a model at the noise is noise that it follows.
+    if one.at_noise:
+        better = [other for other in better if not spends_most(other.refit)]
+    return bool(better)
+
+
+def spends_most(found: Refit) -> bool:
+    """Whether a model has more parameters than it leaves numbers to judge them by."""
+    return len(found.theta) > MOST_SPENT * 2 * len(found.fit.measurement)
 
 
 def _fitted(

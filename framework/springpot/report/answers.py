@@ -210,13 +210,13 @@ def nowhere(diagnosis: Diagnosis) -> str:
 
 
 def worth_showing(diagnosis: Diagnosis, most: int = SHOWN) -> list[Candidate]:
-    """Leading effects that are neither ruled out nor hopeless; the best one in any case."""
+    """Leading effects that are neither ruled out nor hopeless: what is shown is read as a suggestion."""
     # Evidence of minus infinity has an effect that could not be fitted.
     open_ones = [c for c in diagnosis.candidates if c.verdict != "absent" and c.delta_bic > -1e300]
     matter = [
         c for c in open_ones if c.verdict == "missing" or c.probability >= HOPELESS or c.effect in diagnosis.leading
     ]
-    return (matter or open_ones[:1] or list(diagnosis.candidates[:1]))[:most]
+    return matter[:most]
 
 
 def ranking_text(

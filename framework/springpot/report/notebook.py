@@ -11,6 +11,8 @@ from springpot.diagnosis import Diagnosis, Ladder
 from springpot.diagnosis.result import percent
 from springpot.markup import Html, html, table, tag
 
+from .answers import probability, worth_showing
+
 SHOWN = 6
 """Candidates in a notebook's table."""
 NOTES = 5
@@ -33,10 +35,10 @@ def _of_diagnosis(diagnosis: Diagnosis) -> Html:
         numbers = [f"{value[key]:.4g}" for key in ("value", "low", "high")]
         values.append((name, *numbers, value["unit"]))
     rows = []
-    for c in answer["candidates"][:SHOWN]:
-        errors = [percent(c[name]) for name in ("predicted_error", "error_after")]
-        alike = ", ".join(name for name in c["class"] if name != c["effect"])
-        rows.append((c["effect"], f"{c['probability']:.3f}", *errors, c["verdict"], alike))
+    for row in worth_showing(diagnosis, SHOWN):
+        errors = [percent(value) for value in (row.predicted_error, row.error_after)]
+        alike = ", ".join(name for name in row.alike if name != row.effect)
+        rows.append((row.effect, probability(row.probability), *errors, row.verdict, alike))
     headers = ("effect", "probability", "predicted error", "error after", "verdict", "cannot be told from")
     parts = [
         tag("p", tag("b", f"{answer['model']} of {answer['data']}: {answer['verdict']}")),

@@ -43,11 +43,16 @@ def _floors(ranking: Ranking) -> str:
 
 
 def _table(ranking: Ranking, width: int) -> str:
-    """One row for each group of adequate models, then the nearest of the others."""
-    rows = [_row(group[0], "adequate") for group in ranking.groups]
+    """One row for each group of adequate and of near models, then the nearest of the others."""
+    rows = []
+    for group in ranking.groups:
+        verdict = "adequate"
+        if group[0] in ranking.near:
+            verdict = "as any material"
+        rows.append(_row(group[0], verdict))
     rows += [_row(one, "not enough") for one in ranking.next]
     table = Table(HEADERS, rows, frozenset(HEADERS[2:])).without(("parameters", "delta BIC"), width).plain()
-    left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.next)
+    left = len(ranking.judgements) - len(ranking.adequate) - len(ranking.near) - len(ranking.next)
     if left:
         table += f"\n{left} more are not enough; --json has all"
     return table

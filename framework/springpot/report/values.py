@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, isfinite
 
 from springpot.identification import Value
 
@@ -19,7 +19,9 @@ def shown(value: Value) -> tuple[str, str]:
         return number(value.value), "fixed"
     if value.low == 0.0 and value.value < NOTHING * value.high < inf:
         return "0", f"[0, {number(value.high, 2)}]"
-    if value.determined or value.value <= 0.0:
+    # Zero and what is below it have no decades to count, but an interval without an end says nothing of them either.
+    ends = isfinite(value.low) and isfinite(value.high)
+    if value.determined or (value.value <= 0.0 and ends):
         return with_interval(value.value, value.low, value.high)
     if value.low > 0.0 and value.high == inf:
         return "-", f"{OPEN}, above {number(value.low, 2)}"
