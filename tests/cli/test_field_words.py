@@ -1,5 +1,7 @@
 """What is found is told in the words in which the data came: rad/s and G', Hz and stiffness."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -75,7 +77,12 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
     class Quiet(Judgement):
         fails = False
 
-    far, near = (Quiet(None, Error(size, 0.01, "estimated", 0.005), 0.0, rng) for size in (0.2, 0.012))
+    def judged(size):
+        known = SimpleNamespace(dof=40)
+        fitted = SimpleNamespace(fit=known, noise=known, relative_rms=size, floor=0.01)
+        return Quiet(fitted, Error(size, 0.01, "estimated", "", 0.005), 0.0, rng)
+
+    far, near = judged(0.2), judged(0.012)
     assert (far.unclear, near.unclear) == (True, False)
     assert "cannot tell" in far.says
     assert near.says.endswith("nothing is left but noise")

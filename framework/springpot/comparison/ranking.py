@@ -47,7 +47,7 @@ LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
 MOST_DRAWN = 6
 """Models in a picture: more colours are not told apart."""
-TOO_FREE = "a free spectrum follows most of so few numbers, and what it leaves is less than their noise"
+TOO_FREE = "what a free spectrum leaves is less, but only models of many parameters would be adequate by it"
 """Why the floor of any material is not taken."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
@@ -185,9 +185,9 @@ def rank(
             f"{measurement.name}: none of the installed models can be judged by {len(measurement)} points"
         )
     order, notes = _in_order(fits, floor, case.floor, rng), []
-    if order.adequate and spends_most(order.adequate[0].refit):
+    if order.outgrown:
         progress("looking for a simpler model that is adequate by its own noise")
-        quietest = _quietest_alone(order.others, case.floor, rng)
+        quietest = _quietest_alone([*order.near, *order.others], case.floor, rng)
         if quietest is not None:
             notes.append(f"the noise floor is the scatter about {quietest.model.name}: {TOO_FREE}")
             floor = refit(floor.model, floor.data, quietest.noise, [floor.theta])
@@ -211,11 +211,21 @@ def rank(
 
 
 class _Order(NamedTuple):
-    """Models sorted out, each list with its best first."""
+    """Models sorted out, each list with its best first.
+
+    Attributes
+    ----------
+    adequate, near, others : list of Judgement
+        As in a ranking.
+    outgrown : bool
+        Whether the first adequate one may owe it to its parameters: it spends most of the numbers, or simpler ones as
+        near as any material are beyond the floor.
+    """
 
     adequate: list[Judgement]
     near: list[Judgement]
     others: list[Judgement]
+    outgrown: bool
 
 
 def _fits(
@@ -248,13 +258,15 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     # Where a material is at the noise, a model that is not lacks what the material has: only chance made it as near.
     if not at_noise(floor, error_of(floor, lowest)):
         near = [one for one in as_near if not one.at_noise]
-    return _Order(adequate, near, [one for one in ordered if one not in adequate and one not in near])
+    others = [one for one in ordered if one not in adequate and one not in near]
+    outgrown = bool(adequate) and (adequate[0] is not as_near[0] or spends_most(adequate[0].refit))
+    return _Order(adequate, near, others, outgrown)
 
 
 def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.random.Generator) -> Refit | None:
     """Of the models that `diagnose` would call adequate by the noise that their own fit finds, that of least noise.
 
-    A free spectrum follows so much of a few points that what it leaves is too small to be their noise.
+    A free spectrum may follow so much of the points that what it leaves is too small to be their noise.
     """
     found: list[Refit] = []
     for one in [one for one in others if not spends_most(one.refit)][:LOOKED_AT]:
