@@ -47,7 +47,7 @@ LOOKED_AT = 20
 """Of the others, how many are looked at for these."""
 MOST_DRAWN = 6
 """Models in a picture: more colours are not told apart."""
-TOO_FREE = "what a free spectrum leaves is less, but only models of many parameters would be adequate by it"
+TOO_FREE = "what a free spectrum leaves is less, but by it none or only models of many parameters would be adequate"
 """Why the floor of any material is not taken."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
@@ -218,8 +218,8 @@ class _Order(NamedTuple):
     adequate, near, others : list of Judgement
         As in a ranking.
     outgrown : bool
-        Whether the first adequate one may owe it to its parameters: it spends most of the numbers, or simpler ones as
-        near as any material are beyond the floor.
+        Whether the floor of any material may be too low: none is adequate though that material is, or the first adequate
+        one spends most of the numbers, or simpler ones as near as any material are beyond the floor.
     """
 
     adequate: list[Judgement]
@@ -259,7 +259,9 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     if not at_noise(floor, error_of(floor, lowest)):
         near = [one for one in as_near if not one.at_noise]
     others = [one for one in ordered if one not in adequate and one not in near]
-    outgrown = bool(adequate) and (adequate[0] is not as_near[0] or spends_most(adequate[0].refit))
+    outgrown = not near
+    if adequate:
+        outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].refit)
     return _Order(adequate, near, others, outgrown)
 
 
