@@ -218,8 +218,8 @@ class _Order(NamedTuple):
     adequate, near, others : list of Judgement
         As in a ranking.
     outgrown : bool
-        Whether the floor of any material may be too low: none is adequate though that material is, or the first adequate
-        one spends most of the numbers, or simpler ones as near as any material are beyond the floor.
+        Whether the floor of any material may be too low: none is adequate though that material is, or the first
+        adequate one spends most of the numbers, or simpler ones as near as any material are beyond the floor.
     """
 
     adequate: list[Judgement]
