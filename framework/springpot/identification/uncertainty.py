@@ -170,6 +170,7 @@ class Uncertainty:
         """Interval of a parameter on its bound: in the parameter itself, as a logarithm has no end there."""
         fit, (lower, upper) = self.fit, _bounds(self.fit)
         slope = _linear_slope(fit, i)
+        whole = float(np.linalg.norm(slope))
         others = fit.jacobian_u[:, self.at_bound == 0]
         # What the others can make up for tells nothing of this one.
         if others.size:
@@ -178,7 +179,8 @@ class Uncertainty:
         # From a bound there is one way only: the whole tail lies on that side.
         side = student(2.0 * self.level - 1.0, self._freedom)
         reach = float("inf")
-        if size > 0:
+        # What rounding leaves of a slope that the others make up for is none.
+        if size > RANK * whole:
             reach = side * self.scale / size
         value = float(fit.theta[i])
         if self.at_bound[i] < 0:
