@@ -340,8 +340,8 @@ def _next_experiment(
     """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
     # Whatever else is open: first the frequency and the amplitude must be told from each other.
     names = [grown.names[0] for grown in evidence.search.confounded]
-    if evidence.search.promoted:
-        names = [name for name in evidence.classes[0] if name in evidence.search.promoted]
+    if evidence.moved:
+        names = [name for name in evidence.classes[0] if name in evidence.moved]
     if names and verdict != "adequate":
         return experiment_on_confounded(search.base.data.raw, names)
     if only_points(search, outliers):

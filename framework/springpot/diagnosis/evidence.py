@@ -63,6 +63,8 @@ class Evidence:
         Effects that the data ask for only in the company of such a one.
     beside_material : bool
         Whether they are sought beside a free spectrum because the user's model cannot follow the material.
+    moved : frozenset of str
+        Effects of a condition that was not varied by itself, judged as nothing else explains the data.
     """
 
     search: Search
@@ -72,6 +74,7 @@ class Evidence:
     imitators: frozenset[str] = frozenset()
     leaning: frozenset[str] = frozenset()
     beside_material: bool = False
+    moved: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -108,7 +111,9 @@ class Evidence:
         # fits as well or better is no evidence, as the data cannot tell the two apart.
         if found and search.confounded:
             found[:1] = _shared(found[0], search.confounded)
-        return cls(search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material)
+        return cls(
+            search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material, search.promoted
+        )
 
     @cached_property
     def effects(self) -> dict[str, float]:
@@ -144,7 +149,7 @@ class Evidence:
         A spectrum and two effects beside it follow any slow error of storage and of loss, and what goes with an
         amplitude that moved with the frequency may as well go with the frequency.
         """
-        moved = not self.search.promoted.isdisjoint(one.names)
+        moved = not self.moved.isdisjoint(one.names)
         return one.twice or moved or (self.beside_material and len(one.names) > 1)
 
     def _is_imitated(self, one: Explanation) -> bool:

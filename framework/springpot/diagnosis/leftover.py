@@ -142,7 +142,7 @@ class Column:
     values : int
         How many different ones it has.
     share : float
-        Of the misfit, in chi-square, that a gain and a phase of its own at each value takes.
+        Of the misfit, in chi-square, that a gain and a phase at each value, sloping along the frequency, takes.
     one_test : str
         How a user chooses the rows of one value: ``current=0.5``.
     """
@@ -156,9 +156,9 @@ class Column:
     def says(self) -> str:
         """One plain sentence."""
         return (
-            f"what is missing goes with {self.name}: a gain and a phase of its own at each of its {self.values} "
-            f"values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so choose one by "
-            f"'@{self.one_test}'"
+            f"what is missing goes with {self.name}: a gain and a phase of its own, with slopes, at each of its "
+            f"{self.values} values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so choose "
+            f"one by '@{self.one_test}'"
         )
 
 
@@ -175,11 +175,15 @@ def column_behind(frame: Frame) -> Column | None:
     """
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
     settings = settings_of(frame.measurement)
+    along = np.log(frame.measurement.omega)
+    along = (along - np.mean(along)) / max(float(np.ptp(along)), 1e-300)
     best: Column | None = None
     for name, number in settings.items():
         values = int(number.max()) + 1
         at_each = (number == np.arange(values)[:, None]).astype(np.float64)
-        basis = frame.beyond(frame.relative(at_each), LEAST_SEEN)
+        # Sloping along the frequency: what shifts the times of a material changes its size too, by its slope.
+        shapes = np.concatenate([at_each, at_each * along])
+        basis = frame.beyond(frame.relative(shapes), LEAST_SEEN)
         taken, spent = _seen(frame, basis).energy, int(basis.shape[1])
         if spent == 0 or spare <= spent:
             continue

@@ -197,7 +197,7 @@ def _confounded(evidence: Evidence) -> Iterator[str]:
         moves = f"the {name} was not varied by itself but moves with {beside}"
         says = f"{moves}; its effects are not judged"
         names = sorted(effect.name for effect in explained.values() if name in effect.needs)
-        if evidence.search.promoted:
+        if evidence.moved:
             says = f"{moves}, of which no effect explains the data"
         elif names:
             says = f"{says}: {', '.join(names)} would explain the data as well, and no fit can tell"

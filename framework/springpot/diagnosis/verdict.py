@@ -360,7 +360,7 @@ def _named(evidence: Evidence) -> str:
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
-    if evidence.search.promoted & set(named):
+    if evidence.moved & set(named):
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
     elif evidence.other_shape > VERDICT.worth_a_word:
