@@ -157,8 +157,8 @@ class Column:
         """One plain sentence."""
         return (
             f"what is missing goes with {self.name}: a gain and a phase of its own, with slopes, at each of its "
-            f"{self.values} values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so choose "
-            f"one by '@{self.one_test}'"
+            f"{self.values} values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so "
+            f"choose one by '@{self.one_test}'"
         )
 
 
