@@ -346,13 +346,11 @@ def _range(low: float, high: float, frequency: Real, units: Units) -> str:
 def _growth(measurement: Measurement, part: Part, rows: Rows) -> str:
     """How the residual changes with frequency, where the range is wide enough to say."""
     omega = measurement.omega[rows]
-    # Over less than a factor of two every power looks like every other.
-    if np.ptp(np.log(omega)) < WIDE or len(rows) < FEWEST_OF_A_LAW:
-        return ""
     # Points that scatter to the other side have no logarithm, and say nothing of how the misfit grows.
     sign = np.sign(np.sum(part.residual[rows]))
     kept = sign * part.residual[rows] > 0
-    if np.sum(kept) < FEWEST_OF_A_LAW:
+    # Over less than a factor of two every power looks like every other.
+    if np.sum(kept) < FEWEST_OF_A_LAW or np.ptp(np.log(omega[kept])) < WIDE:
         return ""
     size = np.abs(part.residual[rows][kept])
     slope = float(np.polyfit(np.log(omega[kept]), np.log(size), 1)[0])
