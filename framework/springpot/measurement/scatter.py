@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal, NamedTuple
@@ -225,35 +225,40 @@ def robust_noise_shape(measurement: Measurement, residual: Complex, rows: NDArra
         Which these are.
     """
     shapes = list(_shapes_of(measurement))
-    costs = [_student_cost(shape.of(rows), residual) + shape.price for shape in shapes]
-    best = shapes[int(np.argmin(costs))]
-    real, imag = _student_scales(best.of(rows), residual)
-    return np.asarray(real * best.real + 1j * imag * best.imag, dtype=np.complex128)
+    some = [shape.of(rows) for shape in shapes]
+    scales = _student_scales(some, residual)
+    costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
+    best = int(np.argmin(costs))
+    real, imag = scales[best]
+    return np.asarray(real * shapes[best].real + 1j * imag * shapes[best].imag, dtype=np.complex128)
 
 
-def _student_scales(shape: Shape, residual: Complex) -> tuple[float, float]:
-    """Scales of both parts, by iterated reweighting."""
-    parts = [np.abs(residual.real / shape.real), np.abs(residual.imag / shape.imag)]
-    if shape.tied:
-        scale = _student_scale(np.concatenate(parts))
-        return scale, scale
-    return _student_scale(parts[0]), _student_scale(parts[1])
+def _student_scales(shapes: Sequence[Shape], residual: Complex) -> Real:
+    """Scales (s, 2) of both parts by each of some shapes."""
+    real = np.abs(residual.real / np.array([shape.real for shape in shapes]))
+    imag = np.abs(residual.imag / np.array([shape.imag for shape in shapes]))
+    tied = np.array([shape.tied for shape in shapes])
+    scales = np.empty((len(shapes), 2))
+    scales[tied] = _student_scale(np.concatenate([real[tied], imag[tied]], axis=1))[:, None]
+    for part, size in enumerate((real, imag)):
+        scales[~tied, part] = _student_scale(size[~tied])
+    return scales
 
 
-def _student_scale(size: Real) -> float:
+def _student_scale(size: Real) -> Real:
+    """Scale (...) of each row of sizes (..., m), by iterated reweighting."""
     square = size**2
     # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
-    variance = max(float(np.mean(square)), LEAST_VARIANCE)
+    variance = np.maximum(np.mean(square, axis=-1), LEAST_VARIANCE)
     for _ in range(STUDENT_ROUNDS):
-        weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance)
-        variance = max(float(np.mean(weight * square)), LEAST_VARIANCE)
-    return float(np.sqrt(variance))
+        weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance[..., None])
+        variance = np.maximum(np.mean(weight * square, axis=-1), LEAST_VARIANCE)
+    return np.asarray(np.sqrt(variance), dtype=np.float64)
 
 
-def _student_cost(shape: Shape, residual: Complex) -> float:
-    """Minus twice the log-likelihood, and what a second scale costs."""
-    total = 0.0
-    scales = _student_scales(shape, residual)
+def _student_cost(shape: Shape, scales: Real, residual: Complex) -> float:
+    """Minus twice the log-likelihood, with the price of the shape and what a second scale costs."""
+    total = shape.price
     for part, form, scale in zip((residual.real, residual.imag), (shape.real, shape.imag), scales, strict=True):
         square = (part / (scale * form)) ** 2
         tails = (STUDENT_DOF + 1.0) * np.log1p(square / STUDENT_DOF)
