@@ -254,6 +254,16 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
     return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
 
 
+def shifted_twice(model: Model, effect: Effect) -> bool:
+    """Whether a model already has this shift: two of one law are a law with a kink, which is no physics."""
+    return effect.plane == "shift" and effect.name in {own.name for own in model.effects}
+
+
+def enough_for(base: Refit, model: Model) -> bool:
+    """Whether the data are numbers enough for a grown model."""
+    return len(model.names) <= 2 * len(base.fit.measurement)
+
+
 def scan_effects(
     base: Refit,
     frame: Frame,

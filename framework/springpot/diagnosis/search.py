@@ -23,7 +23,7 @@ from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from .refit import Refit, refit
 from .repeats import repeats_structure
 from .result import counted
-from .scan import Scan, Score, applicable, best_pairs, scan_effects
+from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +120,8 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         effect
         for effect in applicable(library, base.fit.measurement)
         if not effect.narrow
-        and _fits(base, base.model + effect)
-        and not _twice(base.model, effect)
+        and enough_for(base, base.model + effect)
+        and not shifted_twice(base.model, effect)
         and not within_material(base.model, effect)
     ]
     frame = base.frame()
@@ -131,6 +131,8 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
         search.grown.append(_grow(search, score))
+    _sort(search)
+    search.grown[1 : SEARCH.beam] = [_from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]]
     _sort(search)
     if search.grown and search.alarm < SEARCH.look_further:
         search.left = battery(search.best.frame(), rng)
@@ -153,7 +155,7 @@ def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
     present = {effect.name for effect in base.model.effects}
     effects = []
     for effect in applicable(library, base.fit.measurement):
-        if effect.narrow and effect.name not in present and _fits(base, base.model + effect):
+        if effect.narrow and effect.name not in present and enough_for(base, base.model + effect):
             for score in scan_effects(base, search.frame, [effect], threshold=search.scan.threshold).scores:
                 search.scan.scores.append(score)
                 search.grown += _clear(search, [_grow(search, score)])
@@ -204,21 +206,25 @@ def _strained(search: Search) -> bool:
     return spent > 1 or any(effect.prior < SEARCH.common for effect in best.effects)
 
 
-def _twice(model: Model, effect: Effect) -> bool:
-    """Whether a model already has this shift: two of one law are a law with a kink, which is no physics."""
-    return effect.plane == "shift" and effect.name in {own.name for own in model.effects}
-
-
-def _fits(base: Refit, model: Model) -> bool:
-    """Whether the data are numbers enough for a grown model."""
-    return len(model.names) <= 2 * len(base.fit.measurement)
-
-
 def _grow(search: Search, score: Score) -> Grown:
     """Refit with one more effect."""
     base = search.base
     grown = refit(score.influence.model, base.data, base.noise, list(score.starts), starts=2, effort=_effort(search))
     return Grown((score.influence.effect,), grown, score.predicted)
+
+
+def _from_the_best(search: Search, grown: Grown) -> Grown:
+    """A rival of the best model fitted again from what that one makes of the base, if that is better.
+
+    Of two effects with one curve each may have ended in another minimum of the base, and that would decide.
+    """
+    best = dict(zip(search.grown[0].refit.model.names, search.grown[0].refit.theta, strict=True))
+    own, base = grown.refit, search.base.model.names
+    start = [best[n] if n in base else value for n, value in zip(own.model.names, own.theta, strict=True)]
+    again = refit(own.model, search.base.data, search.base.noise, [np.array(start)], starts=0)
+    if again.log_evidence > own.log_evidence + EVIDENCE.rounding:
+        return replace(grown, refit=again)
+    return grown
 
 
 def _effort(search: Search) -> Effort:
@@ -255,7 +261,7 @@ def _seek_pairs(search: Search, effects: Sequence[Effect], rng: np.random.Genera
     base, effort = search.base, _effort(search)
     pairs = []
     for each in _once([*_together(search), *_one_by_one(search, effects)]):
-        if _fits(base, each.model):
+        if enough_for(base, each.model):
             fitted = refit(each.model, base.data, base.noise, each.starts, each.read_off, effort)
             pairs.append(Grown(each.effects, fitted, each.predicted))
     search.grown += _clear(search, pairs)
@@ -282,7 +288,7 @@ def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[_Asked]:
             effect
             for effect in effects
             if not (effect.narrow and any(one.narrow for one in first.effects))
-            and not _twice(first.refit.model, effect)
+            and not shifted_twice(first.refit.model, effect)
         ]
         for score in scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]:
             both = (*first.effects, score.influence.effect)
@@ -410,7 +416,7 @@ def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
         effect
         for effect in library
         if effect.needs & moved and effect.needs <= set(measurement.conditions) and not effect.narrow
-        and not effect.by_levels and _fits(base, base.model + effect)
+        and not effect.by_levels and enough_for(base, base.model + effect)
     ]  # fmt: skip
     least = max(search.best.log_evidence, base.log_evidence + EVIDENCE.as_good) - EVIDENCE.as_good
     alike = []
