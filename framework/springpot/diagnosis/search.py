@@ -218,6 +218,8 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
 
     Of two effects with one curve each may have ended in another minimum of the base, and that would decide.
     """
+    if is_material(search.base.model):
+        return grown  # its spectrum has no other minimum
     best = dict(zip(search.grown[0].refit.model.names, search.grown[0].refit.theta, strict=True))
     own, base = grown.refit, search.base.model.names
     start = [best[n] if n in base else value for n, value in zip(own.model.names, own.theta, strict=True)]
