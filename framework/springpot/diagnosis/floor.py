@@ -54,6 +54,8 @@ SLOW_WAVES = 2
 """Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
 FEWEST_FREE = 20.0
 """Degrees of freedom below which a period would take too many of them."""
+NEARLY = 2.0
+"""Error over noise floor up to which a model may be right, and its scatter tell where the noise is larger."""
 LEAST_RISE = 0.01
 """Relative change of the noise over |K| along a sweep from which its shape is another than that of |K|."""
 LEAST_LEFT = 0.1
@@ -136,17 +138,27 @@ def borne_out(best: Refit) -> bool:
 
 
 def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
-    size = data.mean.magnitude
+    size, everything = data.mean.magnitude, np.ones(len(data.mean), dtype=bool)
     # Proportional to |K| to begin with: both parts alike, and no frequency outweighs the others.
-    found = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
-    free, inside = found, np.ones(len(data.mean), dtype=bool)
+    first = refit(model, data, Noise(np.asarray(size + 1j * size), 1.0, "estimated"), seeds, starts=STARTS)
+    usual = _in_rounds(model, data, first, uneven=False)
+    # Beside a model that is far off its misfit would be taken for noise that rises where it fails.
+    if usual.relative_rms > NEARLY * usual.floor:
+        return usual
     # Before anything is set aside: where a rig is noisier at the ends of its range, these points are no outliers.
-    shape = next(_shapes(found, data.mean, inside))
-    if np.ptp(shape.sd.real / size) > LEAST_RISE * np.min(shape.sd.real / size):
-        found = free = refit(model, data, shape, [found.theta], starts=STARTS_OF_A_ROUND)
+    shape = next(_shapes(first, data.mean, everything, uneven=True))
+    relative = np.concatenate([shape.sd.real, shape.sd.imag]) / np.concatenate([size, size])
+    if np.ptp(relative) < LEAST_RISE * np.min(relative):
+        return usual
+    return _in_rounds(model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True)
+
+
+def _in_rounds(model: Model, data: Averaged, found: Refit, uneven: bool) -> Refit:
+    """The fit in units of a noise that is estimated about it, in turns."""
+    free, inside = found, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
-        tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside)]
+        tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside, uneven)]
         found, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
     return found
 
@@ -210,7 +222,7 @@ def sharpened(base: Refit, best: Refit) -> Refit | None:
     return refit(base.model, base.data, noise, [base.theta], starts=STARTS_AGAIN)
 
 
-def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) -> Iterator[Noise]:
+def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_], uneven: bool) -> Iterator[Noise]:
     """Noise with the dependence on the point that the scatter about slow curves favours; its size comes later.
 
     Where a ripple or a drift is seen in that scatter, also without it: its storage and its loss would be taken for
@@ -224,6 +236,8 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
         All points.
     inside : ndarray of bool, shape (n,)
         Those that do not.
+    uneven : bool
+        Whether the noise may be larger at an end of the frequencies, or of another size in each part.
     """
     frame, n = free.frame(), int(np.sum(inside))
     scatters = [frame.rough]
@@ -237,7 +251,7 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_]) ->
     for scatter in scatters:
         scatter = scatter / left_of_noise
         rough = scatter[:n] / free.noise.weights.real + 1j * scatter[n:] / free.noise.weights.imag
-        sd = at_least_rounding(robust_noise_shape(measurement, rough, inside), measurement)
+        sd = at_least_rounding(robust_noise_shape(measurement, rough, inside, uneven), measurement)
         yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 

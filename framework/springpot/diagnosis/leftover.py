@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from springpot.distributions import f_sf, normal_quantile
-from springpot.measurement import distinct_log_omega, largest_test, settings_of, sweeps_of, temperatures_differ
+from springpot.measurement import (
+    CONDITIONS,
+    Measurement,
+    distinct_log_omega,
+    largest_test,
+    settings_of,
+    sweeps_of,
+    temperatures_differ,
+)
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
@@ -179,6 +187,8 @@ def column_behind(frame: Frame) -> Column | None:
     along = (along - np.mean(along)) / max(float(np.ptp(along)), 1e-300)
     best: Column | None = None
     for name, number in settings.items():
+        if _is_a_condition(frame.measurement, number):
+            continue
         values = int(number.max()) + 1
         at_each = (number == np.arange(values)[:, None]).astype(np.float64)
         # Sloping along the frequency: what shifts the times of a material changes its size too, by its slope.
@@ -195,6 +205,16 @@ def column_behind(frame: Frame) -> Column | None:
         if is_behind and (best is None or share > best.share):
             best = Column(name, values, share, largest_test(frame.measurement, name))
     return best
+
+
+def _is_a_condition(measurement: Measurement, number: Rows) -> bool:
+    """Whether a temperature or an amplitude has one value of a column at each of its levels, as names of files do."""
+    for name in set(CONDITIONS) & measurement.conditions.keys():
+        level = measurement.levels(name)
+        pairs = np.unique(np.column_stack([level, number]), axis=0)
+        if len(pairs) == len(np.unique(level)) < len(level):
+            return True
+    return False
 
 
 @dataclass(frozen=True)

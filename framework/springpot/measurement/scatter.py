@@ -166,21 +166,28 @@ class Shape:
 
 
 def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
-    """Noise proportional to |K|, to each part by itself, larger at an end, or beside a floor of constant force."""
+    """Noise proportional to |K|, to each part by itself, or beside a floor of constant force."""
     size = measurement.magnitude
     parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
     yield Shape(size, size, True, 0.0)
-    yield Shape(size, size, False, PARTS_DIFFER)
+    yield Shape(size, size, False, UNUSUAL_SHAPE)
     yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
-    yield Shape(parts[0], parts[1], False, PARTS_DIFFER)
-    for rise in _rises(np.log(measurement.omega)):
-        yield Shape(size * rise, size * rise, True, UNUSUAL_SHAPE)
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
     if force.max() > FORCE_RANGE * force.min():
         for level in FORCE_LEVELS:
             floor = np.hypot(size, level * force.min() / amplitude)
             yield Shape(floor, floor, True, FORCE_FLOOR)
+
+
+def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
+    """Noise of two sizes, or larger at an end of the frequencies: what the misfit of a wrong model looks like too."""
+    size = measurement.magnitude
+    parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
+    yield Shape(size, size, False, PARTS_DIFFER)
+    yield Shape(parts[0], parts[1], False, PARTS_DIFFER)
+    for rise in _rises(np.log(measurement.omega)):
+        yield Shape(size * rise, size * rise, True, UNUSUAL_SHAPE)
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:
@@ -209,7 +216,9 @@ def noise_shape(measurement: Measurement, scatter: Scatter) -> Complex:
     return min(fits, key=lambda fit: fit[0])[1]
 
 
-def robust_noise_shape(measurement: Measurement, residual: Complex, rows: NDArray[np.bool_]) -> Complex:
+def robust_noise_shape(
+    measurement: Measurement, residual: Complex, rows: NDArray[np.bool_], uneven: bool = False
+) -> Complex:
     """Standard deviations (n,), up to a scale, of the shape that a residual favours, whatever stands out from it.
 
     By the likelihood of Student's t (Lange, Little and Taylor 1989, doi:10.2307/2290063): where the noise of some
@@ -223,8 +232,12 @@ def robust_noise_shape(measurement: Measurement, residual: Complex, rows: NDArra
         The scatter of some of them about slow curves, in the unit of K.
     rows : ndarray of bool, shape (n,)
         Which these are.
+    uneven : bool
+        Whether it may be larger at an end of the frequencies, or of another size in each part.
     """
     shapes = list(_shapes_of(measurement))
+    if uneven:
+        shapes += _uneven_shapes_of(measurement)
     some = [shape.of(rows) for shape in shapes]
     scales = _student_scales(some, residual)
     costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
