@@ -343,7 +343,7 @@ def _next_experiment(
     if evidence.moved:
         names = [name for name in evidence.classes[0] if name in evidence.moved]
     if names and verdict != "adequate":
-        return experiment_on_confounded(search.base.data.raw, names)
+        return experiment_on_confounded(evidence.search.base.fit.measurement, names)
     if only_points(search, outliers):
         return experiment_on_points(outliers)
     # Effects that nobody believes in are not worth a measurement that tells them apart.

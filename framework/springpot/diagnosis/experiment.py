@@ -392,7 +392,7 @@ def experiment_on_confounded(measurement: Measurement, names: Sequence[str]) -> 
     Parameters
     ----------
     measurement : Measurement
-        The data as measured.
+        The data in which it moved.
     names : sequence of str
         Effects of that condition which would explain the data.
     """

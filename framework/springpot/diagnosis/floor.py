@@ -73,7 +73,6 @@ ENOUGH_NEIGHBOURS = 10
 """Degrees of freedom below which second differences say too little."""
 FEWEST_ABOUT_MODEL = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
-
 LEAST_SPARE = 0.4
 """Share of the numbers that a model leaves over before its scatter says anything: of nine points a free spectrum, a
 filter and a resonance follow the noise to a fiftieth of it."""

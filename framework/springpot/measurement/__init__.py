@@ -32,13 +32,13 @@ from .scatter import (
 )
 from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
-from .sweeps import Sweep, distinct_log_omega, frequency_numbers, sweeps_of, temperatures_differ
+from .sweeps import Sweep, distinct_log_omega, sweeps_of, temperatures_differ
 from .timed import Timed, grown, material_of
 from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import TimeTest
-from .together import largest_test, settings_of, tests_together
+from .together import frequency_numbers, largest_test, settings_of, tests_together
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .measurement import Measurement
-from .sweeps import DRIFT, frequency_numbers
+from .sweeps import DRIFT
 from .together import NOTE as TOGETHER
-from .together import RUNS, largest_test, told_apart
+from .together import RUNS, frequency_numbers, largest_test, told_apart
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""

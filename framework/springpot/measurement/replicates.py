@@ -14,8 +14,8 @@ from springpot.rheology import Complex, Model, Real
 
 from .measurement import CONDITIONS, Measurement
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
-from .sweeps import frequency_numbers, sweeps_of
-from .together import told_apart
+from .sweeps import sweeps_of
+from .together import frequency_numbers, told_apart
 
 Rows: TypeAlias = NDArray[np.int64]
 

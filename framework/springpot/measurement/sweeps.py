@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 from springpot.rheology import Real
 
 from .measurement import Measurement
-from .together import told_apart
+from .together import DIGITS, frequency_numbers, told_apart
 
-DIGITS = 6
-"""Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
 DRIFT = 1.0
 """Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
 SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
@@ -34,12 +32,6 @@ class Sweep(NamedTuple):
 
     rows: NDArray[np.int64]
     x: Real
-
-
-def frequency_numbers(measurement: Measurement) -> NDArray[np.int64]:
-    """Number of the distinct frequency of each row, ascending; shape (n,)."""
-    _, number = np.unique(np.round(np.log(measurement.omega), DIGITS), return_inverse=True)
-    return np.asarray(number.ravel(), dtype=np.int64)
 
 
 def distinct_log_omega(measurement: Measurement) -> Real:

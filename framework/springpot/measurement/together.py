@@ -30,7 +30,7 @@ _MOST_RUNS = 0.5
 _ROWS_OF_A_SETTING = 3
 """Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own."""
 
-_DIGITS = 6
+DIGITS = 6
 """Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
 
 
@@ -52,6 +52,12 @@ class Rows(Hashable, Protocol):
     @property
     def repeat(self) -> NDArray[np.int64] | None:
         """Which repetition a row (n,) belongs to."""
+
+
+def frequency_numbers(data: Rows) -> NDArray[np.int64]:
+    """Number of the distinct frequency of each row, ascending; shape (n,)."""
+    _, number = np.unique(np.round(np.log(data.omega), DIGITS), return_inverse=True)
+    return np.asarray(number.ravel(), dtype=np.int64)
 
 
 def runs_together(
@@ -154,7 +160,7 @@ def told_apart(data: Rows) -> dict[str, NDArray[np.int64]]:
     settings = settings_of(data)
     if not settings:
         return {}
-    same = [np.unique(np.round(np.log(data.omega), _DIGITS), return_inverse=True)[1].ravel()]
+    same = [frequency_numbers(data)]
     same += [levels_of(name, data.conditions[name]) for name in CONDITIONS if name in data.conditions]
     repeat = np.zeros(len(data.omega), dtype=np.int64)
     if data.repeat is not None:
