@@ -13,6 +13,7 @@ import numpy as np
 from springpot.diagnosis.battery import Battery, Finding, battery
 from springpot.diagnosis.diagnose import Progress, printed, silent
 from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
+from springpot.diagnosis.leftover import column_behind, one_test_of
 from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
 from springpot.diagnosis.notes import judged, overtones
 from springpot.diagnosis.policy import VERDICT
@@ -24,8 +25,6 @@ from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement, thinned
 from springpot.rheology import Model
-
-from .apart import one_test_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -269,7 +268,7 @@ def compare(
     best, one_test = best_of(each), ""
     # Rows of several tests that one model follows to the noise need no parting.
     if best.fails or best.unclear:
-        one_test, why = one_test_of(best.refit)
+        one_test, why = one_test_of(best.refit.data.raw, column_behind(best.refit.frame()))
         notes += filter(None, [why])
     return Comparison(measurement.name, each, harmonics_of(quiet), tuple(notes), one_test)
 

@@ -19,6 +19,7 @@ from springpot.diagnosis import Progress, any_material, silent
 from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
 from springpot.diagnosis.frame import chance_of_squares
 from springpot.diagnosis.ladder import Ladder, discover
+from springpot.diagnosis.leftover import column_behind, one_test_of
 from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
 from springpot.diagnosis.policy import SEARCH
 from springpot.diagnosis.refit import Refit, refit
@@ -28,7 +29,6 @@ from springpot.measurement import Measurement
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
-from .apart import one_test_of
 from .compare import Comparison, Judgement, at_noise, effects_of, harmonics_of, judgements, material_floors
 
 CHANCE = 0.001
@@ -195,7 +195,8 @@ def rank(
             order = _in_order(fits, floor, material_floor(floor, rng), rng)
     one_test = ladder.diagnosis.one_test
     if one_test:
-        notes.append(one_test_of(case.naming.best)[1])
+        found = case.naming.best
+        notes.append(one_test_of(found.data.raw, column_behind(found.frame()))[1])
     notes += [*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
     return Ranking(
         measurement.name,

@@ -10,12 +10,12 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.identification import Uncertainty, is_material, require_conditions
-from springpot.measurement import Measurement, largest_test, steadied, tests_together, thinned
+from springpot.measurement import Measurement, steadied, thinned
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
-from .leftover import Column, column_behind
+from .leftover import Column, column_behind, one_test_of
 from .material import MaterialFloor, error_of, material_floor, split_in_words
 from .notes import header_notes, notes, unexplained_harmonics
 from .outliers import Outlier
@@ -250,10 +250,10 @@ def _answer(
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
     leading = leading_names(search, evidence, verdict)
-    column, split, classes, experiment = None, "", [], None
+    column, one_test, split, classes, experiment = None, "", "", [], None
     if verdict in OPEN:
         column = column_behind(naming.best.frame())
-    one_test = _one_test(search, verdict, column)
+        one_test, _ = one_test_of(search.base.data.raw, column)
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
@@ -309,17 +309,6 @@ def _chances(search: Search, evidence: Evidence) -> dict[str, float]:
         "nothing": evidence.nothing,
         "unknown": evidence.unknown + evidence.narrow + evidence.other_shape,
     }
-
-
-def _one_test(search: Search, verdict: Verdict, column: Column | None) -> str:
-    """How to choose one of several tests that stand together, where no effect explains what sets them apart."""
-    data = search.base.data.raw
-    if column is not None:
-        return column.one_test
-    names = tests_together(data)
-    if verdict in OPEN and names:
-        return largest_test(data, names[0])
-    return ""
 
 
 def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:

@@ -19,6 +19,7 @@ from springpot.measurement import (
     settings_of,
     sweeps_of,
     temperatures_differ,
+    tests_together,
 )
 from springpot.rheology import Complex, Real, Shift
 
@@ -205,6 +206,27 @@ def column_behind(frame: Frame) -> Column | None:
         if is_behind and (best is None or share > best.share):
             best = Column(name, values, share, largest_test(frame.measurement, name))
     return best
+
+
+def one_test_of(measurement: Measurement, column: Column | None) -> tuple[str, str]:
+    """How to choose the rows of one test, such as ``current=0.5``, and why; both empty where the rows are of one.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data, of which the best model leaves more than noise.
+    column : Column or None
+        With which of the columns the misfit goes.
+    """
+    # Before what only tells rows apart: with this one the misfit goes.
+    if column is not None:
+        return column.one_test, column.says
+    names = tests_together(measurement)
+    if not names:
+        return "", ""
+    one_test = largest_test(measurement, names[0])
+    why = f"rows of several tests stand together, told apart by {names[0]}; choose one by '@{one_test}'"
+    return one_test, why
 
 
 def _is_a_condition(measurement: Measurement, number: Rows) -> bool:
