@@ -12,13 +12,14 @@ import numpy as np
 from springpot.comparison import Comparison, rank
 from springpot.comparison import compare as compare_objects
 from springpot.constraints import Bounds, constrained, excluded, optimiser_of, own_values
-from springpot.diagnosis import Diagnosis, Ladder, Progress, any_material, silent
+from springpot.diagnosis import Diagnosis, Ladder, Progress, silent
 from springpot.diagnosis import diagnose as diagnose_objects
 from springpot.diagnosis import discover as discover_objects
 from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Identification, Objective, Optimiser, require_conditions
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement, OpenQuestion
+from springpot.misfit import any_material
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
 from springpot.standing import standing_of

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from springpot.diagnosis import Value
 from springpot.measurement import Timed, material_of
+from springpot.misfit.values import Value
 from springpot.registry import effect_in_time, parse_timed
 from springpot.rheology import Model
 from springpot.timetests import Known, Place, TimeCandidate, TimeError, best_of, missing_of

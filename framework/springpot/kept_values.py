@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from math import nan
 from typing import Any, TypeVar
 
-from springpot.diagnosis import Value
 from springpot.identification import kept_interval
+from springpot.misfit.values import Value
 
 P = TypeVar("P")
 

@@ -13,11 +13,14 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from springpot.diagnosis import Candidate, Diagnosis, Error, NextExperiment, Value, Where
+from springpot.diagnosis import Candidate, Diagnosis, NextExperiment
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
+from springpot.misfit.error import Error
+from springpot.misfit.values import Value
+from springpot.misfit.where import Where
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Model
 from springpot.standing import standing_of

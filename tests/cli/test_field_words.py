@@ -60,7 +60,7 @@ def test_json_stays_in_hertz(springpot, rheometer, write):
 def test_a_share_beyond_all_is_written_out():
     """A stiffness that is twentyfold too high is off by 1900 %, not by 1.9e+03 %."""
     from springpot import Measurement
-    from springpot.diagnosis.where import Part, _place
+    from springpot.misfit.where import Part, _place
 
     data = Measurement(OMEGA, np.full(15, 100.0 + 1.0j))
     part = Part(data.units.storage, np.full(15, -1900.0), np.full(15, -19.0), np.full(15, -50.0))
@@ -72,7 +72,7 @@ def test_a_share_beyond_all_is_written_out():
 def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng):
     """Thirty per cent of scatter in one direction of an otherwise smooth curve is not 'nothing but noise'."""
     from springpot.comparison import Judgement
-    from springpot.diagnosis.result import Error
+    from springpot.misfit.error import Error
 
     class Quiet(Judgement):
         fails = False

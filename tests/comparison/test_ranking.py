@@ -8,10 +8,10 @@ import pytest
 import springpot
 from springpot.comparison import Ranking, rank
 from springpot.comparison.ranking import ALIKE, CHANCE, chance_beside, grouped, spends_most
-from springpot.diagnosis.floor import beyond_floor
-from springpot.diagnosis.policy import SEARCH
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
+from springpot.misfit.floor import beyond_floor
+from springpot.policy import SEARCH
 from springpot.report.jsontext import jsonable
 from springpot.report.ranking import ranked_text
 

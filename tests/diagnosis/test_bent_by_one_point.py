@@ -5,7 +5,7 @@ import pytest
 from hidden_data import KELVIN, design, exact, measured
 
 import springpot
-from springpot.diagnosis.outliers import pulling
+from springpot.misfit.outliers import pulling
 from springpot.rheology import Model, parallel, spring
 
 AT = design(30, 0.05, 50.0)
@@ -36,7 +36,7 @@ def test_a_mass_that_begins_at_the_end_is_no_outlier():
 
 
 def frame_of(stiffness):
-    fit = springpot.diagnosis.floor.fitted_to_floor
+    fit = springpot.misfit.floor.fitted_to_floor
     data = springpot.Measurement(AT.omega, stiffness, sd=0.01 * np.abs(stiffness) * (1 + 1j))
     return fit(Model("spring", parallel(spring())), data).frame()
 

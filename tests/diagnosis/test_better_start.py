@@ -7,9 +7,9 @@ from hidden_data import KELVIN, SWEEP, exact, hidden, measured
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.diagnosis.refit import Refit
 from springpot.diagnosis.scan import Scan
 from springpot.diagnosis.search import better_start
+from springpot.misfit.refit import Refit
 from springpot.registry import plugins
 
 

@@ -7,10 +7,10 @@ import pytest
 from hidden_data import TEMPERATURES, WARM, design, measured
 
 import springpot
-from springpot.diagnosis.floor import fitted_to_floor
-from springpot.diagnosis.frame import Frame
-from springpot.diagnosis.leftover import causal_evidence, discrepancy, log_shift_of
 from springpot.measurement import Measurement
+from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.frame import Frame
+from springpot.misfit.leftover import causal_evidence, discrepancy, log_shift_of
 
 LEVEL = 0.005
 CELSIUS = (0.0, 20.0, 40.0, 60.0)

@@ -12,8 +12,8 @@ from soaked import soaked
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
 from springpot.diagnosis.experiment import Clash, actions
-from springpot.diagnosis.frame import orthonormal
 from springpot.identification import Window, shown
+from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
 from springpot.report.answers import doubt_text
 

@@ -10,8 +10,8 @@ import springpot
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import best_with
 from springpot.diagnosis.experiment import Clash, actions, next_experiment, promise, separation
-from springpot.diagnosis.result import plain
 from springpot.measurement import Measurement
+from springpot.misfit.words import plain
 from springpot.registry import plugins
 
 

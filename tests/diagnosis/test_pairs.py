@@ -6,9 +6,9 @@ from hidden_data import KELVIN, SWEEP, exact, measured
 
 import springpot
 from springpot.diagnosis import examine
-from springpot.diagnosis.policy import SEARCH
-from springpot.diagnosis.refit import refit
 from springpot.diagnosis.search import scan_effects
+from springpot.misfit.refit import refit
+from springpot.policy import SEARCH
 from springpot.registry import plugins
 
 OMEGA = SWEEP.omega

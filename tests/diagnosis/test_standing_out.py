@@ -8,8 +8,8 @@ from hidden_data import KELVIN, WARM, design, exact, measured
 
 import springpot
 from soaked import soaked
-from springpot.diagnosis.floor import fitted_to_floor, undragged
 from springpot.measurement import Measurement
+from springpot.misfit.floor import fitted_to_floor, undragged
 
 MODEL = springpot.parse_model("fractional-kelvin")
 AT = design(40, 0.1, 50.0)

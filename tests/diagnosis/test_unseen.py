@@ -5,9 +5,9 @@ import pytest
 from hidden_data import design, measured
 
 import springpot
-from springpot.diagnosis.battery import battery
-from springpot.diagnosis.floor import fitted_to_floor
-from springpot.diagnosis.unseen import folds_of, left_out_error, unseen_error
+from springpot.misfit.battery import battery
+from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.unseen import folds_of, left_out_error, unseen_error
 
 STEPS = design(8, 0.1, 50.0, temperatures=(-10.0, 5.0, 20.0, 35.0, 50.0))
 KELVIN_VOIGT = 50.0 + 0.3j * STEPS.omega

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.policy import VERDICT
 from springpot.diagnosis.verdict import RULES, Facts, _stand_out_together, rule_for
+from springpot.policy import VERDICT
 
 CLEAR = VERDICT.clear_evidence
 SEEN = {"by_battery": True, "certain": True}

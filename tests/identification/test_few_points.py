@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis import any_material
 from springpot.identification import default_objective
 from springpot.identification.material import SPARE, fit_spectrum
+from springpot.misfit import any_material
 
 
 def zener(count: int, noise: float, seed: int = 0) -> springpot.Measurement:

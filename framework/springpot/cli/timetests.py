@@ -108,7 +108,7 @@ def diagnose(
     tests: Sequence[Test], model: Model | Timed | None, data: Sequence[str], named: str | None, as_json: bool
 ) -> None:
     """``springpot diagnose`` of the tests in time that DATA name: what is missing, from the raw signals."""
-    from springpot.diagnosis import any_material
+    from springpot.misfit import any_material
     from springpot.registry import library_in_time
     from springpot.timetests import diagnose as diagnose_in_time
 
@@ -125,8 +125,8 @@ def discover(
     given: Sequence[str],
 ) -> None:
     """``springpot discover`` from tests in time."""
-    from springpot.diagnosis import any_material
     from springpot.errors import OptionError
+    from springpot.misfit import any_material
     from springpot.registry import library_in_time
     from springpot.report.fits import climbed_in_time_text
     from springpot.timetests import discover as discover_in_time

@@ -10,20 +10,22 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from springpot.diagnosis.battery import Battery, Finding, battery
-from springpot.diagnosis.diagnose import Progress, printed, silent
-from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
-from springpot.diagnosis.leftover import column_behind, one_test_of
-from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
+from springpot.diagnosis.diagnose import Progress, silent
 from springpot.diagnosis.notes import judged, overtones
-from springpot.diagnosis.policy import VERDICT
-from springpot.diagnosis.refit import Refit, refit
-from springpot.diagnosis.result import Error, Value, Where, times
-from springpot.diagnosis.where import where
 from springpot.drawing import draw, html_of, text_of
 from springpot.errors import DataError, OptionError
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement, thinned
+from springpot.misfit.battery import Battery, Finding, battery
+from springpot.misfit.error import Error
+from springpot.misfit.floor import beyond_floor, fitted_to_floor
+from springpot.misfit.leftover import column_behind, one_test_of
+from springpot.misfit.material import MaterialFloor, error_of, material_floor
+from springpot.misfit.refit import Refit, refit
+from springpot.misfit.values import Value, printed
+from springpot.misfit.where import Where, where
+from springpot.misfit.words import times
+from springpot.policy import VERDICT
 from springpot.rheology import Model
 
 if TYPE_CHECKING:

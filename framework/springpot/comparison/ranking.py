@@ -15,17 +15,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from springpot.diagnosis import Progress, any_material, silent
-from springpot.diagnosis.floor import beyond_floor, fitted_to_floor
-from springpot.diagnosis.frame import chance_of_squares
+from springpot.diagnosis import Progress, silent
 from springpot.diagnosis.ladder import Ladder, discover
-from springpot.diagnosis.leftover import column_behind, one_test_of
-from springpot.diagnosis.material import MaterialFloor, error_of, material_floor
-from springpot.diagnosis.policy import SEARCH
-from springpot.diagnosis.refit import Refit, refit
 from springpot.errors import DataError
 from springpot.identification import is_material, weighted
 from springpot.measurement import Measurement
+from springpot.misfit import any_material
+from springpot.misfit.floor import beyond_floor, fitted_to_floor
+from springpot.misfit.frame import chance_of_squares
+from springpot.misfit.leftover import column_behind, one_test_of
+from springpot.misfit.material import MaterialFloor, error_of, material_floor
+from springpot.misfit.refit import Refit, refit
+from springpot.policy import SEARCH
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 

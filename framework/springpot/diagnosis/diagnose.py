@@ -9,23 +9,24 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from springpot.errors import ModelError
-from springpot.identification import Uncertainty, is_material, require_conditions
+from springpot.identification import is_material, require_conditions
 from springpot.measurement import Measurement, steadied, thinned
+from springpot.misfit.leftover import Column, column_behind, one_test_of
+from springpot.misfit.material import MaterialFloor, error_of, material_floor, split_in_words
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.refit import Refit
+from springpot.misfit.values import Value, printed
+from springpot.misfit.where import Where, periodic, where
+from springpot.policy import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
-from .leftover import Column, column_behind, one_test_of
-from .material import MaterialFloor, error_of, material_floor, split_in_words
 from .notes import header_notes, notes, unexplained_harmonics
-from .outliers import Outlier
-from .policy import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
-from .refit import Refit
-from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Value, Verdict, Where
+from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
 from .scan import Score, scan_effects
 from .search import Grown, Search, search_data, search_from
 from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
-from .where import periodic, where
 
 Progress: TypeAlias = Callable[[str], None]
 """Called with a stage in a few words when it begins; whatever it raises ends the work."""
@@ -464,22 +465,3 @@ def _parameters(refit: Refit, effect: Effect) -> dict[str, Value]:
         if prefix.partition("#")[0] == effect.name:
             own[short] = value
     return own
-
-
-def printed(refit: Refit) -> dict[str, Value]:
-    """All parameters with their 95 % intervals, in the units in which they are printed.
-
-    Where a model does not fit, its misfit and not the noise sets how uncertain they are.
-    """
-    units = refit.fit.measurement.units
-    fits = refit.fit.dof <= 0 or refit.relative_rms < VERDICT.misfit * refit.floor
-    low, high = Uncertainty(refit.fit, absolute=fits).interval()
-    rows = {}
-    for i, parameter in enumerate(refit.model.parameters):
-        # The lines of a free spectrum are told as a whole, as a spectrum.
-        if parameter.detail:
-            continue
-        factor, label = units.of(parameter.unit)
-        value, least, most = (float(numbers[i]) * factor for numbers in (refit.theta, low, high))
-        rows[parameter.name] = Value(value, least, most, label)
-    return rows

@@ -8,12 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from springpot.misfit.frame import Frame
+from springpot.misfit.refit import Refit
+from springpot.policy import EVIDENCE
 from springpot.rheology import Real
 
-from .frame import Frame
 from .marginal import harmonic_evidence, marginal, unknown_marginal
-from .policy import EVIDENCE
-from .refit import Refit
 from .search import Grown, Search
 
 

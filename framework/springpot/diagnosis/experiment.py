@@ -16,13 +16,14 @@ from scipy.optimize import least_squares
 
 from springpot.identification import weighted
 from springpot.measurement import KELVIN, Measurement, Units, distinct_log_omega, moved_along, spread_of, sweeps_of
+from springpot.misfit.frame import orthonormal
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.refit import Refit
+from springpot.misfit.words import plain
+from springpot.policy import EXPERIMENT
 from springpot.rheology import GRADIENT, INERTANCE, Complex, Points, Real
 
-from .frame import orthonormal
-from .outliers import Outlier
-from .policy import EXPERIMENT
-from .refit import Refit
-from .result import NextExperiment, plain
+from .result import NextExperiment
 
 TYPED_IN, WAITED_FOR, WORKED_FOR = 1.0, 1.5, 2.0
 """Effort of an amplitude, which is a number; of frequencies, a temperature or an empty rig, which take a while; of a

@@ -12,14 +12,15 @@ import numpy as np
 from springpot.drawing import draw, html_of, text_of
 from springpot.identification import require_conditions
 from springpot.measurement import Measurement
+from springpot.misfit.refit import refit
+from springpot.misfit.unseen import prediction_gain
+from springpot.misfit.values import Value, printed
+from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
-from .diagnose import Case, Progress, examine, printed, silent, within
-from .policy import SEARCH, VERDICT
-from .refit import refit
-from .result import Diagnosis, Value, Verdict
+from .diagnose import Case, Progress, examine, silent, within
+from .result import Diagnosis, Verdict
 from .scan import scan_effects
-from .unseen import prediction_gain
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""

@@ -13,11 +13,11 @@ from scipy.special import logsumexp
 
 from springpot.identification import Uncertainty, Window, held_costs, shown
 from springpot.measurement import CONDITIONS, telling
+from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
+from springpot.misfit.refit import Refit
+from springpot.policy import EVIDENCE, VERDICT
 from springpot.rheology import Complex, Real
 
-from .frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
-from .policy import EVIDENCE, VERDICT
-from .refit import Refit
 from .search import Grown, Search
 
 ROW_BY_ROW = "from row to row"

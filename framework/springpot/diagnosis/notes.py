@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
 from springpot.measurement import PRESSURE_UNITS, Measurement, moved_along
+from springpot.misfit.battery import Finding
+from springpot.misfit.floor import scatter_about
+from springpot.misfit.leftover import Column, discrepancy, log_shift_of
+from springpot.misfit.material import notes_on_levels
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.unseen import validation
+from springpot.misfit.values import Value
+from springpot.misfit.words import percent, times
+from springpot.policy import EVIDENCE, SCATTER, VERDICT
 from springpot.rheology import INERTANCE, Complex, Effect, Real
 
-from .battery import Finding
 from .evidence import Evidence
-from .floor import scatter_about
-from .leftover import Column, discrepancy, log_shift_of
 from .marginal import harmonic_evidence, likeliest_unknown
-from .material import notes_on_levels
-from .outliers import Outlier
-from .policy import EVIDENCE, SCATTER, VERDICT
-from .result import Candidate, Value, Verdict, percent, times
+from .result import Candidate, Verdict
 from .search import Search
-from .unseen import validation
 
 ONE_FREQUENCY = 1e-3
 """Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""

@@ -1,4 +1,4 @@
-"""What a diagnosis says, as plain data, and how its figures stand in a sentence."""
+"""What a diagnosis says, as plain data."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from springpot.drawing import draw, html_of, text_of
+from springpot.misfit import Error, Value, Where
 from springpot.rheology import Effect, Model
 
 if TYPE_CHECKING:
@@ -17,113 +18,6 @@ if TYPE_CHECKING:
 
 Verdict = Literal["adequate", "effect-missing", "unexplained", "inconclusive"]
 EffectVerdict = Literal["missing", "absent", "cannot-tell"]
-
-BELIEVED = 0.1
-"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
-rigs and rheometers repeat a stiffness within a few per cent."""
-
-ALIKE = 0.3
-"""Relative difference beyond which repeats are none of one thing; three specimens of bitumen differ by 3 %."""
-
-
-def times(ratio: float) -> str:
-    """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
-    # From 99.5 on two digits would be written with a power of ten, which users do not read.
-    if ratio >= 99.5:
-        return f"{ratio:.0f} x"
-    return f"{ratio:.2g} x"
-
-
-def percent(fraction: float) -> str:
-    """A share of |K| with three digits, such as ``0.572 %``."""
-    return f"{100.0 * fraction:.3g} %"
-
-
-def plain(value: float, digits: int = 3) -> str:
-    """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
-    text = f"{value:.{digits}g}"
-    # Only large numbers: a small one written out would be a row of zeros.
-    if "e+" in text and value < 1e6:
-        return f"{float(text):.0f}"
-    return text
-
-
-def counted(number: int, noun: str) -> str:
-    """A number with its noun, such as ``1 point`` or ``3 points``."""
-    if number == 1:
-        return f"1 {noun}"
-    return f"{number} {noun}s"
-
-
-@dataclass(frozen=True)
-class Error:
-    """Error of the model against the noise floor and the material floor, all relative to |K|.
-
-    Attributes
-    ----------
-    relative_rms : float
-        Root mean square of |K_model - K| / |K|.
-    noise_floor : float
-        The same for noise alone.
-    noise_source : {"given", "repeats", "estimated"}
-        Where the noise comes from.
-    doubt : str
-        One sentence where given standard deviations disagree with the data's own scatter.
-    material_floor : float
-        The least error that any linear passive material reaches beside the model's effects.
-    material_chance : float
-        That noise alone leaves a residual like that material's.
-    """
-
-    relative_rms: float
-    noise_floor: float
-    noise_source: str
-    doubt: str = ""
-    material_floor: float = 0.0
-    material_chance: float = 1.0
-
-    @property
-    def is_hardly_noise(self) -> bool:
-        """Whether an error is too large for what is called noise: scatter about models, or of unequal repeats."""
-        if self.noise_source == "repeats":
-            return self.noise_floor > ALIKE
-        return self.noise_source == "estimated" and self.relative_rms > BELIEVED
-
-    @property
-    def advice(self) -> str:
-        """What to do about noise that is hard to believe."""
-        if self.noise_source == "repeats":
-            return (
-                f"rows that differ by {100 * self.noise_floor:.2g} % are no repeats of each other: judge them apart"
-            )
-        return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"
-
-
-@dataclass(frozen=True)
-class Where:
-    """One place or direction in which the model fails."""
-
-    plane: str
-    condition: str
-    low: float
-    high: float
-    size: float
-    says: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in the schema, where the ends of the range are called from and to."""
-        names = {"low": "from", "high": "to"}
-        return {names.get(key, key): value for key, value in asdict(self).items()}
-
-
-@dataclass(frozen=True)
-class Value:
-    """A parameter with its 95 % interval, in the unit in which it is printed."""
-
-    value: float
-    low: float
-    high: float
-    unit: str
 
 
 @dataclass(frozen=True)

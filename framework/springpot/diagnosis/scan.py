@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from springpot.identification import Window, settings
 from springpot.measurement import LEAST_RELATIVE, Measurement, telling
+from springpot.misfit.frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
+from springpot.misfit.refit import Refit
 from springpot.rheology import Complex, Effect, Model, Real
-
-from .frame import DRAWN, FURTHER, LEAST_SEEN, Frame, near_an_alarm
-from .refit import Refit
 
 SMALL = (1e-05, 0.15)
 """Relative changes of K that count as small: there a direction is a tangent."""

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from springpot.errors import DataError
 from springpot.identification import EDGE, Effort, is_material, within_material
 from springpot.measurement import Measurement, moved_along
+from springpot.misfit.battery import Battery, battery
+from springpot.misfit.floor import as_given, beyond_floor, borne_out, fitted_to_floor, sharpened
+from springpot.misfit.frame import Frame
+from springpot.misfit.outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
+from springpot.misfit.refit import Refit, refit
+from springpot.misfit.repeats import repeats_structure
+from springpot.misfit.words import counted
+from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
-from .battery import Battery, battery
-from .floor import as_given, beyond_floor, borne_out, fitted_to_floor, sharpened
-from .frame import Frame
-from .outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
-from .policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
-from .refit import Refit, refit
-from .repeats import repeats_structure
-from .result import counted
 from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
 
 

@@ -10,16 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement import moved_along, sweeps_of
+from springpot.misfit.floor import beyond_floor, undragged
+from springpot.misfit.leftover import Column
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.refit import Refit
+from springpot.misfit.repeats import WITHIN, sets_apart
+from springpot.misfit.words import percent, times
+from springpot.policy import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence
-from .floor import beyond_floor, undragged
-from .leftover import Column
 from .marginal import likeliest_unknown
-from .outliers import Outlier
-from .policy import EVIDENCE, SEARCH, VERDICT
-from .refit import Refit
-from .repeats import WITHIN, sets_apart
-from .result import Verdict, percent, times
+from .result import Verdict
 from .search import Grown, Search
 
 

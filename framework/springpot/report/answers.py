@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from springpot.comparison import Comparison, Judgement
-from springpot.diagnosis import Candidate, Diagnosis, Error, Finding, Ladder, Step, Value
-from springpot.diagnosis.result import plain
+from springpot.diagnosis import Candidate, Diagnosis, Ladder, Step
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement, Units
+from springpot.misfit import Finding
+from springpot.misfit.error import Error
+from springpot.misfit.values import Value
+from springpot.misfit.words import plain
 
 from .numbers import number, percent
 from .reference import effects_note, reference_note

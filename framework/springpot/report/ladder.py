@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.diagnosis import Ladder, Step
-from springpot.diagnosis.result import plain
+from springpot.misfit.words import plain
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .floors import draw_floors

@@ -8,8 +8,8 @@ from typing import Any
 
 from springpot.comparison import Comparison
 from springpot.diagnosis import Diagnosis, Ladder
-from springpot.diagnosis.result import percent
 from springpot.markup import Html, html, table, tag
+from springpot.misfit.words import percent
 
 from .answers import probability, worth_showing
 

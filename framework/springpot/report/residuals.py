@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.comparison import Comparison
-from springpot.diagnosis import Error
-from springpot.diagnosis.where import in_plane
 from springpot.measurement import Measurement, Units, thinned
+from springpot.misfit.error import Error
+from springpot.misfit.where import in_plane
 from springpot.rheology import Complex, Real
 from springpot.rheology.nodes import FULL
 

@@ -22,9 +22,8 @@ from springpot.measurement import (
     rounding_step,
     sweeps_of,
 )
+from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real
-
-from .policy import VERDICT
 
 SMOOTH_DEGREE = 5
 """Highest degree of the slow polynomials along a sweep that count as structure rather than as noise."""

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, telling, temperatures_differ
+from springpot.policy import VERDICT
 from springpot.rheology import Real
 
 from .frame import Drawn, Frame
-from .policy import VERDICT
 from .refit import Refit, refit
-from .result import times
+from .words import times
 
 FOLDS = 4
 """Levels or bands left out at most, each by itself."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.diagnosis.regions import Axis, Blocks, rare, scales
+from springpot.misfit.regions import Axis, Blocks, rare, scales
 
 ALARM = 0.003
 

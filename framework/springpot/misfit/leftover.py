@@ -21,13 +21,13 @@ from springpot.measurement import (
     temperatures_differ,
     tests_together,
 )
+from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
-from .policy import VERDICT
 from .refit import Refit
-from .result import plain
 from .where import where
+from .words import plain
 
 Rows: TypeAlias = NDArray[np.int64]
 

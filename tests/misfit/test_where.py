@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from soaked import soaked
-from springpot.diagnosis.frame import Frame
-from springpot.diagnosis.where import MOST, condition_axes, periodic, where
 from springpot.measurement import Measurement, Units
+from springpot.misfit.frame import Frame
+from springpot.misfit.where import MOST, condition_axes, periodic, where
 
 LEVEL = 0.01
 

@@ -7,8 +7,8 @@ import pytest
 
 import springpot
 from soaked import soaked
-from springpot.diagnosis.floor import fitted_to_floor
-from springpot.diagnosis.material import notes_on_levels
+from springpot.misfit.floor import fitted_to_floor
+from springpot.misfit.material import notes_on_levels
 from springpot.registry import plugins
 
 OMEGA = np.geomspace(0.1, 100.0, 16)

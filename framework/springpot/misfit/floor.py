@@ -28,10 +28,10 @@ from springpot.measurement import (
     robust_noise_shape,
     sweeps_of,
 )
+from springpot.policy import SCATTER, VERDICT
 from springpot.rheology import Complex, Model, Real
 
 from .frame import LEAST_SEEN, Frame, drift_shapes, orthonormal, spectrum, waves
-from .policy import SCATTER, VERDICT
 from .refit import Refit, refit
 
 STARTS = 16

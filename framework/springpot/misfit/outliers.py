@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf, f_log_density, f_sf
 from springpot.measurement import Measurement, sweeps_of
+from springpot.policy import OUTLIERS
 
 from .floor import trimmed_residual
 from .frame import Frame
-from .policy import OUTLIERS
 from .refit import Refit
-from .result import Where, plain
-from .where import with_unit
+from .where import Where, with_unit
+from .words import plain
 
 FEWEST_POINTS = 12
 """Points below which none can be held to stand out."""

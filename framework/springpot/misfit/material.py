@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.identification import is_material
 from springpot.measurement import Measurement
+from springpot.policy import VERDICT
 from springpot.rheology import Continuum, Effect, Model, Real
 
 from .battery import Battery, battery
-from .policy import VERDICT
+from .error import Error
 from .refit import Refit, refit
-from .result import Error, percent, times
 from .where import with_unit
+from .words import percent, times
 
 FEWEST_LEVELS = 3
 """Levels from which one can stand out from the others."""

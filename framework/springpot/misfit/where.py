@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from springpot.distributions import chi2_sf
 from springpot.measurement import HELD, Measurement, Units, frequency_numbers, sweeps_of, temperatures_differ
+from springpot.policy import WHERE
 from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
 from .frame import Frame, spectrum
-from .policy import WHERE
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
-from .result import Where, plain
+from .words import plain
 
 SAME = 1.001
 """Ratio up to which frequencies are one: instruments set them to a part in a thousand."""
@@ -41,6 +42,23 @@ FREQUENCY_POWERS = {-2.0: "falling as 1/omega^2", -1.0: "falling as 1/omega", -0
           2.0: "growing as omega^2"}  # fmt: skip
 PLANES = {kind.plane: kind for kind in (Parallel, Series, Chain)}
 """Planes in which a residual is read at each point by itself."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """One place or direction in which the model fails."""
+
+    plane: str
+    condition: str
+    low: float
+    high: float
+    size: float
+    says: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As in the schema, where the ends of the range are called from and to."""
+        names = {"low": "from", "high": "to"}
+        return {names.get(key, key): value for key, value in asdict(self).items()}
 
 
 @dataclass(frozen=True, eq=False)

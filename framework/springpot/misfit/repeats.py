@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement import Averaged, sweeps_of
+from springpot.policy import VERDICT
 
 from .battery import Battery, judged, kinship
 from .frame import DRAWS, Drawn, drift_curves, orthonormal
-from .policy import VERDICT
 
 WITHIN = "within runs"
 """The test of repeats for errors that go on from point to point."""

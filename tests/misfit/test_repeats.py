@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.diagnosis.frame import DRAWS
-from springpot.diagnosis.repeats import repeats_structure, sets_apart
 from springpot.measurement import Measurement, average_repeats
+from springpot.misfit.frame import DRAWS
+from springpot.misfit.repeats import repeats_structure, sets_apart
 
 
 def repeated(seed=3):

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.measurement import CONDITIONS, sweeps_of
+from springpot.policy import OUTLIERS, VERDICT
 from springpot.rheology import Real
 
 from .frame import DRAWN, DRAWS, FURTHER, Drawn, Frame, near_an_alarm, spectrum
 from .outliers import outlying, point_in_words
-from .policy import OUTLIERS, VERDICT
-from .result import plain, times
 from .unseen import unseen_error, unseen_in_words
+from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
 MAINS = (50.0, 60.0)

@@ -1,0 +1,56 @@
+"""The error of a model between the noise floor and the material floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+BELIEVED = 0.1
+"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
+rigs and rheometers repeat a stiffness within a few per cent."""
+
+ALIKE = 0.3
+"""Relative difference beyond which repeats are none of one thing; three specimens of bitumen differ by 3 %."""
+
+
+@dataclass(frozen=True)
+class Error:
+    """Error of the model against the noise floor and the material floor, all relative to |K|.
+
+    Attributes
+    ----------
+    relative_rms : float
+        Root mean square of |K_model - K| / |K|.
+    noise_floor : float
+        The same for noise alone.
+    noise_source : {"given", "repeats", "estimated"}
+        Where the noise comes from.
+    doubt : str
+        One sentence where given standard deviations disagree with the data's own scatter.
+    material_floor : float
+        The least error that any linear passive material reaches beside the model's effects.
+    material_chance : float
+        That noise alone leaves a residual like that material's.
+    """
+
+    relative_rms: float
+    noise_floor: float
+    noise_source: str
+    doubt: str = ""
+    material_floor: float = 0.0
+    material_chance: float = 1.0
+
+    @property
+    def is_hardly_noise(self) -> bool:
+        """Whether an error is too large for what is called noise: scatter about models, or of unequal repeats."""
+        if self.noise_source == "repeats":
+            return self.noise_floor > ALIKE
+        return self.noise_source == "estimated" and self.relative_rms > BELIEVED
+
+    @property
+    def advice(self) -> str:
+        """What to do about noise that is hard to believe."""
+        if self.noise_source == "repeats":
+            return (
+                f"rows that differ by {100 * self.noise_floor:.2g} % are no repeats of each other: judge them apart"
+            )
+        return f"noise of {100 * self.noise_floor:.2g} % is no good measurement: repeat it"

@@ -1,0 +1,39 @@
+"""Parameters with their intervals, in the units in which they are printed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from springpot.identification import Uncertainty
+from springpot.policy import VERDICT
+
+from .refit import Refit
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter with its 95 % interval, in the unit in which it is printed."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+def printed(refit: Refit) -> dict[str, Value]:
+    """All parameters with their 95 % intervals, in the units in which they are printed.
+
+    Where a model does not fit, its misfit and not the noise sets how uncertain they are.
+    """
+    units = refit.fit.measurement.units
+    fits = refit.fit.dof <= 0 or refit.relative_rms < VERDICT.misfit * refit.floor
+    low, high = Uncertainty(refit.fit, absolute=fits).interval()
+    rows = {}
+    for i, parameter in enumerate(refit.model.parameters):
+        # The lines of a free spectrum are told as a whole, as a spectrum.
+        if parameter.detail:
+            continue
+        factor, label = units.of(parameter.unit)
+        value, least, most = (float(numbers[i]) * factor for numbers in (refit.theta, low, high))
+        rows[parameter.name] = Value(value, least, most, label)
+    return rows

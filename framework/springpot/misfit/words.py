@@ -1,0 +1,32 @@
+"""How the figures of a misfit stand in a sentence."""
+
+from __future__ import annotations
+
+
+def times(ratio: float) -> str:
+    """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
+    # From 99.5 on two digits would be written with a power of ten, which users do not read.
+    if ratio >= 99.5:
+        return f"{ratio:.0f} x"
+    return f"{ratio:.2g} x"
+
+
+def percent(fraction: float) -> str:
+    """A share of |K| with three digits, such as ``0.572 %``."""
+    return f"{100.0 * fraction:.3g} %"
+
+
+def plain(value: float, digits: int = 3) -> str:
+    """A number with few significant digits, written out up to a million: 890, not 8.9e+02."""
+    text = f"{value:.{digits}g}"
+    # Only large numbers: a small one written out would be a row of zeros.
+    if "e+" in text and value < 1e6:
+        return f"{float(text):.0f}"
+    return text
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun, such as ``1 point`` or ``3 points``."""
+    if number == 1:
+        return f"1 {noun}"
+    return f"{number} {noun}s"
