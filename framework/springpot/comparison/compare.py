@@ -110,6 +110,12 @@ class Judgement:
         return at_noise(self.refit, self.error)
 
     @property
+    def adequate(self) -> bool:
+        """Whether its error is that of noise in size and in pattern, as `diagnose` asks of what it calls adequate."""
+        # By size first, which costs nothing: the tests draw thousands of simulated residuals.
+        return self.at_noise and not self.fails
+
+    @property
     def says(self) -> str:
         """The judgement in one sentence."""
         ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"

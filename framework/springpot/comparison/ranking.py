@@ -30,7 +30,7 @@ from springpot.policy import SEARCH
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
-from .compare import Comparison, Judgement, at_noise, effects_of, harmonics_of, judgements, material_floors
+from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
 
 CHANCE = 0.001
 """Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
@@ -255,11 +255,11 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
     as_near.sort(key=lambda one: len(one.refit.theta))
-    adequate = [one for one in as_near if one.at_noise]
+    adequate = [one for one in as_near if one.adequate]
     near: list[Judgement] = []
-    # Where a material is at the noise, a model that is not lacks what the material has: only chance made it as near.
-    if not at_noise(floor, error_of(floor, lowest)):
-        near = [one for one in as_near if not one.at_noise]
+    # Where a material is adequate, a model that is not lacks what the material has: only chance made it as near.
+    if not Judgement(floor, error_of(floor, lowest), 0.0, rng).adequate:
+        near = [one for one in as_near if not one.adequate]
     others = [one for one in ordered if one not in adequate and one not in near]
     outgrown = not near
     if adequate:
@@ -276,7 +276,7 @@ def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.
     for one in [one for one in others if not spends_most(one.refit)][:LOOKED_AT]:
         own = fitted_to_floor(one.model, one.refit.data.raw, [one.refit.theta])
         alone = Judgement(own, error_of(own, lowest), 0.0, rng)
-        if alone.at_noise and not alone.fails:
+        if alone.adequate:
             found.append(own)
     # One that is wrong takes part of its misfit for noise.
     return min(found, key=lambda own: own.floor, default=None)

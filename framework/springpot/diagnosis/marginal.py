@@ -357,7 +357,9 @@ def _ratio(search: Search, rss: float) -> float:
 
 def _freedom(search: Search) -> float:
     """Numbers that tell of the noise's scale where the base is right."""
-    return _known(search) + 2 * len(search.base.fit.measurement) - len(search.base.own)
+    # Without what the lines of a free spectrum follow: of few points they leave little by which to judge a shape.
+    followed = len(search.base.own) + search.base.lines
+    return _known(search) + 2 * len(search.base.fit.measurement) - followed
 
 
 def _known(search: Search) -> float:

@@ -173,7 +173,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         by_battery=search.structure.p_value < VERDICT.structure_alarm,
         certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
         gain=search.gain,
-        named=evidence.nothing < VERDICT.likely,
+        named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out and search.base.fit.dof >= VERDICT.enough_spare,
         chain=unknown and bool(likeliest_unknown(search).says),

@@ -241,8 +241,12 @@ class _Search:
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
         count = 2 + len(log_rates)
-        # Where K is not linear in the weights it matters where one begins: all share |K| evenly.
-        best = trial = _Trial(u, log_rates, np.full(count, self.scale / count), np.inf)
+        # Where K is linear in the weights any start will do, but from zero nothing large cancels: over a wide reduced
+        # range a dashpot's share of |K| is 1e50 at the other end. Elsewhere it matters: all share |K| evenly.
+        start = np.zeros(count)
+        if not self.linear:
+            start = np.full(count, self.scale / count)
+        best = trial = _Trial(u, log_rates, start, np.inf)
         foretold = np.inf
         for _ in range(INNER):
             response = self.respond(trial)

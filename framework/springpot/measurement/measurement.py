@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sized
+from collections.abc import Collection, Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -320,15 +320,19 @@ class Measurement(Rows):
         """
         return _levels(name, self.conditions[name])
 
-    def sweeps(self, tolerance: float = 2e-3) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    def sweeps(
+        self, tolerance: float = 2e-3, held: Collection[str] = CONDITIONS
+    ) -> Iterator[tuple[str, NDArray[np.int64]]]:
         """Labels and row numbers of the frequency sweeps, one for each set of conditions and repeat.
 
         Parameters
         ----------
         tolerance : float
             Neighbouring values that differ by less than this share of the largest are one condition.
+        held : collection of str
+            Conditions that were held during a sweep.
         """
-        columns = {name: self.conditions[name] for name in CONDITIONS if name in self.conditions}
+        columns = {name: self.conditions[name] for name in CONDITIONS if name in self.conditions and name in held}
         if self.repeat is not None:
             columns["repeat"] = self.repeat.astype(float)
         if not columns:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
-from .measurement import Measurement
+from .independence import independent
+from .measurement import CONDITIONS, Measurement
 from .together import DIGITS, frequency_numbers, told_apart
 
 DRIFT = 1.0
@@ -66,9 +67,12 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
     most = max(1, len(measurement) // 3)
     log_omega = np.log(measurement.omega)
     apart = list(told_apart(measurement).values())
-    groups = [part for _, rows in measurement.sweeps() for part in _parted(rows, apart)]
-    if len(groups) <= most and np.ptp(log_omega) > 0:
-        return [_ordered(rows, log_omega) for rows in groups]
+    # First by every condition; then an amplitude that moved along with the frequency, as where the force is held,
+    # does not part the points of a sweep, of which it would make one for each.
+    for held in (CONDITIONS, [name for name in CONDITIONS if independent(measurement, name)]):
+        groups = [part for _, rows in measurement.sweeps(held=held) for part in _parted(rows, apart)]
+        if len(groups) <= most and np.ptp(log_omega) > 0:
+            return [_ordered(rows, log_omega) for rows in groups]
     for name, scale in SCALES.items():
         column = measurement.conditions.get(name)
         if column is None or np.ptp(column) == 0:

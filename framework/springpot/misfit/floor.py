@@ -62,6 +62,8 @@ LEAST_LEFT = 0.1
 """Share of a point's variance that curves leave, from which the rest says anything of it."""
 LEAST_KEPT = 0.7
 """Share of the data below which what is left out is no few frequencies any more."""
+LEAST_FREE = 0.5
+"""Share of the degrees of freedom that must stay, likewise: an estimate from half of them is uncertain by 1.4 x."""
 ROUNDS = 2
 """Times that the noise is estimated anew about the fit that it gave."""
 TRIMMED_FITS = 6
@@ -401,8 +403,11 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         # By the ratio of variances: beside a few numbers that are left over one frequency is easily far larger.
         usual = count * f_quantile(1.0 - SCATTER.outlying_frequency, count, found.dof)
         within = squares <= usual * variance
-        # Where a good part of the data would go, these are no few frequencies: what scatters so is the noise.
+        # Where a good part of the data would go, these are no few frequencies: what scatters so is the noise. Where
+        # sweeps are short, so that each frequency holds a tenth of the data, the curves would soon follow the rest.
+        free = float(np.sum(count[within])) - followed.shape[1]
         too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
+        too_many |= free < LEAST_FREE * (len(residual) - followed.shape[1])
         if too_many or (turn > 0 and np.array_equal(within, kept)):
             return found
         kept = within
