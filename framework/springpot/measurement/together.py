@@ -30,6 +30,10 @@ _MOST_RUNS = 0.5
 _ROWS_OF_A_SETTING = 3
 """Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own."""
 
+_HELD = 0.01
+"""Share of the largest within which numbers with a fraction are one that was held: a rig's own rounding, 0.400 and
+0.401 mrad, is no setting. Rheometers hold what was set within 1 to 2 %."""
+
 DIGITS = 6
 """Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
 
@@ -68,14 +72,19 @@ def runs_together(
     Parameters
     ----------
     numbers, words : mapping of str to ndarray, shape (n,)
-        Further conditions and labels of the rows.
+        Conditions and labels of the rows.
     known : frozenset of str
         Columns of which another note tells already.
     """
     found = []
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
-        if key not in known and 1 < len(values) <= max(2, _MOST_RUNS * len(column)):
+        several = 1 < len(values) <= max(2, _MOST_RUNS * len(column))
+        if (
+            several
+            and key not in known
+            and not _names_a_condition(np.unique(column, return_inverse=True)[1], numbers)
+        ):
             found.append(f"{len(values)} values of {key}, choose one by '@{_chosen(key, values[0])}'")
     if not found:
         return {}
@@ -137,10 +146,32 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
+        number = number.ravel().astype(np.int64)
         # What differs from row to row was measured, as a torque is, and not set.
-        if 1 < len(values) <= len(column) // _ROWS_OF_A_SETTING:
-            numbered[name] = np.asarray(number.ravel(), dtype=np.int64)
+        if not 1 < len(values) <= len(column) // _ROWS_OF_A_SETTING:
+            continue
+        if not _was_held(np.asarray(values)) and not _names_a_condition(number, data.conditions):
+            numbered[name] = number
     return dict(sorted(numbered.items(), key=lambda each: int(each[1].max())))
+
+
+def _was_held(values: NDArray[np.generic]) -> bool:
+    """Whether distinct values, ascending, are one that was held; whole numbers may count specimens or years."""
+    if values.dtype.kind not in "fi" or np.all(np.round(values.astype(float)) == values):
+        return False
+    return bool(np.ptp(values) <= _HELD * np.max(np.abs(values)))
+
+
+def _names_a_condition(number: NDArray[np.intp], conditions: Mapping[str, Real]) -> bool:
+    """Whether each level of a temperature or an amplitude has one value of a column, as of a step's number."""
+    for name in CONDITIONS:
+        if name not in conditions:
+            continue
+        level = levels_of(name, conditions[name])
+        pairs = np.unique(np.column_stack([level, number.ravel()]), axis=0)
+        if len(pairs) == len(np.unique(level)) < len(level):
+            return True
+    return False
 
 
 # Every look at neighbours asks anew, of the same data: of a few it is remembered.

@@ -12,7 +12,6 @@ from scipy.interpolate import BSpline
 
 from springpot.distributions import f_sf, normal_quantile
 from springpot.measurement import (
-    CONDITIONS,
     Measurement,
     distinct_log_omega,
     largest_test,
@@ -188,8 +187,6 @@ def column_behind(frame: Frame) -> Column | None:
     along = (along - np.mean(along)) / max(float(np.ptp(along)), 1e-300)
     best: Column | None = None
     for name, number in settings.items():
-        if _is_a_condition(frame.measurement, number):
-            continue
         values = int(number.max()) + 1
         at_each = (number == np.arange(values)[:, None]).astype(np.float64)
         # Sloping along the frequency: what shifts the times of a material changes its size too, by its slope.
@@ -227,16 +224,6 @@ def one_test_of(measurement: Measurement, column: Column | None) -> tuple[str, s
     one_test = largest_test(measurement, names[0])
     why = f"rows of several tests stand together, told apart by {names[0]}; choose one by '@{one_test}'"
     return one_test, why
-
-
-def _is_a_condition(measurement: Measurement, number: Rows) -> bool:
-    """Whether a temperature or an amplitude has one value of a column at each of its levels, as names of files do."""
-    for name in set(CONDITIONS) & measurement.conditions.keys():
-        level = measurement.levels(name)
-        pairs = np.unique(np.column_stack([level, number]), axis=0)
-        if len(pairs) == len(np.unique(level)) < len(level):
-            return True
-    return False
 
 
 @dataclass(frozen=True)

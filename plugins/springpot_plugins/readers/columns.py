@@ -88,7 +88,11 @@ def measurement_of(
         # That note tells already that the steps are several runs.
         known_labels = frozenset({"step"})
     shown = Units(unit, amplitude_unit, _clock(roles), _letter(roles, unit))
-    notes = {**_doubts(roles), **runs_together(extra, labels, known_labels), **_negative(omega, stiffness, shown)}
+    notes = {
+        **_doubts(roles),
+        **runs_together({**conditions, **extra}, labels, known_labels),
+        **_negative(omega, stiffness, shown),
+    }
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
     measured = Measurement(
