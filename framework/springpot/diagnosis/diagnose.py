@@ -25,7 +25,8 @@ from .experiment import experiment_on_confounded, experiment_on_points, experime
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
 from .scan import Score, scan_effects
-from .search import Grown, Search, search_data, search_from
+from .search import Grown, Search, search_from
+from .searched_data import search_data
 from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
 
 Progress: TypeAlias = Callable[[str], None]

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.errors import DataError
 from springpot.identification import EDGE, Effort, is_material, within_material
-from springpot.measurement import Measurement, moved_along
+from springpot.measurement import moved_along
 from springpot.misfit.battery import Battery, battery
-from springpot.misfit.floor import as_given, beyond_floor, borne_out, fitted_to_floor, sharpened
+from springpot.misfit.floor import beyond_floor
 from springpot.misfit.frame import Frame
-from springpot.misfit.outliers import Outlier, are_outliers, described, may_be_effects, outlying, pulling, without
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
-from springpot.misfit.words import counted
-from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
+from springpot.policy import EVIDENCE, SEARCH
 from springpot.rheology import Effect, Model, Real
 
 from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
@@ -130,7 +125,8 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search.left = search.structure
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
-        search.grown.append(_grow(search, score))
+        # One by one: the best so far tells which further ones are hopeless.
+        search.grown += _clear(search, [_grow(search, score)])
     _sort(search)
     search.grown[1 : SEARCH.beam] = [_from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]]
     _sort(search)
@@ -176,8 +172,22 @@ def _forget_narrow(search: Search) -> None:
 
 
 def _clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
-    """The grown models whose narrow effects, if they have any, are seen as such."""
-    return [grown for grown in tried if _resolved(search, grown)]
+    """The grown models that physics allows and whose narrow effects, if they have any, are seen as such."""
+    return [grown for grown in tried if _is_possible(grown) and _resolved(search, grown)]
+
+
+def _is_possible(grown: Grown) -> bool:
+    """Whether no effect is larger than any specimen makes it."""
+    units = grown.refit.fit.measurement.units
+    if not units.is_modulus:
+        return True
+    values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
+    for effect in grown.effects:
+        size = effect.element.parameters[0]
+        factor, _ = units.of(size.unit)
+        if factor * values.get(f"{effect.name}.{size.name}", 0.0) > effect.largest_of_modulus:
+            return False
+    return True
 
 
 def _resolved(search: Search, grown: Grown) -> bool:
@@ -319,91 +329,6 @@ def _add_singles(search: Search) -> None:
     _sort(search)
 
 
-def search_data(
-    measurement: Measurement,
-    model: Model,
-    library: Sequence[Effect],
-    rng: np.random.Generator,
-    seeds: Sequence[Real] = (),
-) -> tuple[Search, list[Outlier]]:
-    """Look for what is missing from a model of data, without outliers and in units of a noise that is borne out.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The data.
-    model : Model
-        The model to be judged.
-    library : sequence of Effect
-        Effects that may be missing.
-    rng : numpy.random.Generator
-        For simulated noise.
-    seeds : sequence of ndarray, shape (p,)
-        Starts worth trying beside those read off the data.
-
-    Returns
-    -------
-    Search, list of Outlier
-        The search, and the points that were set aside for it.
-
-    Raises
-    ------
-    DataError
-        If there are too few data to judge the model.
-    """
-    search = _search_in_noise(measurement, model, library, rng, seeds)
-    if (start := better_start(search)) is not None:
-        search = _search_in_noise(measurement, model, library, rng, [*seeds, start])
-    if search.base.data.mean is not measurement:
-        return search, []  # repeats tell by themselves which of them is off
-
-    def reduced_by(rows: NDArray[np.int64]) -> Search:
-        return _search_in_noise(without(measurement, rows), model, library, rng, seeds)
-
-    # A point that bends the curve can make its neighbour stand out: it is sought first.
-    for way in (_without_a_pulling_point, _without_outliers):
-        if (found := way(search, measurement, reduced_by)) is not None:
-            return found
-    return search, []
-
-
-Reduced: TypeAlias = Callable[[NDArray[np.int64]], Search]
-"""The search anew without some rows."""
-
-
-def _without_outliers(
-    search: Search, measurement: Measurement, reduced_by: Reduced
-) -> tuple[Search, list[Outlier]] | None:
-    """The search without points that stand out from their neighbours; None where none are or they may be physics."""
-    rows = outlying(search.frame)
-    if len(rows) == 0:
-        return None
-    reduced = reduced_by(rows)
-    if reduced.alarm < SEARCH.suspicious and may_be_effects(measurement, rows):
-        return None
-    if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
-        return None
-    return reduced, described(reduced.base.frame_of(measurement), rows)
-
-
-def _without_a_pulling_point(
-    search: Search, measurement: Measurement, reduced_by: Reduced
-) -> tuple[Search, list[Outlier]] | None:
-    """The search without one point that bends all models, where some model then explains nearly all of the rest."""
-    if not search.grown or search.left.p_value >= VERDICT.structure_alarm:
-        return None
-    rows = pulling([search.frame, *(grown.refit.frame() for grown in search.grown)])
-    if len(rows) == 0:
-        return None
-    reduced = reduced_by(rows)
-    before, after = search.best.relative_rms, reduced.best.relative_rms
-    if after**2 > OUTLIERS.settles * before**2:
-        return None
-    if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
-        return None
-    return reduced, described(reduced.best.frame_of(measurement), rows)
-
-
 def _confounded(search: Search, library: Sequence[Effect]) -> list[Grown]:
     """Models grown by effects that took no part and explain the data as well as the best that did.
 
@@ -438,59 +363,3 @@ def _only_confounded(search: Search) -> bool:
     # Not by fitting better alone: whatever else was tried must miss the data.
     clear = best.log_evidence > judged.log_evidence + 0.5 * SEARCH.decisive
     return clear and beyond_floor(judged) and not beyond_floor(best)
-
-
-def better_start(search: Search) -> Real | None:
-    """Parameters (p,) from which the user's model fits better than it did, read off the grown models.
-
-    A grown model that fits far better has either found what is missing or left a local minimum behind; then the
-    model alone fits as well from there, and nothing is missing at all.
-
-    Parameters
-    ----------
-    search : Search
-        A finished search.
-    """
-    base = search.base
-    if not search.grown or search.alarm > SEARCH.suspicious:
-        return None
-    if is_material(base.model):
-        return None  # its spectrum has no other minimum
-    seeds = []
-    for grown in search.grown[: SEARCH.tried_alone]:
-        values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-        seeds.append(np.array([values[name] for name in base.model.names]))
-    again = refit(base.model, base.data, base.noise, seeds, starts=0)
-    return again.theta if again.log_likelihood > base.log_likelihood + SEARCH.better else None
-
-
-def _search_in_noise(
-    measurement: Measurement,
-    model: Model,
-    library: Sequence[Effect],
-    rng: np.random.Generator,
-    seeds: Sequence[Real],
-) -> Search:
-    base = fitted_to_floor(model, measurement, seeds)
-    _require_enough(base, measurement)
-    if base.noise.overruled:
-        # Structure that a sweep is too short to show as such looks like scatter, until its effect is found.
-        search = search_from(as_given(base), library, rng)
-        if borne_out(search.best):
-            return search
-    search = search_from(base, library, rng)
-    # What moved with the frequency is no evidence for a cause, but what it follows so closely is no noise.
-    nearest = max([search.best, *(grown.refit for grown in search.confounded)], key=lambda fit: fit.log_evidence)
-    gain = 2.0 * (nearest.log_evidence - search.base.log_evidence)
-    if gain >= SEARCH.decisive and (sharper := sharpened(base, nearest)) is not None:
-        search = search_from(sharper, library, rng)
-    return search
-
-
-def _require_enough(base: Refit, measurement: Measurement) -> None:
-    if base.fit.dof < 1:
-        points = counted(len(base.fit.measurement), "distinct point")
-        raise DataError(
-            f"{measurement.name}: {points} cannot judge a model of {counted(len(base.theta), 'parameter')}; measure "
-            "at more frequencies, or diagnose the record of force and displacement itself"
-        )

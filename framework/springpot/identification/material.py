@@ -377,15 +377,15 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     scaled = columns / size
+    system, wanted = scaled, target
     if scaled.shape[0] > 2 * scaled.shape[1]:
         # The same problem in as many rows as columns: the active set then moves among small matrices.
-        basis, scaled_down = np.linalg.qr(scaled)
-        inside = basis.T @ target
-        outside = max(float(target @ target - inside @ inside), 0.0)
-        weights, rest = nnls(scaled_down, inside, maxiter=20 * scaled.shape[1])
-        return weights / size, float(rest) ** 2 + outside
-    weights, rest = nnls(scaled, target, maxiter=20 * scaled.shape[1])
-    return weights / size, float(rest) ** 2
+        basis, system = np.linalg.qr(scaled)
+        wanted = basis.T @ target
+    weights, _ = nnls(system, wanted, maxiter=20 * scaled.shape[1])
+    # From the columns themselves: a mass that a spring takes back would leave a difference of large squares.
+    left = target - scaled @ weights
+    return weights / size, float(left @ left)
 
 
 def _linear_in_material(network: Node) -> bool:

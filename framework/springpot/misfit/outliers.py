@@ -21,6 +21,9 @@ from .words import plain
 
 FEWEST_POINTS = 12
 """Points below which none can be held to stand out."""
+END = 2
+"""Rows of an end of a sweep at which the beginning of an effect is easily taken for a bad point: a mass that has just
+come up at the last row bends the model there, and the row before it then stands out."""
 LEAST_LEFT = 0.1
 """A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
@@ -149,14 +152,31 @@ def pulling(frames: Iterable[Frame]) -> NDArray[np.int64]:
     return np.array([row], dtype=np.int64)[: int(row >= 0)]
 
 
-def may_be_effects(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
-    """Whether what makes rows stand out may be physics: neighbours in a sweep, or an end where an effect begins."""
-    # A wrong reading stands alone; two side by side in one sweep are what a notch or a resonance looks like.
+def side_by_side(measurement: Measurement, rows: NDArray[np.int64]) -> bool:
+    """Whether two of these rows are neighbours in a sweep: a wrong reading stands alone, a notch does not."""
     for sweep in sweeps_of(measurement):
         places = np.flatnonzero(np.isin(sweep.rows, rows))
-        if np.any(np.diff(places) == 1) or np.any(np.isin(places, (0, len(sweep.rows) - 1))):
+        if np.any(np.diff(places) == 1):
             return True
     return False
+
+
+def ends_beside(measurement: Measurement, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The last two rows of each end of a sweep at which one of these rows is: there an effect may begin.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    rows : ndarray of int
+        Rows that stand out.
+    """
+    beside: list[int] = []
+    for sweep in sweeps_of(measurement):
+        for end in (sweep.rows[:END], sweep.rows[-END:]):
+            if np.any(np.isin(end, rows)):
+                beside += end.tolist()
+    return np.unique(np.array(beside, dtype=np.int64))
 
 
 def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64]) -> tuple[int, float]:

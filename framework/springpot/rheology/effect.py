@@ -87,6 +87,9 @@ class Effect:
         amplitude X, the temperatures T and Tr (reference), R in the unit of Ea, and the element's parameters.
     constant : InstrumentConstant, optional
         What the file of an instrument may say of it.
+    largest_of_modulus : float, optional
+        Largest size, in the unit in which it is printed, that physics allows where a modulus was measured; of a
+        stiffness the size of the specimen would decide.
     """
 
     name: str
@@ -102,6 +105,7 @@ class Effect:
     narrow: bool = False
     equation: str = ""
     constant: InstrumentConstant | None = None
+    largest_of_modulus: float = inf
 
     @property
     def vanishes_at(self) -> float:

@@ -21,6 +21,10 @@ from springpot.rheology import (
     smooth_hysteresis,
 )
 
+WARMEST = 0.01
+"""Shift in ln omega for each W/m^3, in m^3/W, that no specimen of a modulus exceeds: foam 5 cm thick, 0.03 W/(m K),
+warms by L^2 / (8 lambda) = 0.010 K m^3/W at most, and no polymer's times change by more than a factor of e in a
+kelvin (0.8 at the glass transition, by the universal constants of WLF)."""
 GELB = "Gelb and Vander Velde, Multiple-Input Describing Functions, 1968"
 
 # Of the effects here and in the other files, rarer physics counts a third (prior=0.3): beside what every laboratory
@@ -125,6 +129,7 @@ EFFECTS = (
         "first order in the power omega K'' X^2 / 2 at steady temperature",
         approximate="first order: the power is that of the unheated specimen",
         equation="K(omega * exp(-s * P)), P = omega * imag(K(omega)) * X^2 / 2",
+        largest_of_modulus=WARMEST,
     ),
     Effect(
         "backlash",
