@@ -55,6 +55,7 @@ class BalancedSeries(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K at the displacement X_e that the element takes."""
         body_theta, own = theta[..., self.cuts[0]], theta[..., self.cuts[1]]
+        # The material is linear: its K needs no amplitude, and is evaluated once for the whole search of the balance.
         body = self.children[0].respond(body_theta, at, depth)
         element, slope = self._balanced(body.value, own, at, depth)
         both = body.value + element.value
@@ -64,6 +65,7 @@ class BalancedSeries(Composition):
         columns = (body.value, element.value, both, slope)
         alone, other, whole, steeper = (column[..., None, :] for column in columns)
         by_body, by_element = (other / whole) ** 2, (alone / whole) ** 2
+        # The amplitude is real: only the real part of a relative change moves it.
         stiffening = 1.0 + np.real(steeper / whole)
 
         def total(of_body: Complex | float, of_element: Complex | float) -> Complex:
@@ -85,8 +87,10 @@ class BalancedSeries(Composition):
         theta = own
         while not isinstance(element, Compliant):  # names in front of its parameters, values that are held
             theta, element = element.within(theta)
+        # X |K| stays as it is on the way: only X_e is sought.
         log_whole = np.log(at.need("amplitude")) + np.log(np.abs(body))
         shape = np.broadcast_shapes(body.shape, (*own.shape[:-1], 1))
+        # Begun as if the element took all of the displacement.
         log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
         for _ in range(NEWTON_STEPS):
             there = at.at_amplitude(np.exp(log_own))

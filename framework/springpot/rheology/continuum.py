@@ -56,6 +56,7 @@ class Continuum(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, linear in all parameters."""
+        # Between the nodes K of a passive material is smooth; a complex frequency may meet a pole.
         if depth == VALUE and at.log_omega.size > MANY and not np.iscomplexobj(at.log_omega) and _one(theta):
             return Response(self._interpolated(theta.reshape(-1, theta.shape[-1])[0], at.log_omega))
         basis, slopes = self._basis(at.log_omega, depth == FULL)

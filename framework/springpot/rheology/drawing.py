@@ -128,6 +128,7 @@ def _beside(blocks: Sequence[_Block]) -> _Block:
 
 
 def _stacked(blocks: Sequence[_Block]) -> _Block:
+    # Branches of equal width, so that their rails stand upright.
     width = max(block.width for block in blocks)
     lines: list[str] = []
     wires: list[int] = []

@@ -139,6 +139,7 @@ class Effect:
             raise ModelError(f"'{self.name}:{column}: only effects with a factor for each level take a column")
         if column == self.element.column:
             return self
+        # An alias means the effect of the usual column: this one is another.
         return replace(self, name=f"{self.name}:{column}", element=replace(self.element, column=column), aliases=())
 
     def bound_to(self, at: Points) -> Effect:
@@ -178,6 +179,7 @@ class Effect:
         ndarray, shape (..., n), or None
             Zero for a linear element; None where the effect makes a harmonic that no formula here predicts.
         """
+        # Elements of plugins need not know harmonics.
         predict = getattr(self.element, "third_harmonic", None)
         harmonic: Complex | None = None
         if predict is not None:

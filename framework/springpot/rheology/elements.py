@@ -133,12 +133,14 @@ class Springpot(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K = c s^alpha; dK/dalpha = K ln s."""
+        # Cut and not indexed, so that it keeps an axis along which the frequencies are laid.
         alpha = theta[..., 1:]
         if depth == VALUE:
             value: Complex = np.exp(table_of(alpha, at.log_omega)).astype(complex)
             # The constant joins the phase, one number for all frequencies, and not the long table.
             value *= theta[..., :1] * np.exp(HALF_PI * alpha)
             return Response(value)
+        # By itself, without the constant: it is the derivative by it.
         power = power_of_s(alpha, at.log_omega)
         value = theta[..., :1] * power
         by_theta = np.empty((*value.shape[:-1], 2, value.shape[-1]), dtype=complex)

@@ -75,6 +75,7 @@ class Formula(Node):
         whole = _spread(value, shape)
         if depth == VALUE:
             return Response(whole)
+        # Filled in place: laws give slopes of any shape that broadcasts.
         by_theta = np.empty((*shape[:-1], len(self.free), shape[-1]), dtype=complex)
         for i, slope in enumerate(slopes):
             by_theta[..., i, :] = slope

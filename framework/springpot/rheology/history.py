@@ -82,6 +82,8 @@ class InTime:
             If one stands beside it, or belongs to the signals.
         """
         inside, beside, signals = sorted_out(self.model)
+        # What joined after the last shift goes by seconds: under a force both clocks would have to be followed at
+        # once.
         last = max((i for i, each in enumerate(inside) if each.effect.composition.kind is Shift), default=-1)
         for effect, _, _ in [*inside[last + 1 :], *beside, *signals]:
             raise ModelError(
@@ -163,6 +165,7 @@ class InTime:
 
     def _linear(self, what: str) -> Passive:
         _, beside, signals = sorted_out(self.model)
+        # The first that stands in the way is named: one thing to mend at a time.
         for effect, _, _ in [*beside, *signals]:
             kind = "belongs to the signals"
             if beside:
@@ -184,6 +187,7 @@ class InTime:
         return self._reduced(inside, t, x)
 
     def _placed(self, passive: Passive, own: list[int], t: Real, x: Real, control: str = "displacement") -> Traced:
+        # A part knows its own parameters only: their derivatives go back to where they stand in the whole theta.
         traced = _answer(replace(passive, theta=self.theta[own]), control)(t, x)
         by_theta = np.zeros((len(t), len(self.theta)), dtype=traced.by_theta.dtype)
         by_theta[:, own] = traced.by_theta
@@ -206,10 +210,13 @@ class InTime:
         if temperature.shape != t.shape or not np.all(temperature > 0.0):
             raise ModelError(f"a history of {len(t)} samples needs as many temperatures in kelvin, all above zero")
         network, own = network_of(self.model, inside[:last])
+        # A shift factor depends on the temperature alone: any frequency will do.
         at = Points(np.zeros(len(t)), None, temperature, self.reference_temperature)
         moving = [inside[place] for place in shifts]
         laws = [(each.own, each.effect.element.respond(self.theta[each.own], at, GRADIENT)) for each in moving]
+        # Factors of several shifts multiply.
         log_shift = sum((law.value.real for _, law in laws), np.zeros(len(t)))
+        # Where the shifts are one: what they do is all in the reduced time.
         passive = self._passive(network, self.reference_temperature)
         if control == "force" and replace(passive, theta=self.theta[own]).inertial:
             raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
@@ -281,6 +288,7 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
         law = getattr(effect.element, "in_time", None)
         linear = effect.layer is not Layer.SIGNAL and "amplitude" not in effect.needs
         if linear and effect.composition.kind in (Parallel, Series, Shift, Chain):
+            # Around a nonlinear effect a linear one would share its displacement: no force follows from x alone.
             if beside and effect.composition.kind is not Parallel:
                 inner = beside[0].effect.name
                 raise ModelError(f"the force of '{inner}' cannot be told alone inside '{effect.name}': leave one out")
@@ -309,6 +317,7 @@ def _reduced_time(t: Real, log_shift: Any) -> Any:
     """Integral of dt / a_T, ln a_T being linear between samples."""
     from .recursion import mean_of_exponential
 
+    # In closed form: the trapezoidal rule errs where a_T changes by decades within a step.
     pace = mean_of_exponential(-log_shift[:-1], -log_shift[1:])
     return np.concatenate([[0.0], np.cumsum(np.diff(t) * pace)])
 

@@ -41,6 +41,7 @@ class Inserted:
 
     def __call__(self, theta: Real) -> Real:
         """All parameters (..., p) of the free ones (..., q)."""
+        # Of theta's own kind: a complex step of a derivative must pass through.
         full: Real = np.empty((*theta.shape[:-1], len(self.values)), dtype=theta.dtype)
         # Those that are free are no numbers here, until theta takes their places.
         full[...] = np.array(self.values, dtype=float)
@@ -105,6 +106,7 @@ class Fixed(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = 0) -> Response:
         """The inner node's response, without leading axes where the points have none."""
+        # Once for all thetas beside it: that is why it is fixed.
         response = self.node.respond(self.theta, at, depth)
         empty = np.zeros((*response.value.shape[:-1], 0, response.value.shape[-1]), dtype=np.complex128)
         return response._replace(by_theta=empty)
@@ -125,6 +127,7 @@ def hold(node: Node, values: Mapping[str, float], bounds: Mapping[str, Bounds]) 
     ModelError
         If a value or bound is none that the parameter can take.
     """
+    # Most nodes of a model are not named: they stay what they are, without a wrapping that costs time.
     names = {parameter.name for parameter in node.parameters}
     if not names & (set(values) | set(bounds)):
         return node
@@ -160,6 +163,7 @@ def _allowed(parameter: Parameter, value: float) -> float:
 
 def _bounded(parameter: Parameter, bounds: Bounds | None, known: Mapping[str, float]) -> Parameter:
     """The parameter in its narrower bounds; an order that is held becomes a number in the unit."""
+    # A unit such as kN s^alpha/m is told with the number from here on: there is no alpha left to be looked up.
     time = parameter.unit.time
     if isinstance(time, str) and time in known:
         parameter = replace(parameter, unit=replace(parameter.unit, time=known[time]))

@@ -116,6 +116,7 @@ def loop(reach: Any, n: Any, turn: Any) -> Loop:
     log_part = -np.log(-np.expm1(n * log_z)) / n
     whole = (unloading @ RULE.weight)[..., None]
     way = np.stack([unloading @ RULE.beyond.T, whole + log_part + regular @ RULE.up_to.T], axis=-2)
+    # From the tip on, over the amplitude: 0 at one tip and 2 at the other.
     way = way / reach[..., None]
     # The nodes next to the tips, whose weights are next to nothing, may lie beyond them by the rule's error.
     room = way * (2.0 - way)
@@ -131,6 +132,7 @@ def _log_tip(depth: Any, n: Any) -> Any:
 def _integrands(depth: Any, n: Any, turn: Any) -> tuple[Any, Any, Any]:
     """The logarithm of z at the nodes, Z / (1 + turn z^n) and Z (1 - z^(n-1)) / (1 - z^n)."""
     log_tip = _log_tip(depth, n)
+    # In logarithms, as Z is one but for less than rounding where the element slides nearly all the way.
     log_z, tip = log_tip + RULE.log_node, np.exp(log_tip)
     unloading = tip / (1.0 + turn * np.exp(n * log_z))
     return log_z, unloading, tip * np.expm1((n - 1.0) * log_z) / np.expm1(n * log_z)
@@ -141,6 +143,7 @@ def _depth(reach: Any, n: Any, turn: Any) -> Any:
     log_goal = np.log(2.0 * reach)
     # Of a tip that hardly yields, and of one that slides nearly all the way.
     log_depth = np.minimum(n * np.log(reach) - np.log(n), log_goal)
+    # A fixed number of steps, so that all loops go side by side and none waits for a slower one.
     for _ in range(NEWTON_STEPS):
         depth = np.exp(log_depth)
         _, unloading, regular = _integrands(depth, n, turn)
@@ -175,6 +178,7 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
     a, n, turn = (each[..., None] for each in (reach, n, turn))
     found = loop(a, n, turn)
     log_z, power = found.log_z, np.exp(n * found.log_z)
+    # z^n - 1 by expm1: near the tips it is a small difference of nearly equal numbers.
     tip, lost = np.exp(_log_tip(found.depth, n)), np.expm1(n * found.log_z)
     # Of the integrands and the part done by hand: by ln Z, by n and by the turn.
     slip = found.unloading**2 / tip * power
@@ -200,6 +204,7 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
         whole = (u @ RULE.weight)[..., None]
         way = np.stack([u @ RULE.beyond.T, whole + h + r @ RULE.up_to.T], axis=-2)
         way = (way - start_alone[i]) / a[..., None]
+        # At a tip the sine is zero, and so is the weight of what is divided by it.
         sine = np.divide(found.cosine * way, found.sine, where=found.sine != 0.0, out=np.zeros_like(way))
         moved = log_tip[..., None] * (found.sine + 1j * found.cosine) + sine - 1j * way
         slopes.append(2.0 / (np.pi * reach) * np.sum(found.share * moved, axis=(-2, -1)))
@@ -210,6 +215,7 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
 def _in_blocks(function: Any, arguments: tuple[Any, ...]) -> Any:
     """`function` of arguments that broadcast, a block of loops after the other."""
     shape = np.broadcast_shapes(*(np.shape(each) for each in arguments))
+    # All loops in one row, however theta and points are nested.
     flat = [np.broadcast_to(each, shape).ravel() for each in arguments]
     count = max(1, -(-len(flat[0]) // BLOCK))
     parts = zip(*(np.array_split(each, count) for each in flat), strict=True)
@@ -242,6 +248,7 @@ class Hysteresis(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K, the same at all frequencies; it is worked out once for each amplitude that was measured."""
+        # The element knows no rate: points of one amplitude share their loop.
         amplitude, which = np.unique(at.need("amplitude"), return_inverse=True)
         k, force, n, beta = (theta[..., i : i + 1] for i in range(4))
         reach, turn = k * amplitude / force, 2.0 * beta - 1.0

@@ -97,6 +97,7 @@ class Passive:
 
     def _band(self, shortest: float, longest: float) -> tuple[float, float]:
         """The band in ln omega of these times, reaching a little beyond so that one time alone has one too."""
+        # What happens within a time is ruled by frequencies of about one over it.
         return -float(np.log(longest)) - BEYOND, BEYOND - float(np.log(shortest))
 
     def limit(self, log_omega: float) -> tuple[float, Real]:
@@ -113,6 +114,7 @@ class Passive:
         with np.errstate(all="ignore"):
             for part in self.parts.parts:
                 found = part.respond(where, FULL)
+                # Its local power tells a part that is level from one that still falls or grows.
                 power = float((found.by_log_omega[0] / found.value[0]).real)
                 if abs(power) < LEVEL:
                     value, slopes = value + float(found.value[0].real), slopes + found.by_theta[:, 0].real
@@ -162,9 +164,12 @@ class Passive:
         # Of the kind of the times, so that a complex one is not cast to real on its way.
         displacement = displacement.astype(t.dtype)
         steps, changes = np.diff(t, prepend=t[0]), np.diff(displacement, prepend=displacement[0])
+        # Only what these samples can show is worth modes: between the finest step and the whole length.
         modes = self.spectrum(*_times(t.real))
         by = modes.by_theta
+        # The modes begin at rest, so that they answer to the change since the first sample alone.
         moved = displacement - displacement[0]
+        # Held for ever before the first sample: all but the spring that never relaxes has gone by then.
         resting, resting_slopes = self.limit(-FAR)
         velocity = np.gradient(displacement, t)
         pushed = acceleration(t, displacement)
@@ -215,8 +220,10 @@ class Passive:
         if stiffness > 0.0:
             start = force[0] / stiffness
             start_slopes = -start / stiffness * stiffness_slopes
+        # Its modes follow the force as those of K follow a displacement: one recursion serves both.
         modes = self.retardation(*_times(t.real))
         by = modes.by_theta
+        # What was there before has crept to its end by now: `start` holds it.
         more = force - force[0]
         # By the trapezoidal rule, which is exact for a force that is straight between samples.
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (more[1:] + more[:-1]) * steps[1:])])
@@ -237,6 +244,7 @@ class Passive:
         # With a mass the compliance swings: it is no sum of decays, and its rates are complex.
         if self.inertial:
             return swinging(self.spectrum(shortest, longest))
+        # 1/K of passive parts has the form of a stiffness in p = 1/s: the same rule reads its spectrum.
         whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
         low, high = self._band(shortest, longest)
         found = summed(whole, -high, -low, self.tolerance)
@@ -252,7 +260,9 @@ def swinging(modes: Spectrum) -> Retardation:
     """The compliance of a network with a mass, by all zeros of K(s), of which one pair may be complex."""
     s, fluidity, fluidity_slopes = _motions(modes)
     _, steep, bend, by_theta, steep_by_theta = _around(modes, s)
+    # K stays zero along the way of a zero, so that ds/dtheta = -(dK/dtheta) / (dK/ds).
     moved = -by_theta / steep[:, None]
+    # Near a zero 1/K = 1 / (K' (s - zero)): there lies the weight of its motion.
     residue = 1.0 / steep
     residue_slopes = -(steep_by_theta + bend[:, None] * moved) * residue[:, None] ** 2
     rates = -s
@@ -289,13 +299,16 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     left = np.append(ahead, sides)
     right = np.append(-sides, 1.0)
     edges = np.concatenate([[-np.inf], np.log(r), [np.inf]])
+    # Neighbouring modes may differ in sign (Basset): between them K need not have a zero.
     turned = left != right
     turned[0] &= solid
     low, high = edges[:-1][turned], edges[1:][turned]
     zeros = _zeros_between(modes, low, high, left[turned])
+    # With one missed the pair below, which stands for what is left, would be something else altogether.
     if len(zeros) != others:
         raise ModelError("the mass and the material balance so nearly that their motion cannot be told")
     # K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
+    # All zeros but two are known: these are left as one quadratic equation.
     b = modes.viscosity / m + float(np.sum(r) - np.sum(zeros))
     paired = np.sort(zeros)
     if not solid:
@@ -335,6 +348,7 @@ def _zeros_between(modes: Spectrum, low: Real, high: Real, sign: Real) -> Real:
         high[-1] = low[-1] + 1.0
         while np.sign(_value(modes, -np.exp(high[-1:]))[0][0]) == sign[-1]:
             high[-1] += 1.0
+    # In u = ln r rates of any size are equally near, and none becomes negative.
     u = 0.5 * (low + high)
     for _ in range(200):
         value, slope = _value(modes, -np.exp(u))
@@ -369,6 +383,7 @@ def _times(t: Real) -> tuple[float, float]:
 
 def acceleration(t: Any, x: Real) -> Any:
     """Second derivative (n,) from differences, as a mass feels it; at the ends that of the next sample."""
+    # A second difference needs three samples.
     if len(t) < 3:
         return np.zeros(len(t))
     slope, step = np.diff(x) / np.diff(t), np.diff(t)

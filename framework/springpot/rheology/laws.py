@@ -26,6 +26,7 @@ def jenkins(t: Real, x: Real, v: Real, k: float, force: float) -> Law:
     The force remembers its last reversal only, so that each run in one direction is one vectorised step.
     """
     slider, by_k, by_force = np.zeros(len(x)), np.zeros(len(x)), np.zeros(len(x))
+    # From one reversal to the next the path goes one way, and is one step.
     moves = np.sign(np.diff(x))
     turns = np.flatnonzero(np.diff(moves) != 0.0) + 1
     for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
@@ -48,6 +49,7 @@ def power_law(t: Real, x: Real, v: Real, force: float, exponent: float) -> Law:
     """F |v|^a sgn(v)."""
     speed = np.abs(v)
     moving = speed > 0.0
+    # At rest there is no logarithm; the sign of the speed is zero there, so that any number will do.
     log_speed = np.log(np.where(moving, speed, 1.0))
     unit = np.sign(v) * np.exp(exponent * log_speed)
     return force * unit, (unit, force * unit * log_speed)
@@ -72,6 +74,7 @@ def dead_zone(t: Real, x: Real, v: Real, k: float, b: float) -> Law:
 def delay(t: Real, signals: Real, tau: float) -> Law:
     """Each signal tau later; before the record begins, and after its end, it stands still."""
     late = np.stack([np.interp(t - tau, t, column) for column in signals.T], axis=-1)
+    # The derivative by the delay is minus the rate of what is delayed.
     rate = np.gradient(signals[:, 0], t)
     return late, (-np.interp(t - tau, t, rate),)
 
@@ -90,6 +93,7 @@ def one_filter(t: Real, signals: Real, tau: float) -> Law:
     one, none = np.ones((1, 1)), np.zeros((1, 1))
     rates = np.array([1.0 / tau])
     changes = np.diff(signals, axis=0, prepend=signals[:1])
+    # What a filter lags behind is a mode that the signal drives: the same exact recursion as of a material.
     behind = [driven(rates, steps, changes[:, i], one, none)[:, 0] for i in range(size)]
     slope = driven(rates, steps, changes[:, 0], none, one)[:, 0] / tau**2
     return signals - np.stack(behind, axis=-1), (slope,)

@@ -47,6 +47,7 @@ def levels_of(column: str, values: Real) -> NDArray[np.int64]:
     values : ndarray, shape (n,)
         Its values; temperatures in kelvin or degC.
     """
+    # In ascending order neighbours can be compared, and a level grow from its first value on.
     distinct, which = np.unique(values, return_inverse=True)
     room = held(column, distinct)
     number = np.zeros(len(distinct), dtype=np.int64)
@@ -110,6 +111,7 @@ class Levels(Node):
         if self.column != "temperature":
             # The lower median, as the mean of two levels would be none.
             target = float(np.sort(column)[(len(column) - 1) // 2])
+        # One level must be one: a factor of all of them would be the scale of the material once more.
         reference = int(np.argmin(np.abs(means - target)))
         return replace(self, values=tuple(means.tolist()), reference=reference)
 
@@ -173,6 +175,7 @@ class Levels(Node):
             nothing = np.zeros((*shape[:-1], 0, shape[-1]), dtype=np.complex128)
             return Response(neutral, nothing, np.zeros_like(neutral))
         shares = self.shares(at)
+        # Linear in the logarithms, in which factors between two levels are interpolated.
         log_factor = np.matmul(np.log(theta), shares)
         by_theta = shares / theta[..., :, None]
         value = log_factor

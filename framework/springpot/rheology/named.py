@@ -68,6 +68,7 @@ class NamedNetwork(HasParameters):
         mass : float
             A known mass that moves with the specimen, in units of stiffness times s^2.
         """
+        # Of the usual specimen nothing is multiplied: it counts as resized from the start.
         network, resized = self.material, factor == 1.0 and mass == 0.0
         for effect, prefix in sorted(self.named_effects(), key=lambda pair: pair[0].position):
             # The specimen ends where the first effect of the rig stands: only what lies within is resized.
@@ -81,6 +82,7 @@ class NamedNetwork(HasParameters):
 
     def named_effects(self) -> list[tuple[Effect, str]]:
         """The effects, each with the prefix of its parameters' names; a second one of its kind has `#2`."""
+        # Names of parameters must be unique: a second relaxation mode has a number behind its name.
         seen: Counter[str] = Counter()
         named = []
         for effect in self.effects:

@@ -94,6 +94,7 @@ class Node:
 
     def with_prefix(self, prefix: str) -> Node:
         """The node with every parameter name preceded by `prefix` and a dot."""
+        # Wrapped and not copied: an element of a plugin need know nothing of prefixes.
         return Renamed(self, prefix)
 
 
@@ -172,6 +173,7 @@ class Composition(Node):
 
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
+        # Children in their order: theta is what they take, one after the other.
         parameters: list[Parameter] = []
         for child in self.children:
             parameters += child.parameters
@@ -185,6 +187,7 @@ class Composition(Node):
     @cached_property
     def cuts(self) -> tuple[slice, ...]:
         """Where each child's parameters stand in theta."""
+        # Asked at every evaluation, and the same each time: worked out once.
         ends = np.cumsum([0] + [len(child.parameters) for child in self.children]).tolist()
         return tuple(slice(a, b) for a, b in pairwise(ends))
 
@@ -221,6 +224,7 @@ def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Comple
     if depth == VALUE:
         return Response(value)
     by_theta = _joined(parts, factors)
+    # The slope by ln omega serves what moves the frequency only: most fits are spared it.
     if depth == GRADIENT:
         return Response(value, by_theta)
     slopes = [part.by_log_omega for part in parts]
@@ -320,6 +324,7 @@ class Shift(Composition):
         base = self.children[0].respond(base_theta, moved, asked)
         if depth == VALUE:
             return Response(base.value)
+        # A change of the shift moves the frequency: dK = (dK / d ln omega) d ln a_T.
         slope = base.by_log_omega
         by_theta = np.concatenate([base.by_theta, slope[..., None, :] * log_shift.by_theta], axis=-2)
         if depth == GRADIENT:
@@ -400,6 +405,7 @@ class Mapped(Node):
 
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """The inner response, its derivative carried through the map."""
+        # Elements know nothing of published parameters: one chain rule here serves all of them.
         inner = self.node.respond(self.forward(theta), at, depth)
         if depth == VALUE:
             return inner

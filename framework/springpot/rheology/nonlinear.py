@@ -89,6 +89,7 @@ def power_law(at: Points, force: Any, exponent: Any) -> Any:
 
     amplitude = at.need("amplitude")
     half = 0.5 * exponent
+    # By logarithms of the gamma function, which also take a complex exponent (tests of derivatives).
     factor = 2.0 / np.sqrt(np.pi) * np.exp(loggamma(1.0 + half) - loggamma(1.5 + half))
     log_speed = at.log_omega + np.log(amplitude)
     unit = 1j * factor * np.exp(exponent * log_speed) / amplitude
@@ -181,6 +182,7 @@ def play(b: str = "b") -> Formula:
 
 
 def _payne(at: Points, k: Any, h: Any, limit: Any, m: Any) -> Any:
+    # The power by its logarithm, which the derivative by m needs in any case.
     log_ratio = np.log(at.need("amplitude") / limit)
     u = np.exp(m * log_ratio)
     down = 1.0 / (1.0 + u**2)

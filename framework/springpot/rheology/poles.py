@@ -70,6 +70,7 @@ class Edge(NamedTuple):
     @property
     def discrete(self) -> bool:
         """Whether all relaxation is at single rates."""
+        # Between its lines a discrete spectrum has no loss on the axis; a continuous one has it everywhere.
         return bool(np.all(np.abs(self.value.imag) <= DISCRETE * np.abs(self.value)))
 
 
@@ -86,6 +87,7 @@ def lines_of(branch: Branch, edge: Edge) -> Lines:
 
     Near one, K = w / (u - u0): the weight is one over dJ/du.
     """
+    # At a line K is infinite; its inverse is zero there and changes its sign, which can be held.
     inverse = 1.0 / edge.value.real
     rising = np.flatnonzero((inverse[:-1] < 0.0) & (inverse[1:] >= 0.0))
     falling = np.flatnonzero((edge.value.real[:-1] > 0.0) & (edge.value.real[1:] <= 0.0))
@@ -95,8 +97,10 @@ def lines_of(branch: Branch, edge: Edge) -> Lines:
     if not len(u):
         empty = np.zeros((0, branch.chain.shape[1]))
         return Lines(u, u, empty, empty)
+    # The circle must stay clear of the next zero of K, where its inverse is infinite.
     gap = np.min(np.abs(u[:, None] - np.append(zeros, np.inf)[None, :]), axis=1)
     radius = np.minimum(AROUND * gap, AROUND)[:, None]
+    # Derivatives by Cauchy's integral: at the pole itself K cannot be evaluated.
     around = branch.respond((u[:, None] + radius * CIRCLE).ravel() + HALF_PI, GRADIENT)
     value = 1.0 / around.value.reshape(len(u), -1)
     by_theta = -around.by_theta.reshape(-1, *value.shape) * value**2
@@ -178,6 +182,7 @@ def all_peaks_of(branch: Branch, edge: Edge) -> Complex:
         # K is nothing along the whole edge, as of an element whose constant has become zero: it has no poles.
         return np.zeros(0, dtype=np.complex128)
     with warnings.catch_warnings():
+        # It complains where K has more poles than it may have terms: those that it does find serve all the same.
         warnings.simplefilter("ignore")
         u = AAA(edge.u[some][fine], power[fine], rtol=1e-7, max_terms=MOST_POLES).poles()
     within = (u.imag > SAME) & (u.imag < NARROW) & (u.real > edge.u[0]) & (u.real < edge.u[-1])

@@ -100,6 +100,7 @@ def prony_of(
         raise ModelError(f"a tolerance is a share of K above 0 and below 1, not {wanted:g}")
     low, high = np.log(spectrum.band)
     grid = np.linspace(low, high, max(12, int(PER_DECADE * (high - low) / np.log(10.0))))
+    # Less its mass, which no series of relaxations can follow.
     target = spectrum.stiffness(np.exp(grid)) + spectrum.mass * np.exp(2.0 * grid)
     # A classical model is its own series: then nothing is fitted that is already known.
     exact = _exact(spectrum, dashpot)
@@ -142,6 +143,7 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
     """Times by least squares from evenly spread ones, weights inside it by non-negative least squares."""
     from scipy.optimize import least_squares
 
+    # For given times the weights follow by linear least squares (variable projection): only times are searched.
     s = 1j * np.exp(grid)
     lawson = np.ones(len(grid))
     width = (grid[-1] - grid[0]) / count
@@ -163,6 +165,7 @@ def _fitted(grid: Real, target: Complex, count: int, dashpot: bool, band: tuple[
         error = np.abs(_columns(s, u, dashpot) @ amounts / target - 1.0)
         largest = float(error.max())
         if best is None or largest < best.error:
+            # By falling rates: the shortest time first.
             order = np.argsort(-u)
             viscosity = 0.0
             if dashpot:
@@ -191,11 +194,13 @@ def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
 def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -> Real:
     from scipy.optimize import lsq_linear, nnls
 
+    # Over |K|, so that what counts is the relative error at each frequency.
     columns = share[:, None] * _columns(s, u, dashpot)
     matrix, right = (
         np.vstack([columns.real, columns.imag]),
         np.concatenate([share * target.real, share * target.imag]),
     )
+    # Columns of one length: a dashpot's and a spring's differ by the decades of the band.
     size = np.linalg.norm(matrix, axis=0)
     try:
         found: Real = nnls(matrix / size, right)[0]

@@ -76,6 +76,7 @@ class Rational:
         """Read at s exp(log_shift)."""
         factor = float(np.exp(log_shift))
         stretch = np.array([[1.0], [factor]])
+        # Only the dashpot, which is multiplied by s, feels a stretched clock; the spring does not.
         viscosity = np.vstack([np.zeros_like(slope), self.ends[1] * factor * slope])
         return replace(
             self,
@@ -87,6 +88,7 @@ class Rational:
 
     def inverse(self) -> Rational:
         """The compliance 1/K as a function of p = 1/s."""
+        # Rates of the compliance: 1/K has a line where K is zero.
         zeros = self._zeros()
         ends, end_slopes = self._inverse_ends()
         away = 1.0 / (self.rates - zeros[:, None])
@@ -99,6 +101,7 @@ class Rational:
         by_theta = by_theta + (self.weights * zeros[:, None] * away**2) @ self.rate_slopes
         steep_slopes = self.end_slopes[1] + (self.rates * away**2) @ self.weight_slopes
         steep_slopes = steep_slopes - (self.weights * (zeros[:, None] + self.rates) * away**3) @ self.rate_slopes
+        # How a zero moves, along which K stays zero.
         moved = by_theta / steep[:, None]
         residue = 1.0 / steep
         residue_slopes = -(steep_slopes - bend[:, None] * moved) * residue[:, None] ** 2
@@ -150,6 +153,7 @@ class Rational:
     def _between(self, low: Real, high: Real) -> Real:
         """The zero of K(-exp(u)), which falls, in each interval of u: Newton's steps, held by bisection."""
         spring, dashpot = self.ends
+        # In logarithms: rates may lie twenty decades apart, and intervals be as wide.
         u = 0.5 * (low + high)
         for _ in range(100):
             r = np.exp(u)[:, None]
@@ -184,10 +188,12 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
         return rational_of(node.node, node.forward(theta), node.jacobian(theta) @ chain, conditions)
     if isinstance(node, Scaled):
         inner = rational_of(node.node, theta, chain, conditions)
+        # The factor is known: it has no derivative.
         return inner and inner.times(node.factor, np.zeros(chain.shape[1]))
     if isinstance(node, FixedPower) and node.exponent in (0.0, 1.0):
         return Rational.power(int(node.exponent), float(theta[0]), chain[0])
     if isinstance(node, Continuum):
+        # Its rates are given and not fitted: they move with no parameter.
         rates = np.array(node.rates, dtype=float)
         return Rational(theta[:2], rates, theta[2:], chain[:2], np.zeros((len(rates), chain.shape[1])), chain[2:])
     if isinstance(node, Parallel | Series):
@@ -200,6 +206,7 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
 
 
 def _together(parts: list[Rational], count: int, in_series: bool) -> Rational | None:
+    # One part that holds more than springs and dashpots makes the whole no such network.
     if len(parts) < count:
         return None
     if in_series:

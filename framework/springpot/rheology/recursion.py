@@ -65,12 +65,14 @@ def driven(rates: Modes, steps: Modes, changes: Real, mix: Modes, rate_mix: Mode
         one, step = changes[part], steps[part]
         if even:
             step = np.mean(inner, keepdims=True)
+        # Of even steps one row serves all samples.
         decay, gain = _step(rates, step[:, None])
         if even:
             q = _filtered(decay[0], gain[0], one, last)
         else:
             q = _scan(decay, gain * one[:, None], last)
         if len(moving):
+            # dq/dr obeys the same recursion, driven by the derivatives of its two factors.
             before = np.vstack([last[moving], q[:-1, moving]])
             kicks = _gain_slope(rates[moving], step[:, None]) * one[:, None]
             kicks = kicks - step[:, None] * decay[:, moving] * before
@@ -100,6 +102,7 @@ def _gain_slope(rates: Modes, step: Modes) -> Modes:
     z = rates * step
     near = np.abs(z) < SMALL
     far = np.where(near, 1.0, z)
+    # Its two terms cancel where z is small: there the series takes over.
     closed = (np.exp(-far) - -np.expm1(-far) / far) / far
     series = -0.5 + z / 3.0 - z**2 / 8.0 + z**3 / 30.0 - z**4 / 144.0 + z**5 / 840.0
     slope: Modes = step * np.where(near, series, closed)
@@ -119,8 +122,10 @@ def _filtered(decay: Modes, gain: Modes, changes: Real, start: Modes) -> Modes:
 def _scan(decay: Modes, kicks: Modes, start: Modes) -> Modes:
     """q_k = decay_k q_(k-1) + kicks_k for each mode, all (n, m)."""
     n, m = kicks.shape
+    # A loop over all samples is slow in Python: this one runs over columns only, with all rows in each step.
     columns = -(-n // ROWS)
     shape = (ROWS, columns, m)
+    # Filled up with steps that change nothing, so that all rows are equally long.
     factors, q = np.ones((ROWS * columns, m), dtype=kicks.dtype), np.zeros((ROWS * columns, m), dtype=kicks.dtype)
     factors[:n], q[:n] = decay, kicks
     factors, q = factors.reshape(shape), q.reshape(shape)

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.errors import ModelError
 
@@ -24,6 +23,7 @@ from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import ROOM, Complex, Points, Real
 from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
+from .quadrature import needed_on, nodes_of
 from .rational import Rational, rational_of
 
 FINEST = 2
@@ -34,10 +34,6 @@ REFUSED = 1e-2
 """Relative error of K above which a network is said to have no spectrum: those that have one stay far below."""
 NEGATIVE = 1e-7
 """Share of K by which H may be negative from rounding."""
-NARROWEST = 1e-12
-"""Half width of a peak in ln r at least: that of a line by itself is none, by which nothing can be divided."""
-CUT_OFF = 0.1
-"""Share of the tolerance that may be cut off at each end: it is not seen beside the error of the step."""
 ROUNDING = 1e-12
 """The same as a share of the largest K of the band: a network may cancel where it is soft."""
 SCALES = np.arange(-45.0, 45.0, 0.25)
@@ -129,6 +125,7 @@ def spectrum_of(
     reference_temperature: float = ROOM,
 ) -> Spectrum:
     """The spectrum of a model; see `Model.spectrum`."""
+    # Before anything is evaluated: here the reason is known, and need not be searched for as in `blaming`.
     refuse_what_is_no_relaxation(model)
     conditions = conditions_at(temperature, reference_temperature)
     theta = np.asarray(theta, dtype=float)
@@ -229,6 +226,7 @@ def _spectrum(
     tolerance: float,
     attempts: int = FINEST,
 ) -> Spectrum:
+    # Springs, dashpots and masses are set apart: they are exact as they are, and cost no node.
     whole = Sum.of(network, theta, conditions)
     low, high = band or whole.own_band()
     return summed(whole, low, high, tolerance, attempts=attempts)
@@ -252,7 +250,7 @@ def summed(
     signed : bool
         Let a layer of fluid that is set in motion (Basset) count as modes of negative weight.
     """
-    # What is cut off at the ends of the band (see `_needed`) needs a share of the tolerance too.
+    # What is cut off at the ends of the band (see `needed_on`) needs a share of the tolerance too.
     wanted = 0.3 * tolerance
     best = whole.summed(low, high, wanted, peaks_of, signed)
     for _ in range(attempts):
@@ -264,6 +262,7 @@ def summed(
             finder = peaks_of
         # Half as many digits again.
         wanted = wanted**1.5
+        # A finer rule is not always a better one: where rounding rules, the coarser is kept.
         best = min(best, whole.summed(low, high, wanted, finder, signed), key=lambda each: each.error)
     if not best.error < REFUSED:
         raise _NoSpectrumError(f"is no sum of relaxations: they miss K by {100 * best.error:.2g} %")
@@ -301,6 +300,7 @@ class Sum:
         mass, slopes, parts = 0.0, nothing, []
         classical = Rational.power(0, 0.0, nothing)
         for branch in branches(network, theta, conditions, compliance=compliance):
+            # Asked first: what is made of springs and dashpots has a spectrum in closed form, without any rule.
             modes = rational_of(branch.node, branch.theta, branch.chain, conditions)
             # What has no stiffness at all has no compliance that could be inverted.
             if modes is not None and not (compliance and not modes.ends.any() and not modes.weights.any()):
@@ -360,11 +360,13 @@ class Sum:
         slopes += np.vstack([own.end_slopes, self.mass_slopes])
         lines = Lines(own.rates, own.weights, own.rate_slopes, own.weight_slopes)
         modes = Lines(*(np.concatenate(pair) for pair in zip(lines, modes, strict=True)))
+        # Lines and nodes come one after the other: rising, as `Spectrum` promises, they are mixed.
         modes = Lines(*(field[np.argsort(modes.rates)] for field in modes))
         by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
         spring, dashpot, mass = ends.tolist()
         found = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
+        # What the rule promises holds for smooth spectra only: the error is measured against the network itself.
         return replace(found, error=self._error(found, low, high))
 
     def _whole(self, log_omega: Anywhere) -> Complex:
@@ -383,10 +385,12 @@ class Sum:
     def _modes(self, low: float, high: float, tolerance: float, find_peaks: PeakFinder, signed: bool) -> Lines:
         """Single lines of the parts, and nodes for what is spread: as many of them as the band needs."""
         margin = np.log(2.0 / tolerance)
+        # An empty one first, so that a network of springs and dashpots alone has something to be joined.
         found = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
             edge = edge_of(part, low - margin, high + margin)
+            # Lines are sharper than any step: no rule of evenly spread nodes would meet them.
             if edge.discrete:
                 found.append(lines_of(part, edge))
             else:
@@ -404,13 +408,14 @@ class Sum:
             if not signed:
                 # What is left below zero is rounding: a passive material has no such weights.
                 height = np.maximum(height, 0.0)
+            # The nodes belong to the rule and not to the model: only their weights move with theta.
             fixed = np.zeros((len(u), len(self.mass_slopes)))
             modes = Lines(np.exp(u), share * height, fixed, (share * by_theta.imag / np.pi).T)
             # A layer of fluid also leaves a mass beside the dashpot, which takes up one power of the frequency more.
             order = 2
             if any(part.is_layer for part in spread):
                 order = 3
-            needed = _needed(modes, sizes, (low, high), tolerance, order)
+            needed = needed_on(modes, sizes, (low, high), tolerance, order)
             found.append(Lines(*(field[needed] for field in modes)))
         return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
@@ -431,6 +436,7 @@ class Sum:
         if np.any(np.abs(value.imag) > NEGATIVE * np.abs(value)):
             raise _NoSpectrumError("is no material: without oscillation its force would not be real")
         kernel = s / (s + modes.rates)
+        # What the modes change by themselves is not the ends' to change once more.
         slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
         # In units of the highest s, or the matrix would be singular to rounding.
         inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
@@ -451,48 +457,3 @@ class Sum:
         own = found.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))
-
-
-def nodes_of(low: float, high: float, step: float, peaks: Complex) -> tuple[Real, Real]:
-    """Nodes u of the trapezoidal rule from `low` to `high` and their share of it, closer together at narrow peaks.
-
-    With x = u + sum of a arcsinh((u - u_p) / d_p), a peak of half width d_p is as wide in x as the kernel, pi/2.
-    """
-    widths = np.maximum(peaks.imag, NARROWEST)
-    # A peak as wide as the kernel needs no stretching; the narrower, the more.
-    strengths = np.clip(1.0 - 2.0 * widths / np.pi, 0.0, 1.0)
-
-    def stretched(u: Real) -> tuple[Real, Real]:
-        away = (u[:, None] - peaks.real) / widths
-        x = u + np.arcsinh(away) @ strengths
-        return x, 1.0 + (1.0 / np.sqrt(1.0 + away**2)) @ (strengths / widths)
-
-    table = [np.arange(low - step, high + step, 0.25 * step)]
-    # Evenly in arcsinh, as the narrowest peak must be seen by the table too.
-    table += [p.real + d * np.sinh(np.arange(-30.0, 30.0, 0.1)) for p, d in zip(peaks, widths, strict=True)]
-    coarse = np.unique(np.concatenate(table))
-    coarse = coarse[(coarse >= low - step) & (coarse <= high + step)]
-    x_coarse, _ = stretched(coarse)
-    first, last = stretched(np.array([low, high]))[0]
-    x = step * np.arange(np.ceil(first / step), last / step)
-    u = np.interp(x, x_coarse, coarse)
-    if not len(peaks):
-        return u, np.full(len(u), step)
-    # Newton from the table: each step squares the error that interpolation has left.
-    for _ in range(4):
-        here, slope = stretched(u)
-        u = u - (here - x) / slope
-    return u, step / stretched(u)[1]
-
-
-def _needed(
-    modes: Lines, sizes: tuple[float, float], band: tuple[float, float], tolerance: float, order: int
-) -> NDArray[np.bool_]:
-    """Modes that the band sees as more than a spring (slower ones) or, to that order, a dashpot (faster ones)."""
-    (low, high), rates, weights = np.exp(band), modes.rates, np.abs(modes.weights)
-    slow = weights * rates / low * (rates < low)
-    fast = weights * (high / rates) ** order * (rates > high)
-    lost_slow = (np.cumsum(slow) < CUT_OFF * tolerance * sizes[0]) & (rates < low)
-    lost_fast = (np.cumsum(fast[::-1])[::-1] < CUT_OFF * tolerance * sizes[1]) & (rates > high)
-    needed: NDArray[np.bool_] = ~(lost_slow | lost_fast)
-    return needed

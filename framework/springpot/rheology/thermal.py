@@ -50,6 +50,7 @@ def arrhenius(energy: str = "Ea") -> Formula:
 
 def _wlf(at: Points, c1: Any, c2: Any) -> Any:
     above = at.need("temperature") - at.reference_temperature
+    # Beyond the pole the law would change its sign, and a frozen material flow at once.
     room = c2 + above
     # At and below the pole Tr - C2 the material is frozen: the shift stays at its bound.
     frozen = np.real(room) <= 1e-6
@@ -168,6 +169,7 @@ class Heated(Composition):
         level = FULL
         if depth == VALUE:
             level = VALUE
+        # The slope by ln omega is needed for any derivative: what warms the specimen moves its frequency.
         cold, heat = body.respond(base_theta, at, level), heater.respond(heat_theta, at, level)
         # Power and shift are real: only the loss heats, and a real temperature moves the frequency.
         factor = heat.value.real

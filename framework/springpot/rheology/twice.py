@@ -42,6 +42,7 @@ def same_twice(effect: Effect) -> bool:
     network: Node = _Sample()
     for prefix in ("first", "second"):
         network = effect.composition(network, effect.element.with_prefix(prefix))
+    # Of two different sizes, as two equal ones would have the same slope whatever the effect.
     sizes = np.array([_inside(effect.element.parameters[0], share) for share in (0.3, 0.6)])
     with np.errstate(all="ignore"):
         slopes = network.respond(sizes, _POINTS, GRADIENT).by_theta
@@ -49,6 +50,7 @@ def same_twice(effect: Effect) -> bool:
     length = np.linalg.norm(first) * np.linalg.norm(second)
     if not (np.isfinite(length) and length > 0):
         return False
+    # Two of one kind are the same where both move K in one direction.
     left = second - first * (first @ second) / (first @ first)
     return bool(np.linalg.norm(left) < ALONG * np.linalg.norm(second))
 

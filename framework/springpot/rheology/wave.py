@@ -41,6 +41,7 @@ class SpecimenWave(Composition):
     def respond(self, theta: Real, at: Points, depth: int = VALUE) -> Response:
         """K f(u), u = -E / K; dK_m/dK = f - u f', dK_m/dE = -f'."""
         parts = self._respond_each(theta, at, depth)
+        # Of K and E alone: so the wave needs no geometry, and the chain rule no third part.
         u = -parts[1].value / parts[0].value
         f, slope = wave_factor(u, self.moving_side)
         return _combine(parts[0].value * f, parts, [f - u * slope, -slope], depth)
