@@ -83,6 +83,7 @@ class Choice:
 
 def quality(race: Race, mark: int, target: float) -> Real:
     """What each trial had reached at a mark, (entrants, n); no better than the target, infinite if it failed."""
+    # Below the target a race is over: who got further beyond it is no better.
     clipped: Real = np.maximum(race.values[:, :, mark], target)
     return clipped
 
@@ -111,6 +112,7 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
     worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
     first, labels = alike[0], race.labels
+    # A share of twenty trials is known to some ten per cent: its interval is shown beside it.
     success = wilson(int(np.isfinite(hits[first]).sum()), hits.shape[1])
     assert success is not None
     best_name = None

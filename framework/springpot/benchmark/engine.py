@@ -110,6 +110,7 @@ class ExecutorEngine:
         busy: dict[Future[list[TrialResult]], list[Task]] = {}
         try:
             while True:
+                # Not all at once: a study of a million trials would fill the scheduler's memory.
                 while len(busy) < self._width and (batch := list(islice(queue, self._batch))):
                     self._submit(busy, batch)
                 if not busy:
@@ -121,6 +122,7 @@ class ExecutorEngine:
                     yield from self._collect(busy, future)
         finally:
             for future in busy:
+                # Nobody waits for these any more.
                 future.cancel()
             if self._close is not None:
                 self._close()

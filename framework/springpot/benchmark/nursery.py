@@ -134,6 +134,7 @@ def main(fd: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     adopt_orphans()
     line = socket.socket(fileno=fd)
+    # Messages by one end and file descriptors by the other, of one socket.
     channel = Connection(os.dup(fd))
     try:
         preparation, parcel = channel.recv()
@@ -223,6 +224,7 @@ class _Family:
     def _report(self) -> None:
         """Tell of the children that have ended, and end what they left in their groups."""
         while self._children:
+            # Until there is none left: several ends may ring only once.
             pid, status = os.waitpid(-1, os.WNOHANG)
             if pid == 0:
                 return

@@ -39,6 +39,7 @@ def digest_of_data(measurement: Measurement) -> str:
     optional = {"sd": measurement.sd, "repeat": measurement.repeat, **measurement.conditions}
     # In the order of their names: that in which a file has its columns changes nothing for a fit.
     columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
+    # By content and not by name: a file that was changed is another problem.
     seen = sha256()
     for key, column in columns.items():
         values = np.ascontiguousarray(column)
@@ -175,6 +176,7 @@ class Plan:
     def stream(self, cell: Cell, repetition: int) -> np.random.SeedSequence:
         """The trial's random stream, from names only and the same for every optimiser."""
         case = self.cases[cell.case]
+        # Common random numbers: what differs between two optimisers is then less often luck.
         return stream_of(self.seed, case.source.name, case.model, case.objective.name, repetition)
 
     def stop_value(self, case: Case) -> float:

@@ -98,6 +98,7 @@ def run_study(
     plan = declared.with_options(budget, repeats).plan()
     path = store_path(declared, Path(out))
     with Store(path, write=True, mend=retry_failed) as store:
+        # Before the first trial, so that a run that is interrupted can be shown and resumed.
         numbers = store.register(plan, provenance(plan))
         if retry_failed:
             store.forget_failed(numbers.values())
@@ -149,6 +150,7 @@ def _work(
     try:
         with closing(make_engine(plan, script, workers, engine, quiet).run(tasks)) as stream:  # type: ignore[type-var]
             for results in stream:
+                # At once: whatever ends this process next, what is done is kept.
                 store.add(results, numbers)
                 ran += len(results)
                 failed += sum(result.status.failed for result in results)

@@ -36,6 +36,7 @@ def wilson(successes: int, trials: int, z: float = Z95) -> Interval | None:
         return None
     rate = successes / trials
     scale = 1.0 + z * z / trials
+    # Wilson's interval and not rate plus and minus: this one has a width even where all trials succeed.
     centre = (rate + z * z / (2 * trials)) / scale
     half = z / scale * sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
     # At the ends the interval touches 0 and 1 exactly, which rounding would miss.
@@ -95,6 +96,7 @@ def running_time_interval(hits: Real, spent: Real, rng: np.random.Generator, dra
     rows = max(1, 2**20 // n)
     for first in range(0, draws, rows):
         block = means[first : first + rows]
+        # Whole trials are drawn, hits with what they spent: the two are not independent.
         chosen = rng.integers(0, n, size=(len(block), n))
         successes = success[chosen].sum(axis=1)
         np.divide(cost[chosen].sum(axis=1), successes, out=block, where=successes > 0)
@@ -135,6 +137,7 @@ def performance_profile(costs: Real, ratios: Real) -> Real:
     -------
     ndarray, shape (solvers, m)
     """
+    # Of each problem by itself: no cost of one is compared with that of another.
     best = costs.min(axis=1, keepdims=True)
     relative = np.full(costs.shape, inf)
     np.divide(costs, best, out=relative, where=np.isfinite(costs) & np.isfinite(best))
@@ -242,6 +245,7 @@ def mann_whitney_holm(one: Real, others: Real) -> Real:
 def holm(p: Real) -> Real:
     """Holm's step-down adjustment of p-values (m,)."""
     order = np.argsort(p, kind="stable")
+    # The smallest is multiplied by all, the next by one less; an adjusted one is never below that before it.
     stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
     adjusted = np.empty_like(stepped)
     adjusted[order] = np.minimum(stepped, 1.0)
@@ -289,6 +293,7 @@ def bands(values: Real, shares: Sequence[float] = (0.25, 0.5, 0.75)) -> Real:
 def mean_interval(values: Real, rng: np.random.Generator, draws: int = 1000) -> list[Interval]:
     """Mean of each column of `values` (blocks, k) with a percentile bootstrap interval over blocks."""
     n = len(values)
+    # How often each block is drawn is all that a mean asks: no table of draws is made.
     counts = rng.multinomial(n, np.full(n, 1.0 / n), size=draws)
     low, high = np.quantile(counts @ values / n, [0.025, 0.975], axis=0)
     return [Interval(*map(float, each)) for each in zip(values.mean(axis=0), low, high, strict=True)]
@@ -299,6 +304,7 @@ def a12(a: Real, b: Real) -> float:
 
     The Vargha-Delaney effect size for costs: above one half `a` is better.
     """
+    # Sorted once: pairs need not be compared one by one.
     ordered = np.sort(b)
     above = len(b) - np.searchsorted(ordered, a, side="right")
     equal = np.searchsorted(ordered, a, side="right") - np.searchsorted(ordered, a, side="left")

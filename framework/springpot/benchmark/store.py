@@ -170,6 +170,7 @@ class Store:
         dict
             From index of a cell in the plan to its number in the store.
         """
+        # By digests: cells of an earlier plan stay in the file, and only those of this one are shown.
         shown = json.dumps([(cell.digest, plan.entrants[cell.entrant].label) for cell in plan.cells])
         told = {"name": plan.name, "cells": shown, "repetitions": str(plan.repetitions), "seed": str(plan.seed)}
         told |= {"budget": str(plan.budget), "target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
@@ -187,6 +188,7 @@ class Store:
     def _enter(self, table: str, columns: dict[str, object]) -> int:
         """The number of a row, which is written if it is not there, and again if it is not what it should be."""
         names, marks = ", ".join(columns), ", ".join("?" * len(columns))
+        # Content is the key: the same cell of another run of the study is the same row.
         self._db.execute(f"INSERT OR IGNORE INTO {table} ({names}) VALUES ({marks})", tuple(columns.values()))
         found = self._rows(f"SELECT id, {names}, seal FROM {table} WHERE digest = ?", columns["digest"]).fetchone()
         number = int(found["id"])

@@ -163,6 +163,7 @@ class LocalEngine:
             return False
         if self._nursery is None:
             self._nursery, self._asked = Nursery(self._parcel), monotonic()
+        # Workers are forked from it: before it has its imports there is nothing to fork.
         if not self._nursery.ready:
             return True
         if self._suspects:
@@ -184,7 +185,9 @@ class LocalEngine:
         self._hire(nursery, self._backlog.entrant_of(task)).give([task])
 
     def _hire(self, nursery: Nursery, entrant: int) -> Worker:
+        # Never used twice: a late word of a worker that has ended must not be taken for another's.
         number = next(self._numbers)
+        # One entrant for life: what an optimiser leaves in a process must not reach another's trials.
         self._workers[number] = Worker(number, entrant, nursery.fork(number))
         return self._workers[number]
 
@@ -217,6 +220,7 @@ class LocalEngine:
         if nursery.channel in heard:
             results += self._hear_nursery(nursery)
         now = monotonic()
+        # After all has been heard: an answer that came in time must not count as late.
         for worker in [w for w in self._workers.values() if w.tasks and now - w.since > self._limit(w)]:
             results += self._overdue(worker)
         if self._nursery is nursery and not nursery.ready and now - self._asked > START:

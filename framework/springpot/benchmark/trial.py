@@ -102,6 +102,7 @@ class TrialResult:
 
 def failure(task: Task, status: Status, reason: str, seconds: float = 0.0) -> list[TrialResult]:
     """The results of a task that came to nothing."""
+    # One line, as it is shown in a table.
     line = " ".join(reason.split())[:LONGEST_REASON]
     return [TrialResult(task.cell, r, status, line, seconds=seconds) for r in task.repetitions]
 
@@ -134,6 +135,7 @@ class Workshop:
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
         # What the trial itself reports of a fault says more than that the process was changed by it.
+        # An optimiser shares the process with the problem: one that has changed it has raced on another.
         complaint = bench.witness.complaint(bench.problem)
         if complaint and not all(result.status.failed for result in results):
             return failure(task, Status.CHANGED, complaint)
@@ -223,6 +225,7 @@ class Bench:
 
     def judged(self, point: Real) -> Judged:
         """What a search point (d,) is worth, the order kinf > k0 restored."""
+        # What is reported is a point that thermodynamics allows; its value is that of the point that was evaluated.
         x = self.problem.space.repaired(point)
         theta = np.asarray(self.problem.space.theta(x), dtype=float)
         error = oracle = None
@@ -244,6 +247,7 @@ class Bench:
         # A value found before the fault is not kept: what comes of a trial that breaks off would depend on luck.
         if status.failed:
             return TrialResult(cell, repetition, status, reason, **common)  # type: ignore[arg-type]
+        # From the point itself, evaluated anew: what it is worth is found here, and not told by the run.
         judged = self.judged(done.point)
         recommended, seen = self._without_noise(done)
         return TrialResult(

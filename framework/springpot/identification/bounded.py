@@ -48,6 +48,7 @@ class BoundedDescent:
         # gives the best first, of which a run that has counted a few of them must know nothing yet.
         scanned = rng.permutation(self._admitted(scanned_starts(problem, rng)))
         best = scanned[np.argsort(self.recorder.batch(scanned))[:starts]]
+        # In the box of the study, so that this descent searches where all others do.
         low, high = self._inner(self.recorder.lower), self._inner(self.recorder.upper)
         return levenberg_marquardt(self._evaluate, self._inner(best), low, high).cost
 

@@ -217,6 +217,7 @@ def project(shares: Real, target: Real) -> tuple[Real, Real, Real]:
     inverse : ndarray, shape (r, m, m)
         Inverse of the Gram matrix of the shares whose gains are not held at their least value.
     """
+    # Normal equations of a few branches: what they lose in digits the descent in all parameters brings back.
     gram = np.matmul(shares, shares.transpose(0, 2, 1))
     m = gram.shape[-1]
     # All columns and the target get length one, so that the least gain is a share of the data.

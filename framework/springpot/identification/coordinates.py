@@ -66,6 +66,7 @@ class Coordinates:
         amplitude : float
             Typical amplitude.
         """
+        # Remembered for each model: a study fits one to thousands of data sets.
         layout = _layout(tuple(parameters))
         return cls(
             tuple(parameters),
@@ -109,6 +110,7 @@ class Coordinates:
             # The coordinate of c stands still while the order moves: c itself then has to follow, as omega^-alpha.
             drift = -self.log_omega * theta[..., constant, None]
             by_theta[..., order, :] += drift * by_theta[..., constant, :]
+        # d theta / du is theta itself of a logarithm, and the size of a ratio.
         by_theta *= np.where(self.log, theta, size)[..., None]
         return by_theta
 

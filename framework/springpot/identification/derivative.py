@@ -42,6 +42,7 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
         If the derivative is wrong, with the parameter where it is most so; or if the model gives another stiffness
         with it than without.
     """
+    # Once is enough: a derivative does not change, and a fit must not pay for it each time.
     if model.network in _checked:
         return
     places = [theta, *(_elsewhere(model, theta, factor) for factor in ELSEWHERE)]
@@ -108,6 +109,7 @@ def _direction(model: Model, theta: Real) -> Real:
 def _deviation(model: Model, theta: Real, points: Points, direction: Real) -> float:
     """Median over the points of the smallest deviation at any step; no number where nothing is finite."""
     response = model.network.respond(theta, points, GRADIENT)
+    # Along one direction in which no two parameters are alike: no error of one can cancel another's.
     shares = response.by_theta * direction[:, None]
     size = np.sum(np.abs(shares), axis=0)
     off = np.abs(_differences(model, theta, points, direction) - shares.sum(axis=0)) / size

@@ -35,6 +35,7 @@ def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random
     optimiser, problem, budget, rng
         As for `run`.
     """
+    # A copy holds this thread alone: a lock that another one held would stay locked in it for ever.
     if threading.active_count() > 1 or not hasattr(os, "fork"):
         found = run(optimiser, problem, budget, rng)
     else:
@@ -62,6 +63,7 @@ def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.ran
     # Ctrl-C reaches both: until each has come to where it ends in order, it waits.
     had = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
+        # A copy and no fresh process: model and data are there without being sent.
         pid = os.fork()
     except OSError:
         signal.pthread_sigmask(signal.SIG_SETMASK, had)
@@ -133,6 +135,7 @@ def _work(
         sys.stdout.flush()
         code = 0
     finally:
+        # Without the parent's own farewell: its open files and its exit handlers are not this copy's.
         os._exit(code)
 
 

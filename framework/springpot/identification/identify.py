@@ -110,6 +110,7 @@ def identify(
         _refuse_search(model, optimiser, start)
         name, problem = optimiser.name, Problem.of(model, measurement, objective)
         best, status, notes = _by_optimiser(problem, optimiser, budget, restarts, seed)
+    # Whoever has searched: intervals are told in one way.
     known = Uncertainty.of(best)
     low, high = _interval(known, intervals, seed or 0)
     notes = [*notes, *_references(model), *notes_on(known, low, high)]
@@ -177,6 +178,7 @@ def _no_worse_than_simpler(whole: Fit, simpler: Sequence[Model]) -> tuple[Fit, l
     A model contains what it is without one of its effects, so its least objective cannot be the larger one.
     """
     model, measurement, objective = whole.model, whole.measurement, whole.objective
+    # A failed search shows where a part of the model fits better than the whole.
     inner = [fit(part, measurement, objective, starts=STARTS) for part in (*_without_effects(model), *simpler)]
     best = min(inner, key=lambda other: other.cost, default=None)
     if best is None or not _beats(best, whole):
@@ -208,6 +210,7 @@ def _without_effects(model: Model) -> list[Model]:
 def _grown(part: Fit, model: Model) -> list[Real]:
     """Starts of `model` at the fit of a model that it contains: what is new is small, middling or large."""
     known = dict(zip(part.model.names, part.theta.tolist(), strict=True))
+    # Sizes as the data suggest them: a share of one is then an effect of the size of the rest.
     coordinates = part.task.coordinates
     sizes = coordinates.of(model.parameters, coordinates.log_omega, part.task.scale, coordinates.amplitude).size[0]
     starts = []

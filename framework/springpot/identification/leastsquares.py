@@ -79,6 +79,7 @@ class _State:
 
     def put(self, better: NDArray[np.bool_], other: tuple[Real, Real, Real, Real, Real]) -> None:
         """Take over the trial wherever it was better."""
+        # Mostly all are better: then the trial is taken over as it is, without a copy.
         worse = np.flatnonzero(~better)
         for name, new in zip(TRIED, other, strict=True):
             if len(worse):
@@ -181,6 +182,7 @@ def levenberg_marquardt(
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted for it.
     with np.errstate(all="ignore"):
         state = _first(evaluate, np.clip(u0, rules.lower, rules.upper), damping)
+        # Rows are written back here as they leave, so that those at work stay packed together.
         ended = _State(**{name: value.copy() for name, value in vars(state).items()})
         converged, steps = _descend(evaluate, state, ended, rules, iterations)
     return Solution(ended.u, ended.cost, ended.jtj, ended.residual, converged, len(u0) + steps)
@@ -230,6 +232,7 @@ def _advance(evaluate: Evaluate, state: _State, rules: _Rules) -> NDArray[np.boo
     """One damped step of every row, by its own rules; says which rows are finished."""
     trial = np.minimum(np.maximum(state.u + _step(state, rules.lower, rules.upper), rules.lower), rules.upper)
     step = trial - state.u
+    # The drop that the quadratic model foretells for the step as it was cut, not as it was wanted.
     bent = np.matmul(state.jtj, step[:, :, None])[:, :, 0]
     predicted = -(step * (2.0 * state.gradient + bent)).sum(axis=1)
     residual, jacobian = evaluate(trial, state.rows)
@@ -313,6 +316,7 @@ def _store(state: _State, ended: _State) -> None:
 def _done_teams(team: Rows, converged: NDArray[np.bool_], cost: Real, rules: _Rules) -> NDArray[np.bool_]:
     """Teams of which one row has reached its floor or enough rows agree on the best objective."""
     teams = int(team.max()) + 1
+    # Over rows still at work too: none may be called the best while another is lower.
     best = np.full(teams, np.inf)
     np.minimum.at(best, team, cost)
     agree = converged & (cost <= best[team] * (1.0 + rules.alike))

@@ -185,6 +185,7 @@ class _Search:
         self.points = measurement.points
         self.own = tuple(model.parameters[i] for i in own_parameters(model))
         self.scale = float(np.exp(np.mean(np.log(measurement.magnitude))))
+        # Without amplitudes any size will do: no effect that has one can be fitted.
         typical = 1.0
         if self.points.amplitude is not None:
             typical = float(np.mean(self.points.amplitude))
@@ -192,6 +193,7 @@ class _Search:
         self.coordinates = Coordinates.of(self.own, log_omega, np.array([self.scale]), typical)
         self.size = self.coordinates.size[0]
         self.low, self.high = (bound[0] for bound in self.coordinates.bounds())
+        # Then one solution is exact; behind a spring in series K bends with the weights, and it takes a few.
         self.linear = _linear_in_material(model.network)
         self.evaluations = 0
         self._with_lines: dict[bytes, Model] = {}
@@ -262,6 +264,8 @@ class _Search:
                     best = replace(trial, cost=cost)
                 if abs(cost - foretold) <= FORETOLD * foretold + ROUNDING:
                     break
+            # About the last weights: what they explain is put back, so that whole weights are found, which must not be
+            # negative.
             columns = weighted(response.by_theta[:count], self.weights)
             weights, foretold = non_negative(columns.T, residual + trial.weights @ columns)
             trial = replace(trial, weights=weights)
@@ -317,6 +321,7 @@ class _Search:
         for _ in range(REFINEMENTS):
             carrying = trial.log_rates[trial.weights[2:] > 0.0]
             spacing *= CLOSER
+            # From neighbour to neighbour on either side: a line between two is carried by both.
             near = carrying[:, None] + spacing * np.arange(-1.0 / CLOSER, 1.0 / CLOSER + 1.0)
             finer = self.solve(trial.u, np.unique(np.round(near.ravel() / spacing)) * spacing)
             if not finer.cost < trial.cost:
@@ -346,6 +351,7 @@ class _Search:
     def result(self, trial: _Trial, converged: bool) -> Spectral:
         """The fitted model with the lines that carry weight."""
         trial = self.affordable(trial)
+        # Lines without weight are no parameters: they would have intervals, and cost degrees of freedom.
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
@@ -470,6 +476,7 @@ def _settings(search: _Search, measurement: Measurement) -> Real:
     """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
     known: dict[str, float] = {}
     if any(effect.by_levels for effect in search.model.effects):
+        # A factor for each level is too many to be tried: overlapping sweeps tell where it lies.
         known = aligned(search.model, measurement)
     scanned = np.array([parameter.name not in known for parameter in search.own])
     count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1

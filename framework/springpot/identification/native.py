@@ -230,6 +230,7 @@ def fit(
         objective = default_objective(measurement)
     if is_material(model):
         return _fit_material(model, measurement, objective, starts, seeds_theta, effort or Effort())
+    # One data set is a batch of one: single fits and simulated ones by the thousand run through the same code.
     task = _task(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
@@ -272,6 +273,7 @@ def _solved(
     offset = 0.0
     if rng is not None:
         offset = _offset(rng)  # drawn for any model, that the generator goes on alike
+    # The way to the optimum is the same with a few points; only its last steps need all of them.
     coarse = task.thin(COARSE_POINTS)
     if task.model.constrained:
         # Every start is given, and gains cannot be projected out of a model that holds some of them.
@@ -336,6 +338,7 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
     if starts:
         shapes, placed = task.starts(starts, offset)
         u, evaluations = np.concatenate([seeds, placed[0]]), shape_count(task.branches)
+    # In all parameters and few steps first: it settles most fits, and costs less than projecting the gains out.
     quick = task.solve(u[None], iterations=QUICK, damping=SCANNED, flat=effort.negligible)
     evaluations += quick.evaluations
     alike = max(ALIKE, STOPS * effort.negligible)
@@ -344,6 +347,7 @@ def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort)
         return quick, evaluations
     # What was reached goes along, so that the longer way cannot end higher.
     best = quick.u[np.argsort(quick.cost)[:1]]
+    # Fewer dimensions: with the best gains at each shape the valley is short and straight.
     v = task.shaped(np.concatenate([best, seeds]))
     if starts:
         v = np.concatenate([v, shapes[0]])
@@ -362,6 +366,7 @@ def _offset(rng: np.random.Generator) -> float:
 
 def _agreed(solution: Solution, floor: float, votes: int, slack: float) -> bool:
     """Whether a start has reached the floor, or enough of them have come to rest at the best objective."""
+    # No optimum can be proved the best; starts from different places that meet in one are the evidence.
     least = solution.cost.min()
     agree = solution.converged & (solution.cost <= least * (1.0 + slack))
     return bool(least <= floor or np.count_nonzero(agree) >= votes)
@@ -441,6 +446,7 @@ def fit_batch(
     if seeds_theta is not None:
         given = task.coordinates.u(np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :])
         v = np.concatenate([task.shaped(given), v], axis=1)
+    # The best scanned shape stands in until a descent has given something better.
     best, cost = v[:, 0].copy(), np.full(len(v), np.inf)
     _rounds(task, v, best, cost)
     solution = task.solve(task.full(best[:, None, :]), damping=NEAR)
@@ -471,6 +477,7 @@ def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArra
     found, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
     which = np.argmin(found, axis=1)
     least = found[np.arange(len(rows)), which]
+    # One that was stopped on its way may be as low by chance: only those at rest confirm.
     agree = solution.converged.reshape(found.shape) & (found <= least[:, None] * (1.0 + SAME))
     better = least < cost[rows]
     best[rows[better]] = at[better, which[better]]

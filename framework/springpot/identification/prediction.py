@@ -138,6 +138,7 @@ def predict(
     except ValueError:
         lengths = ", ".join(f"{len(column)} of {name}" for name, column in conditions.items())
         raise DataError(f"give one value or as many as frequencies: there are {len(rate)}, and {lengths}") from None
+    # By the linear law of error propagation, as the intervals of the parameters are.
     value, sd = _value_and_sd(known, rate, conditions)
     # The band has the probability that is asked for, which need not be that of the intervals.
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
@@ -259,6 +260,7 @@ def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> 
     points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
     with np.errstate(all="ignore"):
         value = fit.model.stiffness(fit.theta, points)
+        # At rest a derivative may be no number: what does not move K there adds nothing to the band.
         slopes = np.nan_to_num(fit.model.jacobian(fit.theta, points))
         by_u = slopes @ fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
     sd = np.array([_spread(part, known.covariance, np.abs(value)) for part in (by_u.real, by_u.imag)])

@@ -144,6 +144,7 @@ class Problem(Searched):
 
     def _stiffness(self, theta: Real) -> Complex:
         stiffness = self.model.network.respond(theta, self.measurement.points).value
+        # Here, where every evaluation passes, whoever asked for it.
         self.tally.points += theta.size // theta.shape[-1]
         return stiffness
 
@@ -154,6 +155,7 @@ class Problem(Searched):
     def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
         """Residuals (..., 2n) and their derivative (..., 2n, d) in one evaluation."""
         response = self.model.network.respond(self.space.theta(x), self.measurement.points, GRADIENT)
+        # A derivative comes with the value, and counts as one evaluation.
         self.tally.points += x.size // x.shape[-1]
         residual = self.objective.residual(response.value, self.measurement, self.weights)
         by_theta = self.objective.derivative(response.by_theta, response.value, self.weights)

@@ -70,6 +70,7 @@ class Spectrum:
 
     def within(self, share: float) -> tuple[float, float]:
         """Rates between which so much of the relaxing stiffness lies, as much being left below as above."""
+        # By shares from either side: what lies far out and is hardly there moves the ends little.
         total = np.cumsum(self.density)
         ends = np.interp([0.5 - 0.5 * share, 0.5 + 0.5 * share], total / total[-1], np.log(self.rates))
         return float(np.exp(ends[0])), float(np.exp(ends[1]))
@@ -113,6 +114,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     if not is_material(fit.model):
         raise ValueError(f"the spectrum of {fit.model.name} is that of its network: no data choose it")
     system = _System.of(fit)
+    # Found once, for the data: each draw of noise would else have a smoothness of its own in the band.
     smoothing = system.smoothing()
     best = system.solve(smoothing, system.target)
     followed = system.columns @ best

@@ -135,6 +135,7 @@ class Identification(Estimate):
         """
         fit, known = self.fit, self.uncertainty.covariance
         turn = fit.task.coordinates.slopes(fit.theta, fit.task.coordinates.size[0])
+        # In the units of the values: a covariance in others would fit none of the printed numbers.
         factor = np.array([self.measurement.units.of(p.unit)[0] for p in self.model.parameters])
         lost, finite = lost_and_known(known)
         covariance: Real = factor[:, None] * (turn @ finite @ turn.T) * factor
@@ -151,6 +152,7 @@ class Identification(Estimate):
     @property
     def relative_rms(self) -> float:
         """Root mean square of |K_model - K| / |K|."""
+        # Relative at each point, so that soft and stiff ends of a sweep count alike.
         share = np.abs(self.residuals) / sizes(self.measurement)
         return float(np.sqrt(np.mean(share**2)))
 

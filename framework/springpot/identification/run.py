@@ -103,6 +103,7 @@ def run(
         If the budget is not positive.
     """
     ledger = Ledger(problem, _checked(budget), target, _pages(diary))
+    # Counted on both sides of the door: an optimiser that goes around the recorder is found out.
     recorder, before = Recorder.of(ledger), problem.tally.points
     seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
     fault = fault or _past([ledger], problem.tally.points - before)
@@ -146,6 +147,7 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
     start = perf_counter()
     try:
         with np.errstate(all="ignore"):
+            # Wild points overflow on the way to a minimum: that is no news to anybody.
             call()
     except BudgetSpent:
         pass  # this is how the recorder ends an optimiser, and no fault of it

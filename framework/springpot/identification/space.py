@@ -132,6 +132,7 @@ def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | N
     amplitude, reach = measurement.conditions.get("amplitude"), 1.0
     if amplitude is not None:
         reach = float(np.max(amplitude))
+    # Slower than the slowest cycle nothing shows; below that the paper's second is kept.
     longest = max(1.0, 1.0 / float(measurement.omega.min()))
     return box_of(model, stiffness_scale, longest, reach)
 
@@ -192,6 +193,7 @@ def require_conditions(model: Model, measurement: Measurement) -> None:
     ModelError
         If one is missing.
     """
+    # Told before anything is fitted, by the name of the column that lacks.
     missing = sorted(model.needs - set(measurement.conditions))
     if missing:
         raise ModelError(

@@ -149,6 +149,7 @@ class Shapes:
 def _spread(unit: Coordinates, points: Points) -> tuple[Real, Real]:
     """Range of each search coordinate over which shapes are drawn."""
     lower, upper = (bound[0] for bound in unit.bounds())
+    # Half the band on either side of its middle: a time outside of it would not show.
     reach = 0.5 * float(np.ptp(points.log_omega))
     times = [_time_power(parameter) for parameter in unit.parameters]
     # A stiffness lies within a factor of 30 of |K|; what has a time in its unit may lie anywhere in the band too.
@@ -201,6 +202,7 @@ def _nearest(count: int, dimension: int) -> NDArray[np.intp]:
     """The nearest shapes of each, (Q, j), on the torus so that an offset changes nothing."""
     if count <= NEIGHBOURS or dimension == 0:
         return np.empty((count, 0), dtype=np.intp)
+    # Nearness is told in the cube that the shapes were drawn from: all its sides are alike.
     cube = low_discrepancy(count, dimension)
     gap = np.abs(cube[:, None, :] - cube[None, :, :])
     distance = np.sum(np.minimum(gap, 1.0 - gap) ** 2, axis=-1)

@@ -79,6 +79,7 @@ class Task:
         # Differences of logarithms do not grow with the data.
         if self.logarithmic:
             return np.asarray(ROUNDING * np.sum(np.abs(self.weights) ** 2, axis=1))
+        # What rounding leaves of a residual is a share of the weighted data.
         size = interleaved(self.weights) * interleaved(self.stiffness)
         floor: Real = ROUNDING * np.sum(size * size, axis=1)
         return floor
@@ -185,6 +186,7 @@ class Task:
             size, scale = coordinates.size[which], weight[which][:, None, :]
             theta, value, by_theta, shares = self._unit_gain(v, size)
             basis = interleaved(shares) * scale
+            # For each shape the best gains are known in closed form: the search is left with the shapes alone.
             gains, residual, inverse = project(basis, target[which])
             slopes = by_theta * self._by_owner(gains, shares)
             if branches.compliance:
@@ -274,6 +276,7 @@ class Task:
 
     def starts(self, keep: int, offset: float = 0.0) -> tuple[Real, Real]:
         """Shapes (B, s, d) read off the data, best first, and search coordinates (B, s, p) with their gains."""
+        # Hundreds of shapes are scanned: with a few points each costs next to nothing.
         thin = self.thin(SCAN_POINTS)
         shapes = shapes_of(self.model, Grid(thin.points, self.coordinates), offset)
         v, gains = shapes.best(thin.stiffness, thin._plane_weights, keep)

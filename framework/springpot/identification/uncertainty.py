@@ -35,6 +35,7 @@ def student(level: float, dof: float) -> float:
 
     Exact for one and two degrees of freedom, else by the expansion of Abramowitz and Stegun 26.7.5 (0.3 % at three).
     """
+    # By hand: to import `scipy.stats` takes longer than most fits.
     tail = 0.5 * (1.0 + level)
     if dof <= 0:
         return float("inf")
@@ -73,6 +74,7 @@ class Uncertainty:
     @classmethod
     def of(cls, fit: Fit, level: float = LEVEL) -> Uncertainty:
         """Intervals at `level`, in absolute terms where the objective uses given standard deviations."""
+        # Weights that are no standard deviations know shares only: what a residual of one means, the scatter says.
         return cls(fit, uses_sd(fit), level)
 
     @property
@@ -121,6 +123,7 @@ class Uncertainty:
     @cached_property
     def covariance(self) -> Real:
         """Covariance (p, p) in search coordinates; infinite variance where the data say nothing, 0 at a bound."""
+        # What rests on a bound does not move with the data: it takes no part, and the others are the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
         inner = self.fit.jacobian_u[:, free]
         # Columns of one size: what is determined must not depend on the units of the parameters.

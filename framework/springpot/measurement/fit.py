@@ -53,12 +53,14 @@ class Basis:
         """Columns 1, drift, cos 1, sin 1, cos 2, ..., transient and its change with the time constant: (m, size)."""
         # From the middle of the part: level, drift and phase then hardly depend on one another.
         middle, half = 0.5 * (self.start + self.stop), 0.5 * (self.stop - self.start)
+        # Powers of one turn: a cosine and a sine for each harmonic would cost as many times more.
         turns = np.exp(1j * self.omega * (time - middle))
         powers = np.cumprod(np.broadcast_to(turns[:, None], (len(time), self.harmonics)), axis=1)
         flat = powers.view(np.float64)
         parts = [np.ones((len(time), 1)), ((time - middle) / half)[:, None], flat]
         if self.transient > 0:
             age = np.minimum((time - self.start) / self.transient, GONE)[:, None]
+            # The second makes the fit linear in a small change of the time constant, which thus need not be exact.
             parts += [np.exp(-age), age * np.exp(-age)]
         return np.concatenate(parts, axis=1)
 
@@ -70,6 +72,7 @@ class Basis:
         turned = columns[:, cosines] @ (order * coefficients[sines]) - columns[:, sines] @ (
             order * coefficients[cosines]
         )
+        # The drift column times half the length is the time from the middle.
         return np.asarray(half * columns[:, 1] * turned)
 
 
@@ -117,6 +120,7 @@ def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[B
 
     Variable projection: the harmonics are linear, so that only omega is iterated (Gauss-Newton).
     """
+    # Of the displacement alone: it is what was imposed, and has the cleaner frequency.
     coefficients = _solve(*_moments(record, basis, None))[:, 0]
     width, variance = 1.0 / (basis.stop - basis.start), 0.0
     for _ in range(rounds):
@@ -159,6 +163,7 @@ def _solve(normal: Real, right: Real, *_: object) -> Real:
 def fit_harmonics(record: Record, basis: Basis) -> Fit:
     """Least squares at a known frequency over the part that `basis` covers."""
     groups, period = _groups(basis)
+    # Groups of cycles are fitted by themselves too: their scatter says what the residuals' spectrum may miss.
     edges: Real = basis.start + period * np.arange(groups + 1, dtype=float)
     size = basis.size
     normal, right = np.zeros((groups, size, size)), np.zeros((groups, size, 2))
@@ -208,6 +213,7 @@ def _inverse(normal: Real) -> Real:
 
 def _group_amplitudes(normal: Real, right: Real, basis: Basis, solution: Real) -> Complex:
     """First harmonics of each group, after the common drift and transient: (g, 2)."""
+    # Drift and transient belong to the whole part: a few cycles cannot tell them from the oscillation.
     keep, slow = np.r_[0, 2 : 2 + 2 * basis.harmonics], basis.slow
     right = right - normal[:, :, slow] @ solution[slow]
     found = [_solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)]
@@ -229,6 +235,7 @@ def _residuals(record: Record, basis: Basis, solution: Real, inverse: Real) -> t
     # A displacement that does not move has none; that is told where K is made of both.
     if moved:
         stiffness = force / moved
+    # Noise of the displacement and of the force may come and go together: only u - K x counts for K.
     seen = np.array([[1, 0], [0, 1], [-stiffness, 1]])
     noise, freedom = local.density(seen, inverse, square / max(count - basis.size, 1))
     return noise, freedom, np.sqrt(np.diag(square) / max(count, 1)), count

@@ -147,6 +147,7 @@ class AnnularDashpot(Geometry):
     @property
     def strain_factor(self) -> float:
         """1 / (R_i a), or tanh a / (R_i (a - tanh a)) where closed."""
+        # The ratio of both factors is K: each gets the same share, which then cancels.
         below, share = self._resistance
         return share / (self.inner_radius * below)
 
@@ -240,6 +241,7 @@ class TorsionBar(Geometry):
         # Whichever side is called the width: the formulas hold for the longer over the shorter.
         b, ratio = min(self.width, self.thickness), max(self.width, self.thickness)
         ratio /= b
+        # Saint-Venant's series: even terms vanish, as the section is symmetric.
         odd = range(1, _TERMS, 2)
         constant = ratio / 3.0 - 64.0 / pi**5 * sum(tanh(n * pi * ratio / 2.0) / n**5 for n in odd)
         steep = 1.0 - 8.0 / pi**2 * sum(1.0 / (n**2 * _cosh(n * pi * ratio / 2.0)) for n in odd)

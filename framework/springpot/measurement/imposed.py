@@ -65,6 +65,7 @@ class Loading:
     @cached_property
     def jumps(self) -> tuple[Real, Real]:
         """Times and sizes of the steps that take no time."""
+        # Steps are kept apart: their answer is the relaxation function itself, which no rate of change would give.
         at = np.flatnonzero((np.diff(self.time) == 0.0) & (np.diff(self.value) != 0.0))
         return self.time[at], np.diff(self.value)[at]
 
@@ -92,6 +93,7 @@ def controlled(moved: Real, pulled: Real) -> str:
 
     A force that was held and taken away does not stand still in the end, nor does what recovers from it.
     """
+    # Asked first: a channel at its level is plain, while an unrest has to be weighed against the other's.
     displacement_held, force_held = _at_levels(moved), _at_levels(pulled)
     if max(displacement_held, force_held) >= NEARLY_ALL:
         force_imposed = force_held > displacement_held
@@ -143,6 +145,7 @@ def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
 
 def is_released(value: Real, largest: float) -> bool:
     """Whether a load went up once, came back to nothing, and never to the other side: a record that swings does."""
+    # With the load counted upwards, compression and tension are one case.
     up = value * np.sign(value[np.argmax(np.abs(value))])
     # Half the largest value is crossed once on the way up and once on the way down.
     changes = int(np.count_nonzero(np.diff((up > 0.5 * largest).astype(int))))

@@ -93,6 +93,7 @@ def _column(name: str, measurements: Sequence[Measurement]) -> Real:
         return np.concatenate([each.conditions[name] for each in measurements])
     first = measurements[0].units.amplitude
     for each in measurements:
+        # Between a length and a strain stands the size of a specimen, which nobody has told here.
         for table in (LENGTH_UNITS, STRAIN_UNITS):
             if (first in table) != (each.units.amplitude in table):
                 units = f"{first} and {each.units.amplitude}"

@@ -116,7 +116,9 @@ class Measurement(Rows):
     def __post_init__(self) -> None:
         if not isinstance(self.units, Units):
             raise DataError(f"{self.name}: units are Units('kN/m', 'mm'), of stiffness and amplitude: {self.units!r}")
+        # Looked at before it is made complex, when a loss that was forgotten can no longer be told from none.
         without_loss = not _holds_complex(self.stiffness)
+        # Frozen all the way down: what is worked out of the data is remembered, and must stay true.
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
         for name, dtype in _DTYPES.items():
             values = getattr(self, name)
@@ -125,6 +127,7 @@ class Measurement(Rows):
         for name, dtype in (("conditions", np.dtype(np.float64)), ("labels", np.dtype(np.str_))):
             mapping = {key: self._array(key, column, dtype) for key, column in getattr(self, name).items()}
             object.__setattr__(self, name, MappingProxyType(mapping))
+        # Checked when made, so that no later step need ask whether data are whole.
         self._check()
         if without_loss:
             raise DataError(f"{self.name}: stiffness is real: give storage + 1j * loss")
@@ -172,6 +175,7 @@ class Measurement(Rows):
             raise DataError(f"{self.name}: frequencies must be positive and finite")
         if not np.all(np.isfinite(self.stiffness)):
             raise DataError(f"{self.name}: storage and loss must be finite")
+        # Errors are relative to |K|: a point without any would count without end.
         nothing = np.flatnonzero(self.stiffness == 0)
         if len(nothing):
             place = f"first at {self.units.at(float(self.frequency[nothing[0]]), 4)}"
@@ -180,6 +184,7 @@ class Measurement(Rows):
         if self.sd is not None and not np.all(np.isfinite(self.sd) & (self.sd.real > 0) & (self.sd.imag > 0)):
             raise DataError(f"{self.name}: standard deviations must be positive and finite")
         for condition in CONDITIONS:
+            # Of the columns that models know: a further one may well be missing at some points.
             lost = np.flatnonzero(~np.isfinite(self.conditions.get(condition, np.zeros(0))))
             if len(lost):
                 place = f"first at {self.units.at(float(self.frequency[lost[0]]), 4)}"
@@ -216,6 +221,7 @@ class Measurement(Rows):
             return self.reference
         if temperature is None:
             return ROOM
+        # The lower median: a temperature that was measured, and not the mean of two.
         return float(np.sort(temperature)[(len(temperature) - 1) // 2]) + KELVIN
 
     @cached_property
@@ -298,6 +304,7 @@ class Measurement(Rows):
 
     def _through(self, change: Conversion) -> Measurement:
         """The other side of a geometry."""
+        # Other columns, such as the temperature, mean the same of the specimen and of its material.
         conditions = dict(self.conditions)
         if "amplitude" in conditions:
             conditions["amplitude"] = change.amplitude(conditions["amplitude"])
@@ -350,6 +357,7 @@ def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_tempera
     kelvin = conditions.get("temperature")
     if kelvin is not None:
         kelvin = kelvin + KELVIN
+    # Of any name: effects with a factor for each level ask for them.
     others = {name: column for name, column in conditions.items() if name not in CONDITIONS}
     return Points(log_omega, conditions.get("amplitude"), kelvin, reference_temperature, others)
 
@@ -375,6 +383,7 @@ def numbers_of_levels(column: Real, apart: float) -> NDArray[np.int64]:
     """Number (n,) of the level of each value, in ascending order; levels lie further apart than that."""
     order = np.argsort(column, kind="stable")
     number = np.zeros(len(column), dtype=np.int64)
+    # Neighbour by neighbour: a drift within a level may add up to more than the distance of two.
     number[order[1:]] = np.cumsum(np.diff(column[order]) > apart)
     return number
 
@@ -383,6 +392,7 @@ def misspelt(condition: str) -> str:
     """What to say of a name that is nearly a known condition's, or nothing."""
     if condition in CONDITIONS or not condition.isalpha():  # temperature_2 is no slip
         return ""
+    # A misspelt condition would be a column that no model knows, and its effect be missed without a word.
     near = get_close_matches(condition.lower().rstrip("s"), CONDITIONS, n=1, cutoff=NEARLY)
     if not near:
         return ""

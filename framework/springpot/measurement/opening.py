@@ -66,6 +66,7 @@ def _named(text: str, datasets: Iterable[DataSet], readers: Iterable[Reader]) ->
     name, choice = file_and_choice(text)
     if is_file(name):
         return _read(Path(name), choice, readers)
+    # Files were looked for first: a data set that a plugin adds must not hide a file of the user's.
     listed = list(datasets)
     known: dict[str, DataSet] = {}
     for data in listed:
@@ -118,6 +119,8 @@ def read_head(path: Path) -> bytes:
         raise DataError(f"{path}: this is a folder, name a file in it")
     try:
         with path.open("rb") as stream:
+            # Only the beginning: readers are asked whether they know the format, and none need see the whole file for
+            # that.
             head = stream.read(HEAD)
             if len(head) == HEAD and not _below_remarks([head]):
                 # Recognition must not see remarks alone, however many there are.
@@ -155,6 +158,7 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
         If none recognises it.
     """
     known = list(readers)
+    # By content and not by the ending: instruments write .txt, .csv and .dat as they please.
     best, sure = surest(known, read_head(path))
     if best is None or not sure > 0:
         names = ", ".join(reader.name for reader in known) or "none"
@@ -180,6 +184,7 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
             provenance |= temperature_offer(path)
         return replace(measurement, provenance=provenance)
 
+    # A damaged file, or a reader's fault, must not hold the program up for ever.
     return within_budget(path, read)
 
 

@@ -86,6 +86,7 @@ class Averaged:
 
     def floor(self, noise: Noise) -> float:
         """The same for noise alone: root mean square of its |dK| / |K| over all measured rows."""
+        # The noise is that of the means: single rows scatter by the root of their number more.
         count = self.scatter.dof + 1.0
         single = (noise.sd.real**2 + noise.sd.imag**2) * count / self.mean.magnitude**2
         return float(np.sqrt(np.sum(count * single) / np.sum(count) + self.own_gain**2))
@@ -151,6 +152,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
         columns += [*told_apart(measurement).values(), measurement.repeat]
     _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
     run = run.ravel()
+    # A gain of its own must not be one with the scatter of a few points.
     usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
     if not np.any(usable):
         return None, 0.0
@@ -163,6 +165,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
     x = x - _means(x.astype(np.complex128), run).real[run]
     slope = np.bincount(run, values.real * x) + 1j * np.bincount(run, values.imag * x)
     slope = slope / np.maximum(np.bincount(run, x**2), 1e-300)
+    # An analysis of variance: what a gain of each run explains, against what is left when slopes are gone too.
     by_gain = float(np.sum(np.abs(mean[run]) ** 2))
     by_slope = float(np.sum(np.abs(slope[run] * x) ** 2))
     left = float(np.sum(np.abs(values) ** 2)) - by_gain - by_slope
@@ -225,6 +228,7 @@ def thinned(measurement: Measurement) -> Measurement:
     """
     if len(measurement) <= MOST_POINTS:
         return measurement
+    # Points are thinned, and not rows: all repeats of a point that stays go with it.
     data = average_repeats(measurement)
     points = np.split(np.argsort(data.group, kind="stable"), np.cumsum(np.bincount(data.group))[:-1])
     most = max(MOST_REPEATS, MOST_POINTS // len(points))

@@ -54,6 +54,7 @@ def rows_with(measured: Rows, wanted: Mapping[str, str]) -> NDArray[np.bool_]:
     DataError
         If there is no such column or value, with those that there are.
     """
+    # Each further condition narrows the choice.
     rows = np.ones(len(measured), dtype=bool)
     for key, value in wanted.items():
         rows &= _matching(measured, key, value)

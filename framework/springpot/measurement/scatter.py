@@ -149,6 +149,7 @@ class Shape:
 
     def fit(self, scatter: Scatter) -> tuple[float, Complex]:
         """Minus twice the log-likelihood plus its price, and the standard deviations (n,)."""
+        # Each scale is profiled out: the best one for this shape is known in closed form.
         total = float(np.sum(scatter.dof))
         real = float(np.sum(scatter.real / self.real**2)) / total
         imag = float(np.sum(scatter.imag / self.imag**2)) / total
@@ -156,6 +157,7 @@ class Shape:
         if self.tied:
             real = imag = 0.5 * (real + imag)
             scales = 1
+        # Repeats that agree to the last digit would have a logarithm without end.
         real, imag = max(real, LEAST_VARIANCE), max(imag, LEAST_VARIANCE)
         logs = 2.0 * float(np.sum(scatter.dof * (np.log(self.real) + np.log(self.imag))))
         cost = total * (np.log(real) + np.log(imag)) + logs
@@ -172,6 +174,7 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     yield Shape(size, size, True, 0.0)
     yield Shape(size, size, False, UNUSUAL_SHAPE)
     yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
+    # A load cell's floor is a force: in K it is the larger the smaller the amplitude.
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
     if force.max() > FORCE_RANGE * force.min():
@@ -192,6 +195,7 @@ def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
 
 def _rises(log_omega: Real) -> Iterator[Real]:
     """Factors (n,) by which noise is larger towards the upper end, the lower end, or both ends of the frequencies."""
+    # A single frequency has no ends.
     whole = float(np.ptp(log_omega))
     if whole == 0.0:
         return
@@ -238,6 +242,7 @@ def robust_noise_shape(
     shapes = list(_shapes_of(measurement))
     if uneven:
         shapes += _uneven_shapes_of(measurement)
+    # Judged at some of the points, and then told for all: a shape is a law of the point, and not of the residual.
     some = [shape.of(rows) for shape in shapes]
     scales = _student_scales(some, residual)
     costs = [_student_cost(*each, residual) for each in zip(some, scales, strict=True)]
@@ -264,6 +269,7 @@ def _student_scale(size: Real) -> Real:
     # A residual of nothing but zeros has a scale as well, or its logarithm would be no number.
     variance = np.maximum(np.mean(square, axis=-1), LEAST_VARIANCE)
     for _ in range(STUDENT_ROUNDS):
+        # Expectation and maximisation: the further off a point lies, the less it counts for the scale.
         weight = (STUDENT_DOF + 1.0) / (STUDENT_DOF + square / variance[..., None])
         variance = np.maximum(np.mean(weight * square, axis=-1), LEAST_VARIANCE)
     return np.asarray(np.sqrt(variance), dtype=np.float64)
@@ -296,10 +302,12 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
     """
     if dof < FEWEST_TO_DOUBT:
         return noise
+    # Standard deviations of the right size leave a variance of one, give or take what chance does with so few.
     low, high = plausible_variance(dof)
     if low < variance < high:
         return noise
     factor = float(np.sqrt(variance))
+    # Too large is no proof: errors that neighbours share do not show in the scatter, and may have been meant.
     if factor < 1.0:
         doubt = (
             f"the given standard deviations are {1 / factor:.2g} times the data's own scatter: "
@@ -337,6 +345,7 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
     """
     # A number that is rounded lies anywhere within its step: the standard deviation of that is step / sqrt(12).
     least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]
+    # Computed data are exact to single precision at the most: they too get a noise, or weights would be endless.
     size = LEAST_RELATIVE * measurement.magnitude
     parts = [np.maximum(np.maximum(part, digit), size) for part, digit in zip((sd.real, sd.imag), least, strict=True)]
     return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128)

@@ -157,6 +157,7 @@ def harmonics_of(
         raise DataError(f"{name}: the frequency must be positive, got omega = {omega} rad/s")
     if n_harmonics < 1:
         raise DataError(f"{name}: at least one harmonic is needed, got {n_harmonics}")
+    # A frequency of the command is exact; an estimated one is refined once the steady part is known.
     first = omega
     if first is None:
         first = coarse_frequency(record)
@@ -168,6 +169,7 @@ def harmonics_of(
     notes = (*record.notes, *part.notes)
     if basis.harmonics < n_harmonics:
         notes = (*notes, f"too few samples for {n_harmonics} harmonics: {basis.harmonics} were fitted")
+    # The basis of the fit is that of the steady part; what still decays in it would pass for drift and harmonics.
     basis, fit = fit_with_transient(record, basis)
     if window is None and (unsteady := unsteady_cycles(fit)):
         begin = float(fit.begins[unsteady])
@@ -182,6 +184,7 @@ def _check_motion(record: Record, basis: Basis, fit: Fit) -> None:
     """Refuse a given frequency at which the displacement is no more than its noise there (F test, 0.1 %)."""
     from scipy.special import fdtri
 
+    # Variance of cosine and sine together: noise alone makes an amplitude of this size.
     noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
     if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, SEEN) * noise:
         found = coarse_frequency(record)
@@ -243,6 +246,7 @@ def _nested(record: Record, basis: Basis) -> float:
 
 
 def _affordable(record: Record, part: Steady, omega: float, harmonics: int) -> int:
+    # Complete samples only: a gap tells nothing of a harmonic.
     count = sum(len(time) for time, _ in record.blocks(part.start, part.stop))
     cycles = (part.stop - part.start) * omega / (2 * np.pi)
     # More than two samples for each cycle of the highest harmonic, and several for each unknown.
@@ -277,6 +281,7 @@ def _summary(basis: Basis, omega_sd: float, fit: Fit, notes: tuple[str, ...], re
         extra = (*extra, f"the displacement is no sinusoid: its third harmonic is {abs(moved[2] / moved[0]):.0%}")
     # Of computed signals nothing is left over: rounding is the least that any stiffness errs by.
     floor = 4 * np.finfo(float).eps * abs(stiffness)
+    # The deviation of omega came from white residuals: slow ones near omega make it as much less sure.
     inflation = 1.0
     if fit.residual[0] > 0:
         inflation = np.sqrt(fit.noise[0]) / fit.residual[0]
@@ -306,6 +311,7 @@ def _propagated(moved: complex, fit: Fit) -> complex:
     What matters is the noise of u - K x near omega, with K turning the displacement's noise: its cosine and sine
     coefficients (a, b) have the covariance of noise times inverse, and the pair is the amplitude a - ib.
     """
+    # Of U / X by the cosine and the sine coefficient of the force: the pair is a - ib.
     slopes = np.array([1.0, -1j]) / moved
     jacobian = np.stack([slopes.real, slopes.imag])
     covariance = fit.noise[2] * jacobian @ fit.inverse @ jacobian.T
@@ -316,6 +322,7 @@ def _scatter(groups: Complex) -> complex:
     """Standard deviations of the mean K' and K'' from their scatter between groups of cycles."""
     if len(groups) < 3:
         return complex(np.nan, np.nan)
+    # The ratio of each group: a displacement that wanders from cycle to cycle takes its force along.
     each = groups[:, 1] / groups[:, 0]
     root = np.sqrt(len(each))
     return complex(np.std(each.real, ddof=1) / root, np.std(each.imag, ddof=1) / root)
@@ -384,6 +391,7 @@ def measurement_from_signals(
     """
     rows, names, units, origin = [], [], [], dict(provenance or {})
     for test in tests:
+        # Signals are read as they are asked for, while a reader's time runs: the fit is not its work.
         with uncounted():
             row = harmonics_of(
                 test.time,
@@ -419,6 +427,7 @@ def _doubts_of_sign(row: Harmonics, force_unit: str) -> list[str]:
     """What to tell of a specimen that gives work away, which only a wrong sign or a drive can explain."""
     # With the unit that the force has: typed as it stands, another one would change the stiffness a thousandfold.
     mend = f"if one channel counts the other way, open 'FILE?force=-{force_unit}'"
+    # The work of a cycle is pi X^2 K'': its doubt is that of K''.
     doubt = np.pi * row.amplitude**2 * row.sd.imag
     surely = row.stiffness.imag < -SURE * row.sd.imag or row.work < -SURE * doubt
     if surely and row.stiffness.real < -SURE * row.sd.real:
@@ -437,6 +446,7 @@ def _measurement(
 ) -> Measurement:
     factor, unit = stiffness_unit(*units)
     width = max(len(row.force) for row in rows) - 1
+    # Tests at high frequencies afford fewer harmonics: what was not fitted is unknown, and not zero.
     relative = np.full((len(rows), width), complex(np.nan, np.nan))
     for i, row in enumerate(rows):
         relative[i, : len(row.force) - 1] = row.relative

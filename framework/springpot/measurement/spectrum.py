@@ -53,6 +53,7 @@ class LocalSpectrum:
     width: float = field(init=False)
 
     def __post_init__(self) -> None:
+        # Of long records a beginning tells the noise as well, and memory stays the same.
         span = min(self.stop - self.start, LONGEST * 2 * np.pi / self.omega)
         bins = max(1, round(PER_CYCLE * span * self.omega / (2 * np.pi)))
         self.sums, self.counts = np.zeros((bins, 2 + self.size), dtype=complex), np.zeros(bins)
@@ -91,6 +92,7 @@ class LocalSpectrum:
             Degrees of freedom.
         """
         lines, kept, ratio = self._lines(inverse)
+        # Nearest lines first: only as many as are needed, since noise is seldom of one level over all frequencies.
         order = np.argsort(np.abs(np.log(ratio)), kind="stable")
         freedom = 2 * np.cumsum(kept[order])
         reach = np.exp(np.abs(np.log(ratio[order])))
@@ -99,6 +101,7 @@ class LocalSpectrum:
         near = _levelled(power, kept[taken], ratio[taken])
         everywhere = np.einsum("ci,ij,cj->c", seen, white, seen.conj()).real
         held = float(np.sum(kept[taken]))
+        # Of very short records too few lines are left: the variance over all frequencies stands in for the rest.
         short = max(FEWEST / 2 - held, 0.0)
         return np.maximum((near + short * everywhere) / (held + short), 0.0), 2 * (held + short)
 
@@ -109,6 +112,7 @@ class LocalSpectrum:
         ratio = 1 + np.fft.fftfreq(bins, self.width) * 2 * np.pi / self.omega
         per_cycle = self.counts.sum() / (bins * self.width) * 2 * np.pi / self.omega
         band = (ratio >= 1 / WIDEST) & (ratio <= min(WIDEST, BELOW_NYQUIST * per_cycle)) & (np.arange(bins) > 0)
+        # What the fit has taken out of each line is put back: the harmonics would else make the noise look smaller.
         fitted = spectrum[band, 2:]
         leverage = np.einsum("ki,ij,kj->k", fitted.conj(), inverse, fitted).real / self.counts.sum()
         kept = np.clip(1 - leverage, 0.0, 1.0)

@@ -57,6 +57,7 @@ def coarse_frequency(record: Record) -> float:
         If the displacement does not move.
     """
     n = len(record.time)
+    # From the middle: at its ends a record runs up and down.
     middle = slice(max(0, (n - EXCERPT) // 2), max(0, (n - EXCERPT) // 2) + EXCERPT)
     omega, cycles = _peak(record, middle)
     if cycles < 4 and n > EXCERPT:
@@ -77,6 +78,7 @@ def _peak(record: Record, rows: slice) -> tuple[float, float]:
     time, moved = time[good] - time[0], moved[good]
     if len(time) < 8 or not np.ptp(moved) > 1e-12 * np.max(np.abs(moved)):
         raise DataError(f"{record.name}: the displacement does not move")
+    # A Fourier transform needs even sampling; interpolation is good enough for a first guess.
     even = np.linspace(time[0], time[-1], len(time))
     span = even[-1] - even[0]
     # A drift has the largest amplitudes of all, at the lowest frequencies.
@@ -100,12 +102,14 @@ def _sharpened(time: Real, values: Real, omega: float) -> float:
     step = max(1, min(len(time) // 4096, int(per_cycle // 16)))
     time, values = time[::step][: 1 << 14], values[::step][: 1 << 14]
     width = 1.5 * np.pi / (time[-1] - time[0])
+    # One and a half lines of the spectrum to either side, by which a short record may displace its peak.
     trials = np.linspace(max(omega - width, 0.3 * omega), omega + width, TRIALS)
     return float(trials[int(np.argmax(_explained(time, values, trials)))])
 
 
 def _explained(time: Real, values: Real, omega: Real) -> Real:
     """Sum of squares that a sinusoid of each frequency takes away from what a level and a drift leave of `values`."""
+    # A drift of a short record looks like part of a slow oscillation: it is taken out of all trials alike.
     straight, _ = np.linalg.qr(np.column_stack([np.ones_like(time), time - time[0]]))
     turns = np.multiply.outer(omega, time - time[0])
     # Level and drift taken out of all three, only the two by two normal equations of cosine and sine are left.
@@ -149,6 +153,7 @@ def steady_part(record: Record, omega: float) -> Steady:
     # As strict as the noise allows, and less so only where nothing is found.
     for tolerance in max(TOLERANCE, 4 * noise) * np.array([1.0, 2.0, 4.0]):
         first, last = _longest_level(np.where(loud, size, np.nan), float(tolerance))
+        # A shorter run is a single period, of which nobody can say that it was steady.
         if last - first > QUARTERS:
             first += _transient(force[first:last] / moved[first:last])
             start, stop = begin + first * quarter, begin + (last + QUARTERS - 1) * quarter
@@ -194,6 +199,7 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
             low, high = int(which[0]), int(which[-1]) + 1
         for column, term in enumerate(terms):
             sums[low:high, column] += np.bincount(which - low, term, high - low)
+    # Sums of quarters are added up: no sample is looked at twice, however much the periods overlap.
     rolled = np.lib.stride_tricks.sliding_window_view(sums, QUARTERS, axis=0).sum(axis=-1)
     normal, right = rolled[:, :9].reshape(-1, 3, 3), np.swapaxes(rolled[:, 9:15].reshape(-1, 2, 3), 1, 2)
     # A period with gaps leaves cosine and sine alike: it tells nothing.
@@ -211,6 +217,7 @@ def _demodulated(record: Record, omega: float, quarter: float) -> tuple[Complex,
 def _longest_level(size: Real, tolerance: float) -> tuple[int, int]:
     """The longest run of values within a relative `tolerance` of one level; the higher level wins a tie."""
     best = (0, 0)
+    # Levels are tried among those that occur: whichever is held longest is the one that was set.
     levels = np.unique(np.nanquantile(size, np.linspace(0.0, 1.0, 65)))[::-1]
     for level in levels:
         inside = np.abs(size - level) <= tolerance * level
@@ -226,6 +233,7 @@ def _longest_level(size: Real, tolerance: float) -> tuple[int, int]:
 def _transient(stiffness: Complex) -> int:
     """How many leading values differ from those of the second half by more than their scatter."""
     settled = stiffness[len(stiffness) // 2 :]
+    # A transient is over in the second half, if ever.
     centre = np.median(settled.real) + 1j * np.median(settled.imag)
     away = np.abs(stiffness - centre)
     # Median and not variance, as a transient must not widen the limit that it is told by.

@@ -153,6 +153,7 @@ class TimeEffect:
 def followed(loading: Loading, t: Real) -> tuple[Real, Real]:
     """What a loading is at the times t (n,), and how fast it changes there; a step is over at its own instant."""
     times, sizes = loading.jumps
+    # Steps are added by hand, as interpolation knows no two values at one time.
     value = (t[:, None] >= times).astype(float) @ sizes
     smooth = loading.smooth
     if smooth is None:
@@ -165,6 +166,7 @@ def followed(loading: Loading, t: Real) -> tuple[Real, Real]:
 def _rate(smooth: Loading, t: Real) -> Real:
     """Change per second between samples; at a knot the mean of both sides, and nothing beyond the ends."""
     slope = np.diff(smooth.value) / np.diff(smooth.time)
+    # Before the first knot and after the last one everything rests.
     after = np.concatenate([[0.0], slope, [0.0]])
     left = after[np.searchsorted(smooth.time, t, side="left")]
     right = after[np.searchsorted(smooth.time, t, side="right")]

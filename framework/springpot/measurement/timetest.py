@@ -96,6 +96,7 @@ class TimeTest:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
         if self.warmth is not None:
             object.__setattr__(self, "warmth", np.asarray(self.warmth, dtype=float))
+            # One number for what looks up a test by its temperature.
             object.__setattr__(self, "temperature", float(np.mean(self.warmth)))
         for name in ("time", "response"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
@@ -133,6 +134,7 @@ class TimeTest:
                 f"{self.name}: the first sample at t = {self.time[0]:g} s lies before the load, which begins at "
                 f"{self.loading.time[0]:g} s: count the time from there"
             )
+        # An answer to no motion asks nothing of a material: any model fits it.
         if np.ptp(self.loading.value) == 0.0:
             raise DataError(f"{self.name}: the {self.control} never moves: nothing was tested")
         # Refuses units of which no stiffness can be made, before anything is worked out in them.
@@ -250,6 +252,7 @@ class TimeTest:
         # A stress over per cents would be no modulus.
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
+        # A channel that is held was imposed; the specimen's answer to it is not constant.
         if control is None:
             control = controlled(moved, pulled)
         imposed, response = moved, pulled
@@ -287,6 +290,7 @@ class TimeTest:
             course, unit = 0.01 * course, "-"
         control, displacement, force = _planned_units(unit, name)
         _require_numbers(clock, course, name, control)
+        # The same reading of a history as for a measured one, so that both are predicted alike.
         loading = from_rest(clock, course, 0.0)
         return cls(
             clock,
@@ -365,6 +369,7 @@ class TimeTest:
     @cached_property
     def start(self) -> float:
         """When the load first moves, in s."""
+        # Not the first knot: a record may begin long before the load does.
         moving = np.flatnonzero(np.diff(self.loading.value) != 0.0)
         return float(self.loading.time[moving[0]])
 
@@ -382,12 +387,14 @@ class TimeTest:
         value, clock = self.loading.value, self.loading.time
         largest = np.abs(value).max()
         after = value[clock > self.start + self.rise]
+        # Told from the load alone: what a test is must not depend on how its specimen answered.
         steady = len(after) == 0 or bool(np.all(np.abs(after - after[-1]) <= STEADY * largest))
         released = len(after) > 0 and abs(after[-1]) < STEADY * largest
         if steady and not released and self.rise <= SHORT * self.duration:
             return {"displacement": "relaxation", "force": "creep"}[self.control]
         if is_released(value, largest):
             return "recovery"
+        # A startup is one ramp from its beginning to its end.
         line = (clock - self.start) / max(clock[-1] - self.start, 1e-300) * value[-1]
         if np.abs(np.where(clock >= self.start, value - line, 0.0)).max() <= STRAIGHT * largest:
             return "startup"
@@ -409,6 +416,7 @@ class TimeTest:
         # The same object: what was worked out of it stays.
         if units == self.units:
             return self
+        # Between the two stands the geometry of a specimen, which no factor of units holds.
         pressures = {self.units.stiffness in PRESSURE_UNITS, units.stiffness in PRESSURE_UNITS}
         if len(pressures) > 1:
             raise DataError(
@@ -418,6 +426,7 @@ class TimeTest:
         # A force is stiffness times displacement: its factor is that of both.
         stiffer = MODULUS_UNITS[self.units.stiffness] / MODULUS_UNITS[units.stiffness]
         longer = AMPLITUDE_UNITS[self.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+        # Where the force was imposed, the two change places.
         by_load, by_response = longer, stiffer * longer
         if self.control == "force":
             by_load, by_response = by_response, by_load

@@ -60,6 +60,7 @@ class Rows(Hashable, Protocol):
 
 def frequency_numbers(data: Rows) -> NDArray[np.int64]:
     """Number of the distinct frequency of each row, ascending; shape (n,)."""
+    # In logarithms, as instruments print so many digits of each frequency, whatever its size.
     _, number = np.unique(np.round(np.log(data.omega), DIGITS), return_inverse=True)
     return np.asarray(number.ravel(), dtype=np.int64)
 
@@ -79,6 +80,7 @@ def runs_together(
     found = []
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
+        # A word on nearly every row is a remark, such as a time of day, and names no test.
         several = 1 < len(values) <= max(2, _MOST_RUNS * len(column))
         if (
             several

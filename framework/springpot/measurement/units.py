@@ -150,6 +150,7 @@ def normal_unit(text: str) -> str:
     # A pascal second is often written in one word.
     unit = re.sub(r"^([mkM]?Pa)s$", r"\1 s", unit)
     unit = " ".join(unit.translate(_SIGNS).split())
+    # Before the spellings are looked up, which know no powers of ten.
     unit = _with_prefix(unit)
     if (spelt := _SPELLINGS.get(unit.lower())) is not None:
         return spelt
@@ -199,6 +200,7 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     unit = normal_unit(text)
     if unit in table:
         return unit
+    # A unit is never guessed but for its case: a wrong one would change K a thousandfold without a word.
     near = near_units(unit, table)
     # Case may be sloppy, but it must not turn mega into milli.
     if len(near) == 1 and near[0].lower() == unit.lower() and (near[0][0] == unit[0] or unit[0] not in "mM"):
@@ -270,6 +272,7 @@ class Units:
         for name, table in (("stiffness", MODULUS_UNITS), ("amplitude", AMPLITUDE_UNITS)):
             given = getattr(self, name)
             if given not in table:
+                # Kept as the table spells it, so that equal units compare as equal.
                 object.__setattr__(self, name, known_unit(str(given), table, f"the {name}"))
 
     @property
@@ -356,6 +359,7 @@ class Units:
             force = self._force()
             if force:
                 return force[0], _with_time(force[1], dimension.time)
+        # A stiffness times amplitude squared over a time is a power: its inverse is so much for each watt.
         if powers == (-1, 1, -2) and (self.is_modulus or self.amplitude != "-"):
             reach = AMPLITUDE_UNITS[self.amplitude]
             per_watt = 1.0 / (stiff * reach * reach)

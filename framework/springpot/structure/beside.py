@@ -47,12 +47,14 @@ class Beside:
         self.laws: list[tuple[Any, list[float]]] = []
         self.sliders: list[tuple[Callable[..., float], list[float]]] = []
         for effect, theta in damper.beside:
+            # A slider remembers its force; any other law is told by the motion of the moment.
             slides = getattr(effect.element, "step", None)
             if slides is None:
                 self.laws.append((effect.element, theta.tolist()))
             else:
                 self.sliders.append((slides, theta.tolist()))
         self.carried = [0.0] * len(self.sliders)
+        # Asked on either side of rest: what differs there by more than a slope could is a jump.
         back, on = self._pointwise(0.0, -TURNING), self._pointwise(0.0, TURNING)
         self.jumps = on - back > JUMP * (self._pointwise(0.0, 1.0) - self._pointwise(0.0, -1.0))
 
@@ -76,6 +78,7 @@ class Beside:
         start_speed, end_speed : float
             In m/s.
         """
+        # In the middle of the step: the error then falls with the square of its length.
         way, speed = 0.5 * self.along * (start + end), 0.5 * self.along * (start_speed + end_speed)
         slid = 0.5 * sum(self.carried) + 0.5 * sum(self._slid(self.along * (end - start)))
         if not self.jumps:
@@ -139,6 +142,7 @@ def _at_rest_if_it_can(free_speed: Real, by_force: Real, low: Real, high: Real, 
         change = 0.0
         for i, (row, (least, most)) in enumerate(zip(matrix, ends, strict=True)):
             others = speeds[i] + sum(a * b for a, b in zip(row, now, strict=True)) - row[i] * now[i]
+            # One damper after the other, each at rest beside what the others do now (Gauss and Seidel).
             stopping = min(max(-others / row[i], least), most)
             change = max(change, abs(stopping - now[i]))
             now[i] = stopping

@@ -220,6 +220,7 @@ class Frame:
         value: Complex = one**2 * mass + one * self.viscous + self.elastic
         slope: Complex = 2.0 * one * mass + self.viscous
         for damper in self.dampers:
+            # A damper feels the drift of its storey and pushes both floors apart: the same row twice.
             row = self.drifts[damper.storey - 1]
             square = np.outer(row, row)
             k, by_s = damper.stiffness(s)

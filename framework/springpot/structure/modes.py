@@ -58,6 +58,7 @@ def modes_of(frame: Frame) -> list[Mode]:
     ----------
     Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020, doi:10.1007/s00419-019-01602-4.
     """
+    # The bare frame has n modes for certain: each is followed from there, so that none is missed and none comes twice.
     omega, shapes = frame.natural
     return [_followed(frame, 1j * omega[i], shapes[:, i].astype(complex)) for i in range(len(frame))]
 
@@ -66,6 +67,7 @@ def _followed(frame: Frame, s: complex, shape: Complex) -> Mode:
     # The dampers come in by steps, as Newton's method finds the mode only near where it begins.
     for share in (0.0, 0.1, 0.3, 0.6, 1.0):
         s, shape = _newton(frame, s, shape / shape[np.argmax(np.abs(shape))], share)
+    # On the real axis it creeps back without swinging: that is no mode with a frequency.
     if s.imag <= 0.0:
         raise ModelError("a mode is damped beyond critical: it no longer swings")
     return Mode(complex(s), shape / shape[np.argmax(np.abs(shape))])

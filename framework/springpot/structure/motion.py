@@ -211,6 +211,7 @@ def motion_of(frame: Frame, record: Record) -> Motion:
 
 def _straight(record: Record, matrix: Real, load: Real) -> Real:
     """States (t, m) of a linear system under an acceleration that is straight between its samples."""
+    # All steps are alike: the exponentials are made once, and each step is a product with a matrix.
     first, second = _held_straight(matrix, record.step)
     a = record.acceleration
     state, y = np.zeros((len(a), len(matrix))), np.zeros(len(matrix))
@@ -225,10 +226,12 @@ def _straight(record: Record, matrix: Real, load: Real) -> Real:
 
 def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: dict[int, Beside]) -> tuple[Real, Real]:
     """States (t, m), and forces (t, d) of what is not linear, which are constant within each of many short steps."""
+    # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
     parts = int(np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi)))
     fine = record.finer(parts)
     n, a = len(frame), fine.acceleration
     rows = frame.drifts[[frame.dampers[i].storey - 1 for i in besides]]
+    # A damper's force acts against the drift of its storey, on the velocities only.
     pull = np.zeros((len(matrix), len(besides)))
     pull[n : 2 * n] = -(rows / frame.mass).T
     first, second = _held_straight(matrix, fine.step)

@@ -149,6 +149,7 @@ class MasterCurve:
 
     def curve(self, omega: Real) -> NDArray[np.complex128]:
         """The material at the reference at angular frequencies (n,) in rad/s, in the data's unit."""
+        # The fit has its factor one at a level of its own choice: the curve is carried from there.
         shift_by, lift_by = self._to_reference
         material = replace(self.fit.model, effects=())
         weights = self.fit.theta[: len(material.parameters)]
@@ -235,6 +236,7 @@ def mastercurve(
         If the column is missing, has one level only, or the frequency was not varied.
     """
     began = perf_counter()
+    # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
     weighing, notes = _weighing(measurement, column, objective)
     number = levels_of(column, measurement.points.need(column))
@@ -252,6 +254,7 @@ def mastercurve(
     rows = Rows.of(best)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
+    # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
     connected = _connected(rows, at)
     determined = connected & (factors.reach_a < WIDE)
@@ -261,6 +264,7 @@ def mastercurve(
         *_vertical_range(factors),
         *_repeats(rows, own),
     ]
+    # Laws are judged against free factors: a law within the fit would bend them to itself.
     laws = judged_laws(factors, determined, vertical)
     verdict = simplicity(rows, own.weighted_by(own.share))
     return MasterCurve(
@@ -329,6 +333,7 @@ def _lifted(alone: Fit, model: Model) -> Fit:
 
 def _error(fitted: Fit) -> float:
     data = fitted.measurement
+    # Relative, so that glassy and rubbery ends, decades apart, count alike.
     off = np.abs(fitted.model.stiffness(fitted.theta, data.points) / data.stiffness - 1.0)
     return float(np.sqrt(np.mean(off**2)))
 
@@ -353,6 +358,7 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     """Levels (m,) whose reduced frequencies overlap with those of the reference, directly or through others."""
     x = rows.reduced[1]
     m = len(rows.elements[0].values)
+    # Of two sweeps that do not overlap no shift is better than another.
     low = np.array([x[rows.number == i].min() for i in range(m)])
     high = np.array([x[rows.number == i].max() for i in range(m)])
     touching = (low[:, None] <= high[None, :]) & (low[None, :] <= high[:, None])

@@ -62,6 +62,7 @@ class Factors:
     def referred_to(self, reference: int) -> Factors:
         """The same factors, one at another level."""
         m = len(self)
+        # Differences to the reference: what is unsure there is passed on to all the others.
         turn = np.eye(2 * m)
         turn[:m, reference] -= 1.0
         turn[m:, m + reference] -= 1.0
@@ -150,6 +151,8 @@ class Rows:
         material = self.fit.model.material
         assert isinstance(material, Continuum)
         factor, x = self.reduced
+        # The lines lie on a lattice; between its places the true ones may be anywhere, and that makes factors less
+        # sure.
         turn = 1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - x))
         moved = -self.fit.theta[2 : 2 + len(material.rates), None] * turn * (1.0 - turn) * factor
         return weighted(moved, self.weights).T
@@ -192,6 +195,7 @@ class Rows:
     @cached_property
     def alike(self) -> float:
         """Factor on variances because neighbouring residuals are alike: (1 + r) / (1 - r) for their correlation r."""
+        # Level by level, rising in frequency: only so are neighbours neighbours.
         order = np.lexsort((self.fit.measurement.omega, self.number))
         residual = (self.residual / self.scale).reshape(2, -1).T[order]
         same = np.diff(self.number[order]) == 0
@@ -209,6 +213,7 @@ def factors_of(rows: Rows) -> Factors:
 
     The scatter of each level is its own: where a level is not followed its factors are that much less certain.
     """
+    # What the spectrum could do in a factor's place tells nothing of the factor.
     slopes = without(rows.spectrum, rows.factors)
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
     left, values, right = np.linalg.svd(slopes / size, full_matrices=False)

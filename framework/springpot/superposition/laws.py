@@ -184,6 +184,7 @@ class _Task:
     def solve(self, starts: list[Real], own: float = 0.0) -> tuple[Real, float, Real]:
         """Best parameters, chi-square and slopes, the law being off by `own` at each level by itself."""
         covariance = self.covariance + own**2 * np.eye(len(self.used))
+        # Factors share errors through the reference: whitened, they are independent numbers.
         whiten = np.linalg.inv(np.linalg.cholesky(covariance))
 
         def misfit(theta: Real) -> Real:
@@ -221,6 +222,7 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
     at = Points(np.zeros(len(factors)), temperature=kelvin, reference_temperature=reference)
     task = _Task(law, at, used, target, covariance, *_box(law, kelvin, reference))
     theta, square, slopes = task.solve(_starts(task.low, task.high))
+    # A law with more parameters fits better by chance alone: each costs the logarithm of the number of factors.
     evidence = square + len(theta) * float(np.log(max(len(used), 2)))
     spare = len(used) - len(theta)
     verdict, chance = _verdict(square, spare)
@@ -262,6 +264,7 @@ def _box(law: Law, kelvin: Real, reference: float) -> tuple[Real, Real]:
     coldest = float(kelvin.min())
     for i, parameter in enumerate(parameters):
         if _is_pole(parameter):
+            # A kelvin below: at the pole itself the law is endless.
             high[i] = coldest - 1.0
         elif parameter.unit.label == "K" and law.element.kind == "wlf":
             low[i] = reference - coldest + 1.0
@@ -277,5 +280,6 @@ def _starts(low: Real, high: Real) -> list[Real]:
     first = low[0] + 0.05 * (high[0] - low[0])
     if len(low) == 1:
         return [np.array([first])]
+    # By factors: nobody knows in which decade of its range the parameter lies.
     near = np.geomspace(0.02, 0.9, TRIES // 3)
     return [np.array([first, low[1] + share * (high[1] - low[1])]) for share in near]

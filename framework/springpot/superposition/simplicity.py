@@ -202,6 +202,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
         return Simplicity("not-judged", overall, nothing, nothing, nothing, error, alone.error, ())
     chance = _chance(rows, alone)
     places = [*_levels(rows, alone, error), *_storage_and_loss(rows, alone), *_branches(rows, alone)]
+    # What explains most comes first: it is what to look at.
     places.sort(key=lambda place: -place.share)
     strange = _no_material(rows, alone)
     # A level that no material follows is no failure of superposition, and must not count as one.
@@ -257,6 +258,7 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
     cost, dof, error = np.full(m, np.nan), np.zeros(m), np.full(m, np.nan)
     for level in range(m):
         part = measurement.subset(number == level, f"level {level}")
+        # So few points a material follows nearly whatever they are.
         if len(np.unique(part.omega)) < FEW:
             continue
         own = fit(material, part, objective)
@@ -287,6 +289,7 @@ def _chance(rows: Rows, alone: Alone) -> float:
     counts = np.bincount(rows.number)
     spare = float(rows.fit.dof * counts[alone.judged].sum() / counts.sum())
     inner = float(alone.dof[alone.judged].sum())
+    # In units of each level's own variance: what is left beyond its degrees of freedom.
     extra = float(np.sum(alone.excess(rows)))
     # Nothing is saved by one material for all: there is nothing to be tested.
     if spare <= inner:
@@ -372,6 +375,8 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     data, (factor, x) = rows.fit.measurement, rows.reduced
     log_rates, weights = np.log(material.rates), rows.fit.theta[2 : 2 + len(material.rates)]
     turn = 1.0 / (1.0 - 1j * np.exp(log_rates[:, None] - x))
+    # In proportion to the shift of its level: a branch with its own activation energy shifts more the further off it
+    # is.
     by_shift = weights[:, None] * turn * (1.0 - turn) * factor * (x - data.points.log_omega)
     # Of each line in |K|: what adds nothing to the data can be shifted as one likes.
     share = np.abs(weights[:, None] * turn * factor) / data.magnitude
@@ -412,6 +417,7 @@ def _one_step(rows: Rows, alone: Alone, columns: NDArray[np.complex128]) -> tupl
     """
     excess = alone.excess(rows)
     scale = np.sqrt(alone.variance(rows))[rows.level_of_row, None]
+    # What spectrum and factors can do in its place is no failure of superposition.
     basis = np.column_stack([rows.by_theta[:, : len(rows.fit.model.material.parameters)], rows.factors]) / scale
     slopes = without(basis, weighted(columns, rows.weights).T / scale)
     square = np.sum(slopes**2, axis=0)

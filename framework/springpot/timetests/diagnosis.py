@@ -128,6 +128,7 @@ def diagnose(
     if effects is None:
         effects = library_in_time()
     library = list(effects)
+    # The noise is needed to judge and a good model to know the noise: so a second round, where it matters.
     diagnosis = _judged(given, model, library, base, None)
     noise = _noise_beside(parts_of_specimen(given), diagnosis)
     if noise is None:
@@ -191,7 +192,9 @@ def _judged(
     else:
         nearly = _nearly(base, quick, leading, before)
         tried = _exactly(given, parts, base, nearly, before, known)
+    # A model with one more effect can always do as well as the one without: worse is a search that failed.
     tried = [_no_worse(each, before) for each in tried]
+    # By a criterion that needs no noise, which is only read from what the best one leaves.
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
@@ -302,6 +305,7 @@ def _exactly(
     if not rated:
         return []
     best = rated[0]
+    # An exact fit is dear: it is spent where it can change the order, and not on what is far behind.
     near = [i for i, each in enumerate(rated) if _near(each, best, before, noise, base)][:EXACT]
     tried = []
     for i, each in enumerate(rated):
@@ -373,6 +377,7 @@ def _answer(
     # What noise leaves of an adequate model stands out somewhere too.
     if verdict != "adequate":
         where = _where(parts, before, noise)
+    # The next round of a discovery goes on from the best fit that there is.
     best_fit = base
     for each in tried:
         if each.fit is not None and each.effect.name in alike[:1]:
@@ -426,6 +431,7 @@ def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
 
 def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
     """Effects that add the same to a record as one does."""
+    # What the model's own parameters could take over is out of these directions: only what is seen is compared.
     own = promises[name][0].direction
     twins = []
     for other, others in promises.items():

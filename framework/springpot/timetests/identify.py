@@ -93,6 +93,7 @@ def identify(
     given = list(tests)
     if not given:
         raise ModelError("there is no test to identify a model from")
+    # Before any work: what cannot be fitted is told in one line.
     require_tests(model, given)
     parts = parts_of_specimen(given, noise)
     reference = reference_of(given)
@@ -123,6 +124,7 @@ def _native(search: Search, near: bool) -> Found:
         return Found(u, parts, together, evaluations, converged)
     # Each begins where all together ended, so that alone it can only do better.
     parts, alone, spent = _weighed(parts, together, lambda part: (search, *search.solved([part], [u])[:2]))
+    # Once more with the new weights, from where the first ones led.
     u, more, converged = search.solved(parts, [u])
     return Found(u, parts, alone, evaluations + spent + more, converged)
 
@@ -198,6 +200,7 @@ def _of_material(
     model: Model | Timed, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
 ) -> tuple[Search, Found]:
     """Any linear passive material, whose spectrum the tests choose."""
+    # For its sizes only: the spectrum has a way of its own to its minimum.
     typical = Search(model, parts, reference)
     around = len(material_of(model).material.parameters)
     coordinates = Coordinates.of(
@@ -214,6 +217,7 @@ def _of_material(
         search = Search(with_lines, parts, reference, thorough=False)
         return search, search.coordinates.u(theta, search.size), spent
 
+    # The lines are chosen anew by each fit: every one has a search of its own, in other coordinates.
     search, u, evaluations = fitted(parts)
     alone = [search.ratio(part, u) for part in parts]
     if len(parts) > 1:

@@ -122,6 +122,7 @@ class _Search:
         seen = [_seen(part) for part in parts]
         low, high = min(each[0] for each in seen), max(each[1] for each in seen)
         decades = np.log10(high / low) + SLOWER + FASTER
+        # A fixed lattice: of given rates the weights are a convex problem, with one solution.
         self.rates = np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2)
         self.model = with_rates(model, self.rates.tolist())
         self.count = 2 + len(self.rates)
@@ -266,6 +267,7 @@ class _Search:
         share = 1.0
         while share > SHORTEST:
             there = np.clip(u + share * move, self.bounds[0][0], self.bounds[1][0])
+            # Between two sets of weights without a negative one there is none with one.
             nearer = weights + share * (wanted - weights)
             lower = self.cost(nearer, there)
             if lower < cost:
@@ -278,6 +280,7 @@ def _beside(by_u: Real, each: Real) -> Real:
     """What effects whose derivatives are `by_u` (m, q) leave of something (m, ...)."""
     if not by_u.shape[1]:
         return each
+    # Variable projection: what the effects could take up of each line is taken out of it.
     basis = np.linalg.qr(by_u)[0]
     rest: Real = each - basis @ (basis.T @ each)
     return rest

@@ -101,7 +101,9 @@ class Search:
     ) -> None:
         self.thorough = thorough
         self.model, self.parts, self.reference, self.seeds = model, list(parts), reference, list(seeds)
+        # Set once a model was followed: from then on a fault is one of the parameters, and a search may go on.
         self._followed = False
+        # Between the frequencies that the tests saw: there a springpot's constant hardly hangs on its order.
         middle = float(np.mean([part.log_omega for part in parts]))
         # By logarithms: tests of one specimen may lie decades apart, and no single one should set the size.
         size = float(np.exp(np.mean([np.log(_typical(part)) for part in parts])))
@@ -131,6 +133,7 @@ class Search:
         theta = [np.asarray(material, dtype=float)]
         scales = Scales.of(self.parts)
         for effect in self.model.time_effects:
+            # Any test in which it can be seen will do: it is one effect, of one size, in all of them.
             mine = test_with(effect, [part.test for part in in_time])
             places = [np.array(place) for place in tries_of(effect, mine, scales)]
             # One effect at a time: the product of all places of all effects would be hundreds of starts.
@@ -151,6 +154,7 @@ class Search:
     def inside(self, u: Real) -> Real:
         """A start away from the ends, where nothing would tell the way back."""
         low, high = (bound[0] for bound in self.coordinates.bounds())
+        # Read off data, a parameter may have come out as nothing or as endless.
         ordinary = np.where(self.coordinates.log, np.clip(u, -FAR, FAR), u)
         width = np.where(np.isfinite(high - low), high - low, 0.0)
         linear = ~self.coordinates.log & (width > 0.0)
@@ -181,6 +185,7 @@ class Search:
 
     def ended(self, parts: Sequence[Part], near: Real, spent: int) -> tuple[Real, int, bool]:
         """The same from a point near the best one, where `spent` evaluations have led."""
+        # With all samples and exact answers, near enough to the minimum for undamped steps.
         last = self._descend(parts, near[None], False, LAST, NEAR)
         return last.u[0], spent + last.evaluations, bool(last.converged[0])
 
@@ -205,6 +210,7 @@ class Search:
             return self._near(parts, starts)[:2]
 
     def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
+        # A few steps from everywhere tell the starts apart; only the best is worth its way to the end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
         best = int(np.argmin(quick.cost))
         found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
@@ -248,6 +254,7 @@ class Search:
             if not self._followed:
                 raise
             count = sum(part.count(coarse) for part in parts)
+            # Endless, so that the step is taken back, as any other that led astray.
             return np.full(count, np.inf), np.zeros((len(u), count))
         self._followed = True
         return value, np.nan_to_num(slopes)
@@ -285,6 +292,7 @@ class Search:
 
     def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
         """Of the search coordinates (p, p): each part weighs as its misfit and the likeness of neighbours allow."""
+        # Tests are independent of one another: what they tell of the parameters adds up.
         information = np.zeros((len(u), len(u)))
         for part in parts:
             value, slopes = self.residual([part], u)
@@ -327,6 +335,7 @@ def _typical(part: Part) -> float:
     """Typical size of K."""
     if isinstance(part, InTimePart):
         test = part.test
+        # The median: at the instant of a step the answer may be many times what it is later.
         imposed, answered = np.abs(test.loading.value).max(), np.median(np.abs(test.response))
         if test.control == "displacement":
             return max(float(answered / imposed), 1e-300)

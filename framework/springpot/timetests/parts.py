@@ -107,6 +107,7 @@ class InTimePart:
         clock = np.maximum(self.test.time - self.test.start, 1e-300)
         # Samples at or before the step have no place on a logarithmic clock.
         positive = clock > 1e-300
+        # What follows a step happens decade by decade: evenly in time its beginning would be left out.
         wanted = np.geomspace(clock[positive][0], clock[-1], COARSE)
         return np.unique(np.minimum(np.searchsorted(clock, wanted), n - 1))
 
@@ -130,6 +131,7 @@ class SweepPart:
         """Standard deviation of K' and K'' of each point: given ones, or the scatter between neighbours."""
         if self.test.sd is not None:
             return self.test.sd
+        # Without given deviations the scatter between neighbours is the best that is known of the noise.
         share = relative_scatter(self.test)
         return np.asarray(share * self.test.magnitude * (1.0 + 1.0j), dtype=np.complex128)
 
@@ -176,6 +178,7 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
     """
     if noise is None:
         noise = [None] * len(tests)
+    # Those of the first test in time, in which the parameters are printed.
     units = tests[0].units
     for test in tests:
         if isinstance(test, TimeTest):
@@ -202,6 +205,7 @@ def runs_against(test: TimeTest) -> bool:
     # After a step one of the two does not move at all: there the signs themselves are looked at.
     if len(test.loading.jumps[0]):
         return bool(np.sum(moved * pulled) < 0.0)
+    # Work over whole cycles: what a spring gives and takes cancels there.
     steps = np.diff(moved)
     turns = np.flatnonzero(np.diff(np.sign(steps)) != 0.0) + 1
     # What moves when the record begins brings work of its own.

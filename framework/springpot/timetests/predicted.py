@@ -75,6 +75,7 @@ def answer(inside: InTime, loading: Loading, t: Real, control: str) -> Traced:
     if len(when):
         since = t[:, None] - when
         after = since >= 0.0
+        # A jump has no rate of change: its answer is the creep or the relaxation function itself.
         step_answer = inside.creep
         if control == "displacement":
             step_answer = inside.relaxation
@@ -97,6 +98,7 @@ def _to_smooth(inside: InTime, loading: Loading, t: Real, control: str) -> Trace
         return _respond(inside, t, loading.value, control)
     grid = np.union1d(loading.time, t)
     if len(grid) < 2:
+        # A history has two samples at the least.
         grid = np.append(grid, grid[-1] + 1.0)
     whole = _respond(inside, grid, np.interp(grid, loading.time, loading.value), control)
     place = np.searchsorted(grid, t)

@@ -335,6 +335,7 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         require_conditions(known.model, test)
     elif "temperature" in known.model.needs and test.temperature is None:
         raise DataError(f"{test.name}: {known.model.name} needs its temperature: add '?temperature=25[degC]'")
+    # The fit is brought to the test, and not the test to the fit: what is printed is in the units that were measured.
     theta, covariance = _in_units_of(known, test.units)
     if isinstance(test, TimeTest):
         compared = _in_time(test, known, theta)
@@ -399,6 +400,7 @@ def _require_same_model(known: Known, factors: Real, stiffer: float, longer: flo
     """
     if longer == 1.0 or "amplitude" not in known.model.needs:
         return
+    # Two frequencies: one could agree by chance.
     rates, one = np.log(np.array([1.0, 10.0])), np.ones(2)
     kelvin = np.full(2, known.reference)
     here = Points(rates, amplitude=one, temperature=kelvin, reference_temperature=known.reference)

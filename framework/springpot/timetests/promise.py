@@ -91,6 +91,7 @@ class Atom:
 
     def at(self, amount: float) -> tuple[float, ...]:
         """Its parameters for an amount."""
+        # A force grows with the amount; a time or an order, whose power is zero, stays what it is.
         size = abs(amount) ** self.powers
         sign = np.where((self.powers != 0.0) & (amount < 0.0), -1.0, 1.0)
         return tuple((self.values * size * sign).tolist())

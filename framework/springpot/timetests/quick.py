@@ -107,6 +107,7 @@ class QuickPart(InTimePart):
     @cached_property
     def weight(self) -> Real:
         """One over the noise; as many samples as are left out count with the others."""
+        # So that a test of a million samples outweighs one of a thousand as much as it would with all of them.
         more = np.sqrt(len(self.test) / len(self.rows))
         weight: Real = np.where(self.seen, more, 0.0) / (self.scale * self.sd[self.rows])
         return weight
@@ -159,8 +160,10 @@ class QuickPart(InTimePart):
         turned = s * self.times
         one, nothing = np.ones_like(s), np.zeros_like(s)
         if self.test.control == "displacement":
+            # A spring, no dashpot and no mass, then Maxwell elements: in the order of `answers_of`.
             columns = np.hstack([one, nothing, nothing, turned / (1.0 + turned)])
         else:
+            # Under a force the compliances: spring, dashpot, no mass, then Kelvin elements.
             columns = np.hstack([one, 1.0 / s, nothing, 1.0 / (1.0 + turned)])
         columns = columns * self.share[:, None]
         basis = np.concatenate([columns.real, columns.imag])
@@ -226,6 +229,7 @@ class QuickPart(InTimePart):
         """The same with larger noise; what is known already is kept."""
         if scale == self.scale:
             return self
+        # The exponentials' answers are most of the work, and do not hang on the weight.
         other = replace(self, scale=scale)
         for name in KEPT:
             if name in self.__dict__:
@@ -257,6 +261,7 @@ class QuickPart(InTimePart):
         placed: list[tuple[TimeEffect, slice]] = []
         if isinstance(model, Timed):
             own, placed = model.parts(theta)
+        # An effect that this test cannot have, such as a limit of force in creep, leaves it as it is.
         mine = [(effect, place) for effect, place in placed if effect.is_for(self.test)]
         inside, beside, signals = sorted_out(material)
         network, places = network_of(material, inside)
@@ -283,6 +288,7 @@ class QuickPart(InTimePart):
         """Amounts of the exponentials (b,) and their derivatives (b, p)."""
         value, by_theta = response.value, response.by_theta
         if self.test.control == "force":
+            # Under a force the exponentials add up to 1/K, and d(1/K) = -dK / K^2.
             by_theta = -by_theta / value**2
             value = 1.0 / value
         amounts = self.followed(value[None])[:, 0]

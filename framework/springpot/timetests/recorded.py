@@ -166,6 +166,7 @@ def reached(
 
 
 def _carried(effect: TimeEffect, values: Real, before: Loading, slope: Loading) -> Loading:
+    # Relative to the load itself: a step of any fixed size would be rounding in one unit and a leap in another.
     size = STEP * np.abs(before.value).max() / max(float(np.abs(slope.value).max()), 1e-300)
     times = np.union1d(before.time, slope.time)
     ends = []
@@ -252,6 +253,7 @@ def _pace(effect: TimeEffect, here: Real, values: Real) -> Real:
 
 def _by_clock(inside: InTime, loading: Loading, clock: Clock, t: Real, control: str) -> Real:
     """Derivatives (n, q) of the response by the parameters of the clock."""
+    # Jumps and the rest apart: the answer to a jump has its derivative in closed form, the rest a complex step.
     here, moves = clock.with_slopes(t)
     derivatives = np.zeros(moves.shape)
     # A clock that is turned brings the answer to a jump sooner, by its rate there.

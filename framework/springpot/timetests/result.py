@@ -79,6 +79,7 @@ class PartResult:
     @classmethod
     def of(cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float) -> PartResult:
         """Judge one part at theta."""
+        # By its noise alone, whatever it weighed in the fit.
         plain = part.with_scale(1.0)
         weighted = plain.residual(model, theta, reference).value
         ratio = rms(weighted)

@@ -136,6 +136,7 @@ def _scattered(residual: Real) -> NDArray[np.bool_]:
 def _periodogram(residual: Real) -> tuple[Real, Real]:
     n = len(residual)
     fade = max(1, int(TAPER * n))
+    # Without a taper the ends of a slow misfit would look like noise at all frequencies.
     window = np.ones(n)
     window[:fade] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
     window[-fade:] = window[:fade][::-1]
@@ -169,6 +170,7 @@ def _local(residual: Real, memory: float) -> float:
     """Chance that noise alone makes the worst part of a record so large, against the usual size of all."""
     white = residual[1:] - memory * residual[:-1]
     # A short bump is smooth, and hardly there in what is new with each sample: so both are looked at.
+    # Squares of neighbours are correlated by the square of their memory: so many of them are independent.
     alike = (1.0 - memory**2) / (1.0 + memory**2)
     return min(1.0, 2.0 * _worst(white, 1.0), 2.0 * _worst(residual, alike))
 

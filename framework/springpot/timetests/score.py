@@ -63,11 +63,13 @@ class Scan:
             else:
                 self.views.append(View(part, base))
         self.scales = Scales.of(parts)
+        # One long row for all tests: an effect must explain them together, with one size.
         self.residual = np.concatenate([view.residual for view in self.views])
         slopes = np.concatenate([view.slopes for view in self.views])
         size = np.linalg.norm(slopes, axis=0)
         # A parameter that changes nothing in these tests has a column of nothing.
         self.size = np.where(size > 0.0, size, 1.0)
+        # By singular values: parameters that these tests cannot tell apart would make a plain inverse endless.
         u, s, v = np.linalg.svd(slopes / self.size, full_matrices=False)
         good = s > KNOWN * s.max(initial=0.0)
         self.taken, self._back = u[:, good], (v[good].T / s[good]) / self.size[:, None]
@@ -97,6 +99,7 @@ class Scan:
         # Only what the model's own parameters cannot take over speaks for an effect.
         columns = columns - self.taken @ (self.taken.T @ columns)
         left = np.linalg.norm(columns, axis=0)
+        # Nothing where the fit has come to rest; where it has not, what is left to its own parameters is no effect's.
         missed = self.residual - self.taken @ (self.taken.T @ self.residual)
         fall = -columns.T @ missed
         promises: dict[str, list[Promise]] = {}
@@ -109,6 +112,7 @@ class Scan:
             # Less than nothing of an effect makes no sense, however much it would help.
             if amount > 0.0 or atom.signed:
                 drop = amount * float(fall[k])
+            # The model makes way for the effect: its fit then begins where both together lead.
             theta = self._stepped(self.residual + amount * given[:, k])
             promise = Promise(
                 atom.effect, atom.at(amount), theta, drop, _as_tried(atom, amount), columns[:, k] / left[k]
@@ -140,6 +144,7 @@ class Scan:
 
     def _of_network(self, effect: Effect) -> list[Atom]:
         size, *shape = effect.element.parameters
+        # The size follows by least squares; what shapes the effect, such as a time, is no linear thing and is tried.
         places = list(product(*(self.scales.values(each) for each in shape)))
         endless = np.isinf(effect.vanishes_at)
         little = self.scales.typical(size) * NEXT_TO_NOTHING
@@ -166,6 +171,7 @@ class Scan:
     def _swinging(self, effect: Effect, places: Sequence[tuple[float, ...]]) -> list[Atom]:
         """An effect at the sizes at which it balances the rest at some frequency."""
         model = material_of(self.model)
+        # It rings at the frequency at which it balances the rest: the record may show any that it resolves.
         omega = np.geomspace(1.0 / self.scales.longest, 1.0 / self.scales.shortest, RESONANCES)
         at = points_at(omega, self.views[0].kelvin, self.base.reference)
         stiffness = np.abs(linear_stiffness(self.base, at))
@@ -292,6 +298,7 @@ class View:
     def __init__(self, part: QuickPart, base: TimeIdentification) -> None:
         self.part, self.base, self.quick = part, base, part
         self.t, self.weight = self.quick.t, self.quick.weight
+        # The exact answer once, for what is left; only the changes go by fixed exponentials.
         answer = recorded(base.model, base.theta, part.test, base.reference, self.t, TOLERANCE)
         seen = self.quick.seen
         self.value = np.where(seen, answer.value, 0.0)
@@ -371,6 +378,7 @@ class View:
             return np.zeros(len(self.t)), True
         shown = effect.law(self.quick.record, self.value, *values)
         change = shown.value - self.value
+        # What is proportional to its size needs one try: the size then follows by least squares.
         straight = np.allclose(change, values[0] * shown.by_parameters[0], rtol=1e-6)
         return change * self.weight, straight
 

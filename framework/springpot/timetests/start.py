@@ -69,12 +69,14 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     try:
+        # Not negative: so it is a material, and no fit to the noise.
         amounts = nnls(columns / size, (test.response / sd)[picked])[0] / size
     # It gives up after so many rounds; the search then begins without this sweep.
     except RuntimeError:
         return None
     omega = np.geomspace(1.0 / longest, 1.0 / shortest, max(4, int(FREQUENCIES * np.log10(longest / shortest))))
     stiffness = _sum_at(omega, times, amounts, test.control)
+    # A compliance of nothing has no stiffness.
     good = np.isfinite(stiffness) & (np.abs(stiffness) > 0.0)
     if np.count_nonzero(good) < 2:
         return None
@@ -100,6 +102,7 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
     """
     if mix is None:
         mix = np.eye(3 + len(times))
+    # The first three amounts are those of spring, dashpot and mass.
     one = mix[3:]
     faded: Modes = np.zeros((len(t), mix.shape[1]))
     followed, moving, pushed = np.zeros(len(t)), np.zeros(len(t)), np.zeros(len(t))
@@ -108,6 +111,7 @@ def answers_of(loading: Loading, control: str, times: Real, t: Real, mix: Real |
         after = t >= when
         faded += (size * after[:, None] * np.exp(-since[:, None] / times)) @ one
         followed += size * after
+        # A dashpot under a force moves on and on; a step of displacement meets it at one instant only.
         moving += size * since * (control == "force")
     if loading.smooth is not None:
         grid = np.union1d(loading.smooth.time, t)

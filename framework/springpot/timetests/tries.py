@@ -65,6 +65,7 @@ class Scales:
         time = 0.0
         if not isinstance(unit.time, str):
             time = float(unit.time)
+        # Times go by factors: their middle is that of the logarithms.
         middle = float(np.sqrt(self.shortest * self.longest))
         size = parameter.typical * self.stiffness**unit.stiffness * self.reach**unit.amplitude * middle**time
         return float(np.clip(size, parameter.lower, parameter.upper))

@@ -39,6 +39,7 @@ def warming(
         loading = test.loading
     if reference is None:
         reference = test.kelvin
+    # A history in reduced time is one value at each time: a step becomes a very short ramp.
     loading = _gradual(loading, test.time)
     # All samples take part, whichever are asked for: between them the temperature may turn.
     grid = np.union1d(np.union1d(loading.time, test.time), at)

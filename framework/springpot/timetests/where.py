@@ -116,6 +116,7 @@ def _manner(test: TimeTest, residual: Real) -> str:
     if test.kind != "history":
         return ""
     rate = np.abs(np.gradient(np.interp(test.time, test.loading.time, test.loading.value), test.time))
+    # Friction and play show where a motion turns, what goes by the speed where it is fast.
     slow = rate < SLOW * np.percentile(rate, USUAL_TOP)
     if not slow.any() or slow.all():
         return ""
@@ -130,6 +131,7 @@ def _manner(test: TimeTest, residual: Real) -> str:
 def _in_loop(test: TimeTest, residual: Real) -> Place | None:
     """The part of the loop that is missed most, all cycles together."""
     imposed = np.interp(test.time, test.loading.time, test.loading.value)
+    # All cycles on one loop: what fails in each of them at one place stands out.
     share = imposed / np.abs(test.loading.value).max()
     rising = np.gradient(imposed, test.time) >= 0.0
     sector = np.digitize(share, EDGES) - 1
