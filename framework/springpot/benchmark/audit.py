@@ -71,8 +71,8 @@ class Audit:
         return ""
 
 
-def _equal(found: Mapping[str, float], claimed: Mapping[str, float] | None) -> bool:
+def _equal(own: Mapping[str, float], claimed: Mapping[str, float] | None) -> bool:
     """Whether parameters agree but for rounding."""
-    if claimed is None or found.keys() != claimed.keys():
+    if claimed is None or own.keys() != claimed.keys():
         return False
-    return bool(np.allclose(list(found.values()), list(claimed.values()), rtol=AGREE, atol=0.0, equal_nan=True))
+    return bool(np.allclose(list(own.values()), list(claimed.values()), rtol=AGREE, atol=0.0, equal_nan=True))

@@ -96,11 +96,11 @@ def postprocess(folder: Path, output: Path) -> Any:
         raise StudyError(f"{folder} holds no COCO export: write one with springpot export STUDY --format coco")
     lines = (folder / NAMES).read_text(encoding="utf-8").splitlines()
     names = {int(number): name for number, _, name in (line.partition(" ") for line in lines)}
-    found = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.info")))
+    runs = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.info")))
     dimensions = sorted({int(path.stem.rpartition("DIM")[2]) for path in folder.glob("*/data_f*/*.dat")})
     register(names, dimensions)
     cocopp: Any = import_module("cocopp")
-    folders = [str(path.resolve()) for path in found]
+    folders = [str(path.resolve()) for path in runs]
     output.mkdir(parents=True, exist_ok=True)
     # cocopp takes an output path with a blank in it for two options.
     with chdir(output.parent):

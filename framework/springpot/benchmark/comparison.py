@@ -90,7 +90,10 @@ def quality(race: Race, mark: int, target: float) -> Real:
 
 def choices(races: Sequence[Race], scale: Scale) -> list[Choice]:
     """The choice for every problem at every mark."""
-    return [choose(race, mark, scale) for race in races for mark in range(len(scale.marks))]
+    chosen = []
+    for race in races:
+        chosen += [choose(race, mark, scale) for mark in range(len(scale.marks))]
+    return chosen
 
 
 def choose(race: Race, mark: int, scale: Scale) -> Choice:
@@ -214,7 +217,10 @@ def rankings(races: Sequence[Race], scale: Scale) -> list[Ranking]:
     """The ranking in every scope at every mark; none with fewer than two optimisers."""
     if not races or len(races[0].labels) < 2:
         return []
-    return [rank(scope, chosen, mark, scale) for scope, chosen in scopes(races) for mark in range(len(scale.marks))]
+    ranked = []
+    for scope, chosen in scopes(races):
+        ranked += [rank(scope, chosen, mark, scale) for mark in range(len(scale.marks))]
+    return ranked
 
 
 def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:

@@ -75,11 +75,11 @@ def require_tables(db: sqlite3.Connection, path: Path, tables: frozenset[str]) -
         If it has any, and not these.
     """
     try:
-        found = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+        present = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     except (sqlite3.OperationalError, UnicodeDecodeError):
         return  # another program is just writing it, or it is damaged: told by whoever reads on
     # An empty database is a store of which nothing but the beginning has been written yet.
-    if found and not tables <= found:
+    if present and not tables <= present:
         raise StudyError(f"{path} is damaged or no study store: move it away and run again")
 
 
@@ -97,7 +97,9 @@ def _address(path: Path, write: bool) -> str:
         return address + "?mode=rwc"
     # A reader takes part in the log like a writer, so that a study may run meanwhile. In a folder where it cannot,
     # nobody else writes either.
-    return address + ("?mode=rw" if os.access(path.parent, os.W_OK) else "?immutable=1")
+    if os.access(path.parent, os.W_OK):
+        return f"{address}?mode=rw"
+    return f"{address}?immutable=1"
 
 
 def _log_ahead(db: sqlite3.Connection) -> None:

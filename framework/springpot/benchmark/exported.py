@@ -117,7 +117,7 @@ def slug(text: str) -> str:
 
 def _folders(labels: list[str]) -> dict[str, str]:
     """A folder name for each label, no two the same even where file systems ignore case."""
-    found: dict[str, str] = {}
+    names: dict[str, str] = {}
     taken: set[str] = set()
     for label in dict.fromkeys(labels):
         # Labels that differ in a sign only may become the same name.
@@ -126,5 +126,5 @@ def _folders(labels: list[str]) -> dict[str, str]:
             n += 1
             name = f"{slug(label)}-{n}"
         taken.add(name.lower())
-        found[label] = name
-    return found
+        names[label] = name
+    return names

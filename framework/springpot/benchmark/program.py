@@ -25,6 +25,8 @@ def main(study: object, arguments: Sequence[str] | None = None) -> None:
     written = script
     if Path(sys.argv[0]).resolve() == Path(script).resolve():
         written = sys.argv[0]
-    sys.argv = ["springpot", "run", written, *(sys.argv[1:] if arguments is None else arguments)]
+    if arguments is None:
+        arguments = sys.argv[1:]
+    sys.argv = ["springpot", "run", written, *arguments]
     # The command stands above this room and is started like any other program, not imported.
     run_module("springpot", run_name="__main__")

@@ -83,11 +83,11 @@ def load_study(path: str | Path) -> Study:
         If the script fails (with file and line) or declares none, or several of which none is called ``study``.
     """
     module = load_script(Path(path))
-    found = {name: value for name, value in vars(module).items() if isinstance(value, Study)}
-    if "study" in found:
-        return found["study"]
-    if len({id(value) for value in found.values()}) == 1:
-        return next(iter(found.values()))
-    if not found:
+    studies = {name: value for name, value in vars(module).items() if isinstance(value, Study)}
+    if "study" in studies:
+        return studies["study"]
+    if len({id(value) for value in studies.values()}) == 1:
+        return next(iter(studies.values()))
+    if not studies:
         raise StudyError(f"{path} declares no study: write study = Study(...) in it")
-    raise StudyError(f"{path} declares {', '.join(found)}: call the one to run 'study'")
+    raise StudyError(f"{path} declares {', '.join(studies)}: call the one to run 'study'")

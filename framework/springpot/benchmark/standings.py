@@ -45,10 +45,10 @@ CHOICE_NOTE = (
 )
 
 
-def rank_table(name: str, found: Sequence[Ranking]) -> Table:
+def rank_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     """Mean ranks over problems, with their certainty."""
     rows: list[tuple[Entry, ...]] = []
-    for ranking in found:
+    for ranking in rankings_shown:
         for i in np.argsort(ranking.means, kind="stable"):
             alike = "too few blocks to tell"
             if ranking.decided:
@@ -67,10 +67,10 @@ def rank_table(name: str, found: Sequence[Ranking]) -> Table:
     return Table(f"{name}: ranks", columns, rows, note)
 
 
-def pair_table(name: str, found: Sequence[Ranking]) -> Table:
+def pair_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     """All pairs over all problems: effect sizes with adjusted p-values."""
     rows: list[tuple[Entry, ...]] = []
-    for ranking in (each for each in found if each.scope == OVER_ALL):
+    for ranking in (each for each in rankings_shown if each.scope == OVER_ALL):
         order = np.argsort(ranking.means, kind="stable")
         for place, i in enumerate(order):
             for j in order[place + 1 :]:
@@ -96,9 +96,9 @@ def profile_table(name: str, races: Sequence[Race], scale: Scale) -> Table:
     head = tuple(f"{s:g} (d+1)" for s in SIMPLEX) + tuple(f"{r:g} x best" for r in RATIOS)
     rows: list[tuple[Entry, ...]] = []
     if races:
-        found = profiles(races, simplex, np.array(RATIOS))
-        order = np.argsort(-found.data.sum(axis=1), kind="stable")
-        rows = [(found.labels[i], *map(float, found.data[i]), *map(float, found.performance[i])) for i in order]
+        shares = profiles(races, simplex, np.array(RATIOS))
+        order = np.argsort(-shares.data.sum(axis=1), kind="stable")
+        rows = [(shares.labels[i], *map(float, shares.data[i]), *map(float, shares.performance[i])) for i in order]
     note = (
         f"Share of trials with an excess of at most {scale.target:g} within so many evaluations: multiples of d + 1, "
         "d being the number of parameters (data profile, More and Wild), and of the evaluations of the best "

@@ -89,7 +89,11 @@ class Store:
         fresh = self.path.with_name(f"{self.path.name}.mended")
         # One that was left by an attempt that was interrupted is begun anew.
         fresh.unlink(missing_ok=True)
-        saved = connect(fresh, write) if write else sqlite3.connect(":memory:", isolation_level=None)
+        # Who only reads gets what can be saved in memory: no file is touched.
+        if write:
+            saved = connect(fresh, write)
+        else:
+            saved = sqlite3.connect(":memory:", isolation_level=None)
         # Text may be damaged as well: it is read as far as it goes.
         saved.text_factory = lenient
         create(saved)
@@ -172,17 +176,20 @@ class Store:
         """
         # By digests: cells of an earlier plan stay in the file, and only those of this one are shown.
         shown = json.dumps([(cell.digest, plan.entrants[cell.entrant].label) for cell in plan.cells])
-        told = {"name": plan.name, "cells": shown, "repetitions": str(plan.repetitions), "seed": str(plan.seed)}
-        told |= {"budget": str(plan.budget), "target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
+        described = {"name": plan.name, "cells": shown}
+        described |= {"repetitions": str(plan.repetitions), "seed": str(plan.seed), "budget": str(plan.budget)}
+        described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", problem_columns(case)) for case in plan.cases]
             cells = {cell.index: self._enter("cell", cell_columns(plan, cell, problems)) for cell in plan.cells}
-            told["optima"] = json.dumps(
+            described["optima"] = json.dumps(
                 {n: case.optimum for n, case in zip(problems, plan.cases, strict=True) if case.optimum is not None}
             )
             # Facts are those of the last plan: a store shows one study, though it keeps the trials of all.
             self._db.execute("DELETE FROM fact")
-            self._db.executemany("INSERT INTO fact VALUES (?, ?, ?)", [(*fact, seal(fact)) for fact in told.items()])
+            self._db.executemany(
+                "INSERT INTO fact VALUES (?, ?, ?)", [(*fact, seal(fact)) for fact in described.items()]
+            )
         return cells
 
     def _enter(self, table: str, columns: dict[str, object]) -> int:
@@ -190,10 +197,10 @@ class Store:
         names, marks = ", ".join(columns), ", ".join("?" * len(columns))
         # Content is the key: the same cell of another run of the study is the same row.
         self._db.execute(f"INSERT OR IGNORE INTO {table} ({names}) VALUES ({marks})", tuple(columns.values()))
-        found = self._rows(f"SELECT id, {names}, seal FROM {table} WHERE digest = ?", columns["digest"]).fetchone()
-        number = int(found["id"])
+        row = self._rows(f"SELECT id, {names}, seal FROM {table} WHERE digest = ?", columns["digest"]).fetchone()
+        number = int(row["id"])
         right = (*columns.values(), seal((number, *columns.values())))
-        if found[1:] != right:
+        if row[1:] != right:
             changes = ", ".join(f"{name} = ?" for name in (*columns, "seal"))
             self._db.execute(f"UPDATE {table} SET {changes} WHERE id = ?", (*right, number))
         return number
@@ -263,10 +270,10 @@ class Store:
         with one_line(self.path):
             problems = {row["id"]: problem_of(row) for row in self._rows(PROBLEMS) if sound(row)}
             rows = [row for row in self._rows(CELLS) if sound(row) and row["problem"] in problems]
-        found = {row["digest"]: row for row in rows}
-        if lost := [label for digest, label in shown if digest not in found]:
+        by_digest = {row["digest"]: row for row in rows}
+        if lost := [label for digest, label in shown if digest not in by_digest]:
             self._tell(f"{len(lost)} cells are damaged and left out, the first of {lost[0]}")
-        kept = [(label, found[digest]) for digest, label in shown if digest in found]
+        kept = [(label, by_digest[digest]) for digest, label in shown if digest in by_digest]
         return [
             CellRow(row["id"], problems[row["problem"]], label, row["optimiser"], row["options"], row["budget"])
             for label, row in kept
@@ -283,12 +290,12 @@ class Store:
             problems = [row for row in self._rows(PROBLEMS) if sound(row)]
             known = {row["id"]: row["known"] for row in problems if row["known"] is not None}
             problem = {row["id"]: row["problem"] for row in self._rows(CELLS) if sound(row)}
-            found: dict[int, float] = {}
+            least: dict[int, float] = {}
             for row in self._rows(ALL_TRIALS):
                 number = problem.get(row["cell"])
                 if number is not None and row["best"] is not None and sound(row):
-                    found[number] = min(found.get(number, inf), row["best"])
-        return {number: min(found.get(number, inf), known.get(number, inf)) for number in found | known} | planned
+                    least[number] = min(least.get(number, inf), row["best"])
+        return {number: min(least.get(number, inf), known.get(number, inf)) for number in least | known} | planned
 
     def trials(self) -> Iterator[tuple[int, list[TrialRow]]]:
         """Cell number and trials of every cell, up to the study's repetitions; one cell at a time in memory.

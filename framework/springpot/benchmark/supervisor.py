@@ -201,11 +201,11 @@ class LocalEngine:
         # Refilled at half, so that there is something to do while the refill is on its way.
         if len(worker.tasks) > depth // 2:
             return
-        found: list[Task] = []
-        while len(worker.tasks) + len(found) < depth and (task := self._backlog.take(worker.entrant)) is not None:
-            found.append(task)
-        if found:
-            worker.give(found)
+        more: list[Task] = []
+        while len(worker.tasks) + len(more) < depth and (task := self._backlog.take(worker.entrant)) is not None:
+            more.append(task)
+        if more:
+            worker.give(more)
         elif not worker.tasks and self._backlog.first() is not None:
             self._dismiss(worker)  # the next task is another optimiser's
 
@@ -281,14 +281,14 @@ class LocalEngine:
         results: list[TrialResult] = []
         try:
             while nursery.channel.poll():
-                word, number, told = nursery.channel.recv()
+                word, number, detail = nursery.channel.recv()
                 if word == BROKEN:
-                    raise StudyError(f"study {self._plan.name}: a worker cannot start: {told}")
+                    raise StudyError(f"study {self._plan.name}: a worker cannot start: {detail}")
                 nursery.ready |= word == READY
                 if word == BORN and number in self._workers:
-                    self._workers[number].pid = told
+                    self._workers[number].pid = detail
                 if word == ENDED and number in self._workers:
-                    results += self._lost(self._workers[number], told)
+                    results += self._lost(self._workers[number], detail)
         except (EOFError, OSError):
             results += self._orphan(nursery)
         return results

@@ -60,8 +60,8 @@ def geometric_grid(last: int, per_decade: int = 20) -> NDArray[np.int64]:
     """Evaluation numbers (m,) from 1 to `last` in equal ratios, both ends included."""
     steps = np.arange(int(per_decade * np.log10(max(last, 1))) + 1)
     # A power that rounding has left just below a whole number is that number.
-    found = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
-    return np.unique(np.append(found[found <= last], last))
+    numbers = np.floor(10.0 ** (steps / per_decade) * (1 + 1e-12)).astype(np.int64)
+    return np.unique(np.append(numbers[numbers <= last], last))
 
 
 def at(evaluations: NDArray[np.int64], values: Real, grid: NDArray[np.int64]) -> Real:

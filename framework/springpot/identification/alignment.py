@@ -114,13 +114,13 @@ def aligned(model: Model, measurement: Measurement) -> dict[str, float]:
     pairs = list(_neighbours(combinations))
     size = number.max(axis=0) + 1
     starts = np.concatenate([[0], np.cumsum(size)])
-    matrix, found = np.zeros((len(pairs), starts[-1])), np.zeros((len(pairs), 2))
+    matrix, differences = np.zeros((len(pairs), starts[-1])), np.zeros((len(pairs), 2))
     for row, (i, j, k) in enumerate(pairs):
         matrix[row, starts[k] + combinations[j, k]] = 1.0
         matrix[row, starts[k] + combinations[i, k]] = -1.0
-        found[row] = _pair(curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k]))
+        differences[row] = _pair(curves[i], curves[j], _moves(model, columns[k]), _lifts(own, columns[k]))
     # Pairs tell differences only: of all answers the one of least size is taken, and referred to one level below.
-    log_factors = np.linalg.lstsq(matrix, found, rcond=None)[0]
+    log_factors = np.linalg.lstsq(matrix, differences, rcond=None)[0]
     guesses: dict[str, float] = {}
     for prefix, element in own:
         k = columns.index(element.column)

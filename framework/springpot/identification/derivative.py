@@ -60,12 +60,12 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
             direction = _direction(model, place)
             if not _deviation(model, place, points, direction) > WRONG:
                 return
-        found = [_deviation(model, places[-1], points, alone) for alone in np.diag(direction)]
+        deviations = [_deviation(model, places[-1], points, alone) for alone in np.diag(direction)]
     _checked.discard(model.network)
-    worst = int(np.argmax(np.nan_to_num(found)))
+    worst = int(np.argmax(np.nan_to_num(deviations)))
     raise ModelError(
-        f"the derivative of {model.name} by {model.names[worst]} is wrong by {100 * found[worst]:.2g} %: nothing is "
-        "fitted with it; the plugin's author finds the rest with springpot.testing"
+        f"the derivative of {model.name} by {model.names[worst]} is wrong by {100 * deviations[worst]:.2g} %: "
+        "nothing is fitted with it; the plugin's author finds the rest with springpot.testing"
     )
 
 
@@ -126,5 +126,5 @@ def _differences(model: Model, theta: Real, points: Points, direction: Real) -> 
     steps = np.array(STEPS)[:, None]
     ends = np.concatenate([theta + steps * direction, theta - steps * direction])
     ahead, behind = np.split(model.network.respond(ends, points).value, 2)
-    found: Complex = (ahead - behind) / (2.0 * steps)
-    return found
+    differences: Complex = (ahead - behind) / (2.0 * steps)
+    return differences

@@ -37,15 +37,15 @@ def guarded(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random
     """
     # A copy holds this thread alone: a lock that another one held would stay locked in it for ever.
     if threading.active_count() > 1 or not hasattr(os, "fork"):
-        found = run(optimiser, problem, budget, rng)
+        outcome = run(optimiser, problem, budget, rng)
     else:
-        found = _elsewhere(optimiser, problem, budget, rng)
-    if found.failed:
-        return found
-    wrong = contradiction(found, problem, budget)
+        outcome = _elsewhere(optimiser, problem, budget, rng)
+    if outcome.failed:
+        return outcome
+    wrong = contradiction(outcome, problem, budget)
     if wrong:
         return _failure(optimiser, problem, wrong)
-    return found
+    return outcome
 
 
 def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
@@ -57,7 +57,7 @@ def _failure(optimiser: Optimiser, problem: Searched, reason: str) -> Run:
 def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator) -> Run:
     from springpot.processes import cause_of, end_group
 
-    answer, told = os.pipe()
+    answer, report = os.pipe()
     lifeline, alive = os.pipe()
     sys.stdout.flush()  # or both would write what waits there
     # Ctrl-C reaches both: until each has come to where it ends in order, it waits.
@@ -71,26 +71,26 @@ def _elsewhere(optimiser: Optimiser, problem: Searched, budget: int, rng: np.ran
     if pid == 0:
         os.close(answer)
         os.close(alive)
-        _work(optimiser, problem, budget, rng, told, lifeline)
+        _work(optimiser, problem, budget, rng, report, lifeline)
     try:
-        os.close(told)
+        os.close(report)
         os.close(lifeline)
         signal.pthread_sigmask(signal.SIG_SETMASK, had)
-        said = _read(answer, monotonic() + DEADLINE)
+        message = _read(answer, monotonic() + DEADLINE)
     finally:
         end_group(pid)
         status = os.waitpid(pid, 0)[1]
         os.close(answer)
         os.close(alive)
-    if said is None:
+    if message is None:
         return _failure(optimiser, problem, f"it did not end within {DEADLINE:g} s")
     try:
-        found = pickle.loads(said)
+        outcome = pickle.loads(message)
     except Exception:
         # What was cut short or never was a run tells nothing: how the process ended is told instead.
-        found = None
-    if isinstance(found, Run):
-        return found
+        outcome = None
+    if isinstance(outcome, Run):
+        return outcome
     return _failure(optimiser, problem, cause_of(status))
 
 
@@ -106,7 +106,7 @@ def _read(fd: int, end: float) -> bytes | None:
 
 
 def _work(
-    optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator, told: int, lifeline: int
+    optimiser: Optimiser, problem: Searched, budget: int, rng: np.random.Generator, report: int, lifeline: int
 ) -> NoReturn:
     """In the child: run, and send what came of it."""
     from springpot.processes import adopt_orphans, end_children, limit_memory
@@ -125,13 +125,13 @@ def _work(
         # If the process that waits is killed, nobody else would end this one.
         threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
         try:
-            found = run(optimiser, problem, budget, rng)
+            outcome = run(optimiser, problem, budget, rng)
         except BaseException as error:
             # Nothing interrupts this process from outside: whatever it is, the optimiser raised it.
-            found = _failure(optimiser, problem, f"{type(error).__name__}: {error}")
+            outcome = _failure(optimiser, problem, f"{type(error).__name__}: {error}")
         end_children()
-        with os.fdopen(told, "wb") as stream:
-            pickle.dump(found, stream)
+        with os.fdopen(report, "wb") as stream:
+            pickle.dump(outcome, stream)
         sys.stdout.flush()
         code = 0
     finally:

@@ -204,7 +204,9 @@ def _better(one: Fit, other: Fit) -> Fit:
 
 def _without_effects(model: Model) -> list[Model]:
     """The models that lack one of the effects."""
-    return [model - effect for effect in dict.fromkeys(e.name for e in model.effects)]
+    # Of two effects of one kind it does not matter which is left out: each name counts once.
+    names = dict.fromkeys(effect.name for effect in model.effects)
+    return [model - name for name in names]
 
 
 def _grown(part: Fit, model: Model) -> list[Real]:

@@ -157,9 +157,9 @@ class Ledger:
 
     def _improve(self, point: Real, value: float) -> None:
         self.trace.append((self.evaluations, value))
-        self.settle(point)
+        self.enter_best(point)
 
-    def settle(self, point: Real, factor: float = 1.0) -> None:
+    def enter_best(self, point: Real, factor: float = 1.0) -> None:
         """Take `point` (d,) for the place of the last improvement in the trace."""
         self.best, self.best_x, self.best_factor = self.trace[-1][1], point.copy(), factor
         if self.best <= self.target:
@@ -250,7 +250,7 @@ def _note(
         if factor is not None:
             factors = factor[rows, columns].tolist()
         for i, point, own in zip(rows.tolist(), points[rows, columns], factors, strict=True):
-            ledgers[i].settle(point, own)
+            ledgers[i].enter_best(point, own)
 
 
 def _write_down(ledgers: Sequence[Ledger], points: Real, allowed: list[int], factor: Real | None) -> None:

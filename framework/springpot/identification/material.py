@@ -264,8 +264,7 @@ class _Search:
                     best = replace(trial, cost=cost)
                 if abs(cost - foretold) <= FORETOLD * foretold + ROUNDING:
                     break
-            # About the last weights: what they explain is put back, so that whole weights are found, which must not be
-            # negative.
+            # What the last weights explain is put back: whole weights are found, and these must not be negative.
             columns = weighted(response.by_theta[:count], self.weights)
             weights, foretold = non_negative(columns.T, residual + trial.weights @ columns)
             trial = replace(trial, weights=weights)
@@ -480,8 +479,8 @@ def _settings(search: _Search, measurement: Measurement) -> Real:
         known = aligned(search.model, measurement)
     scanned = np.array([parameter.name not in known for parameter in search.own])
     count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
-    found = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
+    places = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
     if scanned.any():
         others = tuple(parameter for parameter in search.own if parameter.name not in known)
-        found[:, scanned] = settings(others, Window.of(measurement), count)
-    return found
+        places[:, scanned] = settings(others, Window.of(measurement), count)
+    return places

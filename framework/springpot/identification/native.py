@@ -299,18 +299,18 @@ def _fit_material(
     """Any linear passive material, with the lines of its spectrum that the data ask for."""
     began = perf_counter()
     still, hopeless = max(STILL, effort.negligible), effort.hopeless
-    found = fit_spectrum(model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless)
+    fitted = fit_spectrum(model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless)
     seconds = perf_counter() - began
     return Fit(
-        found.model, measurement, objective, found.theta, found.cost, found.evaluations, found.converged, seconds
+        fitted.model, measurement, objective, fitted.theta, fitted.cost, fitted.evaluations, fitted.converged, seconds
     )
 
 
 def _superposed_start(model: Model, measurement: Measurement, objective: Objective, starts: int) -> Real:
     """A start (p,) from the fit to data that are laid over one another."""
     rest, reduced, values = superposed(model, measurement)
-    found = fit(rest, reduced, objective, starts=starts)
-    values |= dict(zip(rest.names, found.theta.tolist(), strict=True))
+    laid_over = fit(rest, reduced, objective, starts=starts)
+    values |= dict(zip(rest.names, laid_over.theta.tolist(), strict=True))
     return np.array([values[name] for name in model.names])
 
 
@@ -474,11 +474,11 @@ def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
 def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArray[np.bool_]:
     """Enter improvements; says which data sets have now come to rest at their best objective from two starts."""
     starts = len(solution.cost) // len(rows)
-    found, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
-    which = np.argmin(found, axis=1)
-    least = found[np.arange(len(rows)), which]
+    costs, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
+    which = np.argmin(costs, axis=1)
+    least = costs[np.arange(len(rows)), which]
     # One that was stopped on its way may be as low by chance: only those at rest confirm.
-    agree = solution.converged.reshape(found.shape) & (found <= least[:, None] * (1.0 + SAME))
+    agree = solution.converged.reshape(costs.shape) & (costs <= least[:, None] * (1.0 + SAME))
     better = least < cost[rows]
     best[rows[better]] = at[better, which[better]]
     cost[rows[better]] = least[better]

@@ -37,15 +37,15 @@ def printed(parameters: Sequence[Parameter], values: Real, low: Real, high: Real
     return rows
 
 
-def all_parameters(found: Estimate) -> dict[str, Value]:
+def all_parameters(estimate: Estimate) -> dict[str, Value]:
     """All parameters of a fit, those that were held in their places."""
-    units = found.measurement.units
-    free = printed(found.model.parameters, found.theta, found.low, found.high, units)
-    held = found.model.held
+    units = estimate.measurement.units
+    free = printed(estimate.model.parameters, estimate.theta, estimate.low, estimate.high, units)
+    held = estimate.model.held
     if not held:
         return free
     rows = {}
-    for parameter in found.model.released().parameters:
+    for parameter in estimate.model.released().parameters:
         name = parameter.name
         if name in held:
             factor, label = units.of(parameter.unit)
@@ -56,56 +56,56 @@ def all_parameters(found: Estimate) -> dict[str, Value]:
     return rows
 
 
-def search_parameters(found: Estimate) -> dict[str, Value]:
+def search_parameters(estimate: Estimate) -> dict[str, Value]:
     """The parameters in the model's published search form, by linear propagation; none where it has no such form."""
-    form = found.model.search
+    form = estimate.model.search
     if form is None:
         return {}
     q = len(form.parameters)
     with np.errstate(all="ignore"):
         # The elements come first in theta; what follows are effects, which the published form does not know.
-        x = form.from_elements(found.theta[:q])
-        reach = _reach(found, form, x)
+        x = form.from_elements(estimate.theta[:q])
+        reach = _reach(estimate, form, x)
         log = np.array([p.scale == "log" for p in form.parameters])
         bounds = np.array([p.lower for p in form.parameters]), np.array([p.upper for p in form.parameters])
         low, high = ends(x, np.where(np.isfinite(reach), reach, np.inf), log, bounds)
         # A slope tells nothing of a step away from a bound: there the ends themselves are carried over.
-        for moved in _at_ends(found, q):
+        for moved in _at_ends(estimate, q):
             other = np.nan_to_num(form.from_elements(moved), nan=np.inf)
             low, high = np.fmax(np.fmin(low, other), bounds[0]), np.fmin(np.fmax(high, other), bounds[1])
-    for i, j in _shared(found, form, x):
-        low[i], high[i] = found.low[j], found.high[j]
-    return printed(form.parameters, x, low, high, found.measurement.units)
+    for i, j in _shared(estimate, form, x):
+        low[i], high[i] = estimate.low[j], estimate.high[j]
+    return printed(form.parameters, x, low, high, estimate.measurement.units)
 
 
-def _at_ends(found: Estimate, q: int) -> list[Real]:
+def _at_ends(estimate: Estimate, q: int) -> list[Real]:
     """The parameters of the form, those at a bound moved in turn to the ends of their one-sided interval."""
     moved = []
-    at_bound = found.uncertainty.at_bound[:q]
+    at_bound = estimate.uncertainty.at_bound[:q]
     for i in np.flatnonzero(at_bound).tolist():
         # An upper end is often infinite, where the form has limits that its formulas do not reach.
-        places = [found.low[i]]
+        places = [estimate.low[i]]
         if at_bound[i] < 0:
-            places.append(found.high[i])
+            places.append(estimate.high[i])
         for place in places:
-            theta = found.theta[:q].copy()
+            theta = estimate.theta[:q].copy()
             theta[i] = place
             moved.append(theta)
     return moved
 
 
-def _shared(found: Estimate, form: SearchForm, x: Real) -> list[tuple[int, int]]:
+def _shared(estimate: Estimate, form: SearchForm, x: Real) -> list[tuple[int, int]]:
     """Places (in the form, in the model) of parameters that both have: these have one interval, not two."""
-    names = found.model.names[: len(form.parameters)]
+    names = estimate.model.names[: len(form.parameters)]
     places = [(i, names.index(p.name)) for i, p in enumerate(form.parameters) if p.name in names]
-    return [(i, j) for i, j in places if np.isclose(x[i], found.theta[j], rtol=1e-12)]
+    return [(i, j) for i, j in places if np.isclose(x[i], estimate.theta[j], rtol=1e-12)]
 
 
-def _reach(found: Estimate, form: SearchForm, x: Real) -> Real:
+def _reach(estimate: Estimate, form: SearchForm, x: Real) -> Real:
     """Half the width of the intervals of ln x (logarithmic parameters) or x."""
-    known, coordinates = found.uncertainty, found.fit.task.coordinates
+    known, coordinates = estimate.uncertainty, estimate.fit.task.coordinates
     q = len(form.parameters)
-    turn = coordinates.slopes(found.theta, coordinates.size[0])[:q]
+    turn = coordinates.slopes(estimate.theta, coordinates.size[0])[:q]
     by_theta = form.jacobian(x)
     # Where several values of the form give the same elements, the data say nothing of its parameters.
     if not np.all(np.isfinite(by_theta)) or np.linalg.matrix_rank(by_theta) < q:

@@ -25,22 +25,22 @@ def miscounted(evaluations: int, gradients: int, batched: int, budget: int) -> s
 
 def mistraced(numbers: ArrayLike, values: ArrayLike, evaluations: int, best: float) -> str:
     """What is wrong with a trace of improvements (n,), or nothing."""
-    at, found = np.asarray(numbers), np.asarray(values)
+    at, improvements = np.asarray(numbers), np.asarray(values)
     rising = at[0] >= 1 and at[-1] <= evaluations and np.all(np.diff(at) > 0)
-    if not (rising and np.all(np.diff(found) < 0)):
+    if not (rising and np.all(np.diff(improvements) < 0)):
         return "its trace contradicts its count of evaluations"
     # Not but for rounding: both are one number that was written down twice.
-    if found[-1] != best:
+    if improvements[-1] != best:
         return "its best value is not the last of its trace"
     return ""
 
 
-def same(claimed: float | None, found: float, size: float) -> bool:
+def same(claimed: float | None, evaluated: float, size: float) -> bool:
     """Whether two sums of squares agree but for rounding, `size` being that of the data."""
     if claimed is None:
         return False
     # By their roots, the sizes of residuals: squares near zero would agree by no share of themselves.
-    one, other, own = np.sqrt(claimed), np.sqrt(found), float(np.nan_to_num(np.sqrt(size), posinf=0.0))
+    one, other, own = np.sqrt(claimed), np.sqrt(evaluated), float(np.nan_to_num(np.sqrt(size), posinf=0.0))
     return bool(abs(one - other) <= AGREE * other + ROUNDING * own)
 
 
@@ -52,8 +52,8 @@ def contradiction(run: Run, problem: Searched, budget: int) -> str:
     if wrong:
         return wrong
     with np.errstate(all="ignore"):
-        found = float(problem.evaluate(run.point)) * run.factor
+        evaluated = float(problem.evaluate(run.point)) * run.factor
         size = float(problem.evaluate(0.5 * (problem.lower + problem.upper)))
-    if not same(run.best, found, size):
-        return f"its best point has the objective {found:.6g}, not {run.best:.6g}"
+    if not same(run.best, evaluated, size):
+        return f"its best point has the objective {evaluated:.6g}, not {run.best:.6g}"
     return ""

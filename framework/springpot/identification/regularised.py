@@ -79,8 +79,8 @@ class Spectrum:
     def peaks(self) -> NDArray[np.int64]:
         """Numbers of the lines at which H has a peak that was measured and the band bears out, the highest first."""
         inside = np.flatnonzero((self.rates >= self.seen[0]) & (self.rates <= self.seen[1]))
-        found = [i for i in inside[1:-1].tolist() if self._stands_out(i)]
-        return np.array(sorted(found, key=lambda i: -self.density[i]), dtype=np.int64)
+        peaks = [i for i in inside[1:-1].tolist() if self._stands_out(i)]
+        return np.array(sorted(peaks, key=lambda i: -self.density[i]), dtype=np.int64)
 
     def _stands_out(self, i: int) -> bool:
         """Whether H at a line is a maximum, and surely higher than somewhere on the way to any higher line."""

@@ -176,9 +176,9 @@ def _pages(diary: bool) -> Diary | None:
 
 def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | None) -> Run:
     space = ledger.problem.space
-    found = ledger.best_x.size > 0
+    any_finite = ledger.best_x.size > 0
     x = np.full(ledger.problem.dimension, np.nan)
-    if found:
+    if any_finite:
         # The box is searched without regard to the order kinf > k0: what is told has it restored.
         x = space.repaired(ledger.best_x)
     return Run(

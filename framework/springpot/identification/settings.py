@@ -58,7 +58,11 @@ def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> R
 
 def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real]) -> Real:
     unit = parameter.unit
-    power = done[unit.time] if isinstance(unit.time, str) else unit.time
+    power: Real | float
+    if isinstance(unit.time, str):
+        power = done[unit.time]
+    else:
+        power = unit.time
     natural = window.stiffness**unit.stiffness * window.time**power * window.amplitude**unit.amplitude
     natural = natural * parameter.typical
     if parameter.scale == "linear" and parameter.upper < inf and parameter.lower > -inf:

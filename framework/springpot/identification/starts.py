@@ -111,10 +111,10 @@ class Shapes:
         step = max(1, BLOCK // (len(self.v) * len(self.responses) ** 2))
         target, weight = plane_data(stiffness, weights, self.compliance)
         blocks = [slice(i, i + step) for i in range(0, len(stiffness), step)]
-        found = [self._chosen(target[block], weight[block], keep) for block in blocks]
-        if len(found) == 1:
-            return found[0]
-        v, gains = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        chosen = [self._chosen(target[block], weight[block], keep) for block in blocks]
+        if len(chosen) == 1:
+            return chosen[0]
+        v, gains = (np.concatenate(parts) for parts in zip(*chosen, strict=True))
         return v, gains
 
     def _chosen(self, target: Real, weight: Real, keep: int) -> tuple[Real, Real]:
@@ -177,8 +177,14 @@ class Grid:
         self.coordinates = coordinates
         columns = (points.log_omega, points.amplitude, points.temperature, *points.columns.values())
         # By their bytes, as arrays neither have a hash nor compare as a whole.
+        contents: list[bytes | None] = []
+        for column in columns:
+            if column is None:
+                contents.append(None)
+            else:
+                contents.append(column.tobytes())
         self._key = (
-            *(None if column is None else column.tobytes() for column in columns),
+            *contents,
             points.reference_temperature,
             coordinates.log_omega,
             coordinates.amplitude,

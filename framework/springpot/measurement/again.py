@@ -53,10 +53,9 @@ def again_note(measurement: Measurement) -> dict[str, str]:
         np.maximum.at(high, number, column)
         if np.max(high - low) > width:
             return {}
-    said = f"each of {len(count)} frequencies stands {count.min()} times under the same conditions"
-    return {
-        NOTE: f"{said}: if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
-    }
+    repeated = f"each of {len(count)} frequencies stands {count.min()} times under the same conditions"
+    advice = "if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
+    return {NOTE: f"{repeated}: {advice}"}
 
 
 def _is_labelled(measurement: Measurement) -> bool:

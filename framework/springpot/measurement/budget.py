@@ -118,11 +118,11 @@ def _in_time(seconds: float, action: Callable[[], T]) -> T:
                 return action()
         finally:
             # A mere assignment, within which nothing can be raised. One word may have been said before it and be
-            # heard while things are settled, and one more be on its way: both are over when it is settled twice.
+            # heard while the watch is called back, and one more be on its way: both are over when that is done twice.
             watch.running = False
-            watch.settle()
+            watch.recall()
     except OverTime:
-        watch.settle()
+        watch.recall()
         raise
 
 
@@ -193,7 +193,7 @@ class _Watch(threading.Thread):
                 _raise_in(self._target, OverTime)
             self._speaking = False
 
-    def settle(self) -> None:
+    def recall(self) -> None:
         """Let the word that may be on its way be heard here, or take it back."""
         while self._speaking:
             time.sleep(0)

@@ -24,7 +24,9 @@ def html_of(data: Rows) -> Html:
     columns = [data.units.on_clock(data.frequency), data.storage, data.loss, *data.conditions.values()]
     rows = [[f"{column[i]:.4g}" for column in columns] for i in range(min(SHOWN, len(data)))]
     more = len(data) - len(rows)
-    beside = tag("p", f"and {more} more rows") if more > 0 else joined(())
+    beside = joined(())
+    if more > 0:
+        beside = tag("p", f"and {more} more rows")
     return tag("div", tag("p", tag("b", data.name)), table(headers, rows), beside, _curve(data))
 
 

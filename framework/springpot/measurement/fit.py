@@ -216,8 +216,8 @@ def _group_amplitudes(normal: Real, right: Real, basis: Basis, solution: Real) -
     # Drift and transient belong to the whole part: a few cycles cannot tell them from the oscillation.
     keep, slow = np.r_[0, 2 : 2 + 2 * basis.harmonics], basis.slow
     right = right - normal[:, :, slow] @ solution[slow]
-    found = [_solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)]
-    stacked = np.reshape(found, (-1, 2, 2))
+    pairs = [_solve(n[np.ix_(keep, keep)], r[keep])[1:3] for n, r in zip(normal, right, strict=True)]
+    stacked = np.reshape(pairs, (-1, 2, 2))
     return np.asarray(stacked[:, 0] - 1j * stacked[:, 1])
 
 

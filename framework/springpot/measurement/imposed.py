@@ -129,10 +129,10 @@ def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
     if rise > 0.0:
         later = clock > rise
         # Where the record ends within the rise, its last value is the best there is for where the rise led.
-        held = imposed[-1:]
+        reached = imposed[-1:]
         if later.any():
-            held = imposed[later][:1]
-        start, size = np.array([0.0, rise]), np.concatenate([[0.0], held])
+            reached = imposed[later][:1]
+        start, size = np.array([0.0, rise]), np.concatenate([[0.0], reached])
         return Loading(np.concatenate([start, clock[later]]), np.concatenate([size, imposed[later]]))
     largest = np.abs(imposed).max()
     if largest > 0.0 and np.ptp(imposed) <= STEADY * largest and clock[0] == 0.0:

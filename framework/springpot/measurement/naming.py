@@ -74,17 +74,17 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     return stem, Choice(part.strip(), columns)
 
 
-def columns_of(said: str, text: str) -> dict[str, str]:
+def columns_of(answers: str, text: str) -> dict[str, str]:
     """What is said of the columns, ``frequency=Hz,3=loss[Pa]``, as a mapping."""
-    found: dict[str, str] = {}
-    for piece in said.split(","):
+    meanings: dict[str, str] = {}
+    for piece in answers.split(","):
         name, equals, meaning = (word.strip() for word in piece.partition("="))
         if not (name and equals and meaning):
             raise DataError(f"'{short(text)}': '{short(piece)}' says nothing of a column; {ADVICE}")
-        if name in found:
+        if name in meanings:
             raise DataError(f"'{short(text)}': column '{short(name)}' is given twice")
-        found[name] = meaning
-    return found
+        meanings[name] = meaning
+    return meanings
 
 
 def temperature_offer(path: Path) -> dict[str, str]:
@@ -124,7 +124,7 @@ def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
         return None
     for match in numbers:
         pattern = re.escape(path.name[: match.start()]) + r"(\d{2,3})" + re.escape(path.name[match.end() :])
-        others = [int(found[1]) for name in names if (found := re.fullmatch(pattern, name))]
+        others = [int(match_of_other[1]) for name in names if (match_of_other := re.fullmatch(pattern, name))]
         values = sorted([int(match[0]), *others])
         # Numbers that only count the tests lie closer together than temperatures that somebody chose.
         if len(others) >= SIBLINGS and min(b - a for a, b in pairwise(values)) >= APART:

@@ -242,7 +242,11 @@ def thinned(measurement: Measurement) -> Measurement:
     kept = _largest(lambda count: fits([lines[i] for i in _spread(len(lines), count)], FEWEST_OF_A_SWEEP), len(lines))
     lines = [lines[i] for i in _spread(len(lines), kept)]
     each = _largest(lambda count: fits(lines, count), max(len(line) for line in lines))
-    return measurement.subset(np.sort(np.concatenate([points[i] for line in lines for i in _even(line, each)])))
+    # Row numbers of the repeats of all points that stay, in the order of the file.
+    kept_rows: list[Rows] = []
+    for line in lines:
+        kept_rows += [points[i] for i in _even(line, each)]
+    return measurement.subset(np.sort(np.concatenate(kept_rows)))
 
 
 def _largest(fits: Callable[[int], bool], most: int) -> int:

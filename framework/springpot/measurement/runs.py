@@ -95,12 +95,12 @@ def _by_repeat(repeat: NDArray[np.int64], rows: NDArray[np.int64]) -> list[NDArr
 
 def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
     """Columns that name parts and runs."""
-    found: list[NDArray[np.str_] | Real] = []
+    columns: list[NDArray[np.str_] | Real] = []
     for name, words in data.labels.items():
         if name == "step" or len(np.unique(words)) <= MOST_WORDS * len(words):
-            found.append(words)
+            columns.append(words)
     apart = told_apart(data)
-    return [*found, *(column for name, column in data.conditions.items() if name in RUNS or name in apart)]
+    return [*columns, *(column for name, column in data.conditions.items() if name in RUNS or name in apart)]
 
 
 def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -119,20 +119,20 @@ def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np
 
 def _conditions(data: Rows, rows: NDArray[np.int64], count: int) -> dict[str, str | float]:
     """What holds for all of the rows."""
-    found: dict[str, str | float] = {}
+    shared: dict[str, str | float] = {}
     for name, words in data.labels.items():
         if name == "step" or (count > 1 and len(set(words[rows])) == 1 and len(np.unique(words)) > 1):
-            found[name] = str(words[rows[0]])
+            shared[name] = str(words[rows[0]])
     for name in ("temperature", "amplitude"):
         column = data.conditions.get(name)
         # The amplitude is told only where it was set: it wanders in every sweep.
         if column is not None and (name == "temperature" or _is_set(column, rows)):
-            found[name] = float(np.mean(column[rows]))
+            shared[name] = float(np.mean(column[rows]))
     names = RUNS | told_apart(data).keys()
-    found |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names}
+    shared |= {name: float(data.conditions[name][rows[0]]) for name in data.conditions if name in names}
     if data.repeat is not None:
-        found["repeat"] = float(data.repeat[rows[0]])
-    return found
+        shared["repeat"] = float(data.repeat[rows[0]])
+    return shared
 
 
 def _is_set(column: Real, rows: NDArray[np.int64]) -> bool:

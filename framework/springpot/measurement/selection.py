@@ -68,10 +68,10 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
         return part
     # Of the tests that stood together fewer may be left, or one.
     known = {key: value for key, value in part.provenance.items() if key != NOTE}
-    told = frozenset[str]()
+    named_already = frozenset[str]()
     if "note parts" in known:
-        told = frozenset({"step"})
-    return replace(part, provenance={**known, **runs_together(part.conditions, part.labels, told)})
+        named_already = frozenset({"step"})
+    return replace(part, provenance={**known, **runs_together(part.conditions, part.labels, named_already)})
 
 
 def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measurement:

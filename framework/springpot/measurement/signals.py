@@ -187,11 +187,11 @@ def _check_motion(record: Record, basis: Basis, fit: Fit) -> None:
     # Variance of cosine and sine together: noise alone makes an amplitude of this size.
     noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
     if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, SEEN) * noise:
-        found = coarse_frequency(record)
+        moving = coarse_frequency(record)
         raise DataError(
             f"{record.name}: the displacement does not oscillate at {basis.omega:.4g} rad/s "
             f"({basis.omega / (2 * np.pi):.4g} Hz); give the frequency at which it does, "
-            f"{found:.4g} rad/s ({found / (2 * np.pi):.4g} Hz), or none"
+            f"{moving:.4g} rad/s ({moving / (2 * np.pi):.4g} Hz), or none"
         )
 
 
@@ -405,8 +405,8 @@ def measurement_from_signals(
         rows.append(row)
         names.append(PurePath(test.name).stem)
         units.append((test.displacement_unit, test.force_unit))
-        told = [value for key, value in test.provenance.items() if key.startswith("note ")]
-        if notes := [*told, *row.notes, *_doubts_of_sign(row, test.force_unit)]:
+        remarks = [value for key, value in test.provenance.items() if key.startswith("note ")]
+        if notes := [*remarks, *row.notes, *_doubts_of_sign(row, test.force_unit)]:
             origin[f"note {names[-1]}"] = "; ".join(notes)
     if not rows:
         raise DataError("no signals given: name at least one file")

@@ -100,10 +100,10 @@ class LocalSpectrum:
         power = np.abs(lines[taken] @ seen.T) ** 2 / self.counts.sum()
         near = _levelled(power, kept[taken], ratio[taken])
         everywhere = np.einsum("ci,ij,cj->c", seen, white, seen.conj()).real
-        held = float(np.sum(kept[taken]))
+        worth = float(np.sum(kept[taken]))
         # Of very short records too few lines are left: the variance over all frequencies stands in for the rest.
-        short = max(FEWEST / 2 - held, 0.0)
-        return np.maximum((near + short * everywhere) / (held + short), 0.0), 2 * (held + short)
+        short = max(FEWEST / 2 - worth, 0.0)
+        return np.maximum((near + short * everywhere) / (worth + short), 0.0), 2 * (worth + short)
 
     def _lines(self, inverse: Real) -> tuple[Complex, Real, Real]:
         """Spectral lines (k, 2) in the widest band, the share of white noise left in each, and omega_k / omega."""

@@ -175,15 +175,15 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
     order = np.argsort(level)
     groups = np.array_split(order, min(BINS, max(2, len(order) // FEWEST_IN_BIN)))
     size = np.array([np.median(level[group]) for group in groups])
-    found = np.array([NORMAL * np.median(np.abs(scatter[group])) for group in groups])
+    spread = np.array([NORMAL * np.median(np.abs(scatter[group])) for group in groups])
     worth = EFFICIENCY * np.array([len(group) for group in groups])
     # Of groups without any scatter (printed digits that repeat) nothing is known.
-    known = found > 0.0
+    known = spread > 0.0
     if not known.any():
         return 0.0, 0.0
     columns = np.column_stack([np.ones_like(size), size**2])[known]
     # The square of an uncertain number is too large by its variance, and neighbouring differences share samples.
-    power = found[known] ** 2 / (1.0 + 1.0 / worth[known])
+    power = spread[known] ** 2 / (1.0 + 1.0 / worth[known])
     worth = worth[known]
     tried = [_fitted(columns * which, power, worth) for which in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))]
     alone = min(tried[:2], key=lambda each: each[1])
@@ -212,14 +212,14 @@ def relative_scatter(sweep: Measurement) -> float:
 
     Sparse sweeps bend between their points, so that this is at most how large the noise is.
     """
-    found = []
+    scatters = []
     for _, rows in sweep.sweeps():
         ordered = rows[np.argsort(sweep.omega[rows])]
         clock = np.log(sweep.omega[ordered])
         if len(ordered) <= ORDER or np.any(np.diff(clock) <= 0.0):
             continue
         turned = np.log(sweep.stiffness[ordered])
-        found += [_scatter(clock, turned.real), _scatter(clock, np.unwrap(turned.imag))]
-    if not found or sum(map(len, found)) < FEWEST - ORDER:
+        scatters += [_scatter(clock, turned.real), _scatter(clock, np.unwrap(turned.imag))]
+    if not scatters or sum(map(len, scatters)) < FEWEST - ORDER:
         return ASSUMED
-    return max(NORMAL * float(np.median(np.abs(np.concatenate(found)))), LEAST)
+    return max(NORMAL * float(np.median(np.abs(np.concatenate(scatters)))), LEAST)

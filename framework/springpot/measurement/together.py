@@ -77,7 +77,7 @@ def runs_together(
     known : frozenset of str
         Columns of which another note tells already.
     """
-    found = []
+    columns = []
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
         # A word on nearly every row is a remark, such as a time of day, and names no test.
@@ -87,10 +87,10 @@ def runs_together(
             and key not in known
             and not _names_a_condition(np.unique(column, return_inverse=True)[1], numbers)
         ):
-            found.append(f"{len(values)} values of {key}, choose one by '@{_chosen(key, values[0])}'")
-    if not found:
+            columns.append(f"{len(values)} values of {key}, choose one by '@{_chosen(key, values[0])}'")
+    if not columns:
         return {}
-    return {NOTE: f"rows of several tests are together: {'; '.join(found)}"}
+    return {NOTE: f"rows of several tests are together: {'; '.join(columns)}"}
 
 
 def _chosen(column: str, value: np.str_ | np.float64) -> str:

@@ -72,8 +72,8 @@ class BalancedSeries(Composition):
             """Changes (..., q, n) of the whole K, the share of displacement that the element takes moving along."""
             moved = np.real((of_body + of_element) / whole - of_body / alone)
             shift = -moved / stiffening
-            found: Complex = by_body * of_body + by_element * (of_element + steeper * shift)
-            return found
+            change: Complex = by_body * of_body + by_element * (of_element + steeper * shift)
+            return change
 
         by_theta = np.concatenate([total(body.by_theta, 0.0), total(0.0, element.by_theta)], axis=-2)
         if depth == GRADIENT:
@@ -94,11 +94,11 @@ class BalancedSeries(Composition):
         log_own = np.broadcast_to(np.log(at.need("amplitude")), shape)
         for _ in range(NEWTON_STEPS):
             there = at.at_amplitude(np.exp(log_own))
-            found = element.respond(theta, there).value
-            both = body + found
+            own_value = element.respond(theta, there).value
+            both = body + own_value
             # In logarithms of the amplitude, which then cannot become negative on the way.
             off = log_own + np.log(np.abs(both)) - log_whole
-            step = np.clip(-off / (1.0 + np.real(element.log_slope(theta, found) / both)), -LONGEST, LONGEST)
+            step = np.clip(-off / (1.0 + np.real(element.log_slope(theta, own_value) / both)), -LONGEST, LONGEST)
             log_own = log_own + step
             if np.max(np.abs(step), initial=0.0) < CONVERGED:
                 break

@@ -6,7 +6,7 @@ A spring, a dashpot, a mass and a springpot are all K = c s^order; only the spri
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -32,7 +32,10 @@ def table_of(column: Real, row: T) -> T:
     numpy runs along what lies side by side; whatever is made from the table keeps its order.
     """
     tall = column.ndim == 2 and row.ndim == 1 and len(column) > len(row)
-    table: T = np.multiply(column, row, order="F" if tall else "K")
+    order: Literal["F", "K"] = "K"
+    if tall:
+        order = "F"
+    table: T = np.multiply(column, row, order=order)
     return table
 
 
@@ -109,7 +112,9 @@ class FixedPower(Node):
         value = theta * power
         # The derivative by a factor is the same for all thetas: a view, not a copy for each.
         by_theta = np.broadcast_to(power, value.shape)[..., None, :]
-        return Response(value, by_theta, self.exponent * value if depth == FULL else value)
+        if depth == FULL:
+            return Response(value, by_theta, self.exponent * value)
+        return Response(value, by_theta)
 
 
 @dataclass(frozen=True)
@@ -147,7 +152,9 @@ class Springpot(Node):
         by_theta[..., 0, :] = power
         # ln s = ln omega + i pi / 2.
         by_theta[..., 1, :] = value * (at.log_omega + HALF_PI)
-        return Response(value, by_theta, alpha * value if depth == FULL else value)
+        if depth == FULL:
+            return Response(value, by_theta, alpha * value)
+        return Response(value, by_theta)
 
 
 def spring(name: str = "k") -> FixedPower:

@@ -96,8 +96,8 @@ class InTime:
         t, x = _history(t, displacement, "displacement")
         inside, beside, signals = sorted_out(self.model)
         with self._blaming():
-            found = self._materials(inside, t, x)
-        return with_laws(found, beside, signals, self.theta, t, x)
+            traced = self._materials(inside, t, x)
+        return with_laws(traced, beside, signals, self.theta, t, x)
 
     def by_clock(self, t: Real, imposed: Real, control: str, moves: Real) -> Real:
         """How the answer changes where the material's clock does.
@@ -220,18 +220,18 @@ class InTime:
         passive = self._passive(network, self.reference_temperature)
         if control == "force" and replace(passive, theta=self.theta[own]).inertial:
             raise ModelError(f"{self.model.name} has a mass, which does not go by the clock of its material")
-        found = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
+        traced = self._placed(passive, own, _reduced_time(t, log_shift), x, control)
         for own_law, law in laws:
             for i, slope in zip(own_law, law.by_theta.real, strict=True):
                 # A complex step: exact to rounding, as nothing is subtracted.
                 turned = _reduced_time(t, log_shift + 1j * STEP * slope)
                 answer = _answer(replace(passive, theta=self.theta[own]), control)
                 moved = answer(turned, x, slopes=False)
-                found.by_theta[:, i] = moved.value.imag / STEP
+                traced.by_theta[:, i] = moved.value.imag / STEP
         for effect, _, places in inside[last:]:
             outer = self._placed(self._passive(effect.element, self.reference_temperature), places, t, x)
-            found = Traced(found.value + outer.value, found.by_theta + outer.by_theta)
-        return found
+            traced = Traced(traced.value + outer.value, traced.by_theta + outer.by_theta)
+        return traced
 
 
 def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
@@ -242,13 +242,13 @@ def _answer(passive: Passive, control: str) -> Callable[..., Traced]:
 
 
 def with_laws(
-    found: Traced, beside: Sequence[Placed], signals: Sequence[Placed], theta: Real, t: Real, x: Real
+    traced: Traced, beside: Sequence[Placed], signals: Sequence[Placed], theta: Real, t: Real, x: Real
 ) -> Traced:
     """The force (n,) of a material with the forces beside it, as the measurement chain shows it.
 
     Parameters
     ----------
-    found : Traced
+    traced : Traced
         Force of the material for the displacement, and its derivatives, which are changed.
     beside, signals : sequence of Placed
         Effects that are not linear, and those of the measurement chain; see `sorted_out`.
@@ -257,7 +257,7 @@ def with_laws(
     t, x : ndarray, shape (n,)
         Times in s and displacements.
     """
-    value, by_theta = found
+    value, by_theta = traced
     # Laws that are not linear need the speed, which a record does not have.
     velocity = np.gradient(x, t)
     for effect, _, own in beside:

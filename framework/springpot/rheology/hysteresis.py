@@ -159,15 +159,15 @@ def first_over(reach: Any, n: Any, turn: Any) -> Any:
     return _first(loop(reach[..., None], n[..., None], turn[..., None]), reach)[None]
 
 
-def _first(found: Loop, reach: Any) -> Any:
-    return 2.0 / (np.pi * reach) * np.sum(found.share * (found.sine + 1j * found.cosine), axis=(-2, -1))
+def _first(cycle: Loop, reach: Any) -> Any:
+    return 2.0 / (np.pi * reach) * np.sum(cycle.share * (cycle.sine + 1j * cycle.cosine), axis=(-2, -1))
 
 
 def third_over(reach: Any, n: Any, turn: Any) -> Any:
     """Third harmonic over k X, shape (1, ...)."""
-    found = loop(reach[..., None], n[..., None], turn[..., None])
-    turned = (found.cosine - 1j * found.sine) ** 3
-    return (2j / (3.0 * np.pi * reach) * np.sum(found.share * turned, axis=(-2, -1)))[None]
+    cycle = loop(reach[..., None], n[..., None], turn[..., None])
+    turned = (cycle.cosine - 1j * cycle.sine) ** 3
+    return (2j / (3.0 * np.pi * reach) * np.sum(cycle.share * turned, axis=(-2, -1)))[None]
 
 
 def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
@@ -176,25 +176,25 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
     They are those of the sums, term by term, so that they belong to the value to rounding.
     """
     a, n, turn = (each[..., None] for each in (reach, n, turn))
-    found = loop(a, n, turn)
-    log_z, power = found.log_z, np.exp(n * found.log_z)
+    cycle = loop(a, n, turn)
+    log_z, power = cycle.log_z, np.exp(n * cycle.log_z)
     # z^n - 1 by expm1: near the tips it is a small difference of nearly equal numbers.
-    tip, lost = np.exp(_log_tip(found.depth, n)), np.expm1(n * found.log_z)
+    tip, lost = np.exp(_log_tip(cycle.depth, n)), np.expm1(n * cycle.log_z)
     # Of the integrands and the part done by hand: by ln Z, by n and by the turn.
-    slip = found.unloading**2 / tip * power
+    slip = cycle.unloading**2 / tip * power
     lower = np.exp((n - 1.0) * log_z)
     bend = tip * ((n - 1.0) * lower * lost - n * np.expm1((n - 1.0) * log_z) * power) / lost**2
-    unloading = (found.unloading - n * turn * slip, -turn * log_z * slip, -slip)
-    regular = (found.regular + bend, tip * log_z * lower * np.expm1(log_z) / lost**2, 0.0 * slip)
-    by_hand = (-power / lost, -(found.log_part + log_z * power / lost) / n, 0.0 * slip)
+    unloading = (cycle.unloading - n * turn * slip, -turn * log_z * slip, -slip)
+    regular = (cycle.regular + bend, tip * log_z * lower * np.expm1(log_z) / lost**2, 0.0 * slip)
+    by_hand = (-power / lost, -(cycle.log_part + log_z * power / lost) / n, 0.0 * slip)
     # How the tip moves, so that the way from tip to tip stays 2 k X / F.
-    odds = 1.0 / np.expm1(np.minimum(n * found.depth, OVERFLOW))
+    odds = 1.0 / np.expm1(np.minimum(n * cycle.depth, OVERFLOW))
     pull = [((u + r) @ RULE.weight)[..., None] for u, r in zip(unloading, regular, strict=True)]
-    tip_by_n = (found.depth * odds - np.log(tip)) / n
+    tip_by_n = (cycle.depth * odds - np.log(tip)) / n
     drive = (2.0 + 0.0 * a, -(pull[1] + pull[0] * tip_by_n), -pull[2])
     # By the reach, n and the turn: what each moves by itself, beside what follows from the tip.
     tip_alone = (0.0, tip_by_n, 0.0)
-    start_alone = (1.0 - found.cosine, 0.0, 0.0)
+    start_alone = (1.0 - cycle.cosine, 0.0, 0.0)
     slopes = []
     for i, own in enumerate(drive):
         log_tip = odds * own / (1.0 + odds * pull[0]) + tip_alone[i]
@@ -205,10 +205,10 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
         way = np.stack([u @ RULE.beyond.T, whole + h + r @ RULE.up_to.T], axis=-2)
         way = (way - start_alone[i]) / a[..., None]
         # At a tip the sine is zero, and so is the weight of what is divided by it.
-        sine = np.divide(found.cosine * way, found.sine, where=found.sine != 0.0, out=np.zeros_like(way))
-        moved = log_tip[..., None] * (found.sine + 1j * found.cosine) + sine - 1j * way
-        slopes.append(2.0 / (np.pi * reach) * np.sum(found.share * moved, axis=(-2, -1)))
-    first = _first(found, reach)
+        sine = np.divide(cycle.cosine * way, cycle.sine, where=cycle.sine != 0.0, out=np.zeros_like(way))
+        moved = log_tip[..., None] * (cycle.sine + 1j * cycle.cosine) + sine - 1j * way
+        slopes.append(2.0 / (np.pi * reach) * np.sum(cycle.share * moved, axis=(-2, -1)))
+    first = _first(cycle, reach)
     return np.stack([first, slopes[0] - first / reach, slopes[1], slopes[2]])
 
 
@@ -219,8 +219,8 @@ def _in_blocks(function: Any, arguments: tuple[Any, ...]) -> Any:
     flat = [np.broadcast_to(each, shape).ravel() for each in arguments]
     count = max(1, -(-len(flat[0]) // BLOCK))
     parts = zip(*(np.array_split(each, count) for each in flat), strict=True)
-    found = np.concatenate([function(*part) for part in parts], axis=-1)
-    return found.reshape((*found.shape[:-1], *shape))
+    together = np.concatenate([function(*part) for part in parts], axis=-1)
+    return together.reshape((*together.shape[:-1], *shape))
 
 
 @dataclass(frozen=True)

@@ -113,11 +113,11 @@ class Passive:
                 return np.inf, grown
         with np.errstate(all="ignore"):
             for part in self.parts.parts:
-                found = part.respond(where, FULL)
+                response = part.respond(where, FULL)
                 # Its local power tells a part that is level from one that still falls or grows.
-                power = float((found.by_log_omega[0] / found.value[0]).real)
+                power = float((response.by_log_omega[0] / response.value[0]).real)
                 if abs(power) < LEVEL:
-                    value, slopes = value + float(found.value[0].real), slopes + found.by_theta[:, 0].real
+                    value, slopes = value + float(response.value[0].real), slopes + response.by_theta[:, 0].real
                 elif log_omega > 0:
                     return np.inf, grown
         return value, slopes
@@ -247,13 +247,13 @@ class Passive:
         # 1/K of passive parts has the form of a stiffness in p = 1/s: the same rule reads its spectrum.
         whole = Sum.of(self.network, self.theta, self.conditions, compliance=True)
         low, high = self._band(shortest, longest)
-        found = summed(whole, -high, -low, self.tolerance)
+        compliance = summed(whole, -high, -low, self.tolerance)
         # In p = 1/s: p / (p + r) is 1/r / (s + 1/r).
-        rates, slopes = 1.0 / found.rates, found.by_theta
+        rates, slopes = 1.0 / compliance.rates, compliance.by_theta
         turned = Slopes(
             slopes.equilibrium, slopes.viscosity, slopes.mass, -slopes.rates * rates[:, None] ** 2, slopes.weights
         )
-        return Retardation(found.equilibrium, found.viscosity, rates, found.weights, turned)
+        return Retardation(compliance.equilibrium, compliance.viscosity, rates, compliance.weights, turned)
 
 
 def swinging(modes: Spectrum) -> Retardation:
@@ -285,12 +285,10 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     solid = modes.equilibrium > 0.0
     _, steep, _, _, steep_by_theta = _around(modes, np.zeros(1))
     flow = float(1.0 / steep[0]), -steep_by_theta[0] / steep[0] ** 2
+    # A mass on a dashpot alone: one zero, and no modes between which others could lie.
     if not solid and not len(r):
-        return (
-            np.array([-modes.viscosity / m + 0j]),
-            float(1.0 / steep[0].real),
-            -(steep_by_theta[0] / steep[0] ** 2).real,
-        )
+        fluidity_slopes = -(steep_by_theta[0] / steep[0] ** 2).real
+        return np.array([-modes.viscosity / m + 0j]), float(1.0 / steep[0].real), fluidity_slopes
     sides = np.sign(w)
     # What a solid and a fluid have apart: where the search begins, how many zeros there are, and what stays over.
     ahead, others, start = -1.0, len(r) - 1, float(steep[0])
@@ -315,16 +313,22 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
         paired = np.append(paired, 1.0)
     # By logarithms, rate against zero: the products of either alone would overflow.
     d = start / m * float(np.exp(np.sum(np.log(np.sort(r)) - np.log(paired))))
-    pair = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
-    # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
-    for _ in range(8):
-        value, slope = _value(modes, pair)
-        pair = pair - value / slope
+    pair = _pair(modes, b, d)
     # A zero that is a rate to the last digit cancels it: that mode is too weak to move the mass.
     s = np.concatenate([-zeros[~np.isin(zeros, r)].astype(complex), pair])
     if solid:
         return s, 0.0, np.zeros_like(steep_by_theta[0])
     return s, *flow
+
+
+def _pair(modes: Spectrum, b: float, d: float) -> Modes:
+    """The two zeros of K near those of s^2 + b s + d, shape (2,)."""
+    pair: Modes = -0.5 * b + np.array([1.0, -1.0]) * np.sqrt(0.25 * b**2 - d + 0j)
+    # Sum and product lose digits by cancellation: Newton steps on K itself bring them back.
+    for _ in range(8):
+        value, slope = _value(modes, pair)
+        pair = pair - value / slope
+    return pair
 
 
 def _value(modes: Spectrum, s: Modes) -> tuple[Modes, Modes]:

@@ -78,8 +78,8 @@ def edge_of(branch: Branch, low: float, high: float) -> Edge:
     """The branch on a fine grid of ln r from `low` to `high`."""
     # The offset keeps the grid away from round numbers, at which rates often are.
     u = np.arange(low + 0.37 * STEP, high, STEP)
-    found = branch.respond(u + HALF_PI, FULL)
-    return Edge(u, found.value, found.by_log_omega)
+    response = branch.respond(u + HALF_PI, FULL)
+    return Edge(u, response.value, response.by_log_omega)
 
 
 def lines_of(branch: Branch, edge: Edge) -> Lines:
@@ -124,8 +124,8 @@ def _root(branch: Branch, low: Real, power: int) -> Real:
     high = low + STEP
     u = 0.5 * (low + high)
     for _ in range(60):
-        found = branch.respond(u + HALF_PI, FULL)
-        value = found.value.real
+        response = branch.respond(u + HALF_PI, FULL)
+        value = response.value.real
         if power != 1:
             value = 1.0 / value
         # Beyond a zero K is negative; beyond a pole of K its inverse is positive.
@@ -133,7 +133,7 @@ def _root(branch: Branch, low: Real, power: int) -> Real:
         if power == -1:
             positive = value > 0.0
         low, high = np.where(positive, low, u), np.where(positive, u, high)
-        slope = power * found.by_log_omega.real / found.value.real
+        slope = power * response.by_log_omega.real / response.value.real
         moved = inside(u - 1.0 / slope, low, high)
         if settled(moved, u, 1e-15):
             return moved
@@ -154,9 +154,9 @@ def peaks_of(branch: Branch, edge: Edge) -> Complex:
     if not len(u):
         return u
     for _ in range(12):
-        found = branch.respond(u + HALF_PI, FULL)
+        response = branch.respond(u + HALF_PI, FULL)
         # At the pole itself, to the last digit, K is infinite: there is nothing left to change.
-        change = np.nan_to_num(found.value / found.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)
+        change = np.nan_to_num(response.value / response.by_log_omega, nan=0.0, posinf=0.0, neginf=0.0)
         # By no more than half a factor e at a time, lest it run on to another peak.
         u = u + change / np.maximum(2.0 * np.abs(change), 1.0)
         if np.all(np.abs(change) < ROUNDED):

@@ -113,11 +113,11 @@ def prony_of(
     for count in range(1, MOST + 1):
         if exact and len(exact.times) <= count:
             return exact
-        found = _fitted(grid, target, count, dashpot, spectrum.band)
-        if found.error <= wanted:
-            return found
-        if found.error < WORTH * least:
-            least, better = found.error, count
+        series = _fitted(grid, target, count, dashpot, spectrum.band)
+        if series.error <= wanted:
+            return series
+        if series.error < WORTH * least:
+            least, better = series.error, count
         if count - better >= IN_VAIN and not exact:
             break
     if spectrum.viscosity > 0.0 and not dashpot:
@@ -203,9 +203,9 @@ def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -
     # Columns of one length: a dashpot's and a spring's differ by the decades of the band.
     size = np.linalg.norm(matrix, axis=0)
     try:
-        found: Real = nnls(matrix / size, right)[0]
+        scaled: Real = nnls(matrix / size, right)[0]
     except RuntimeError:
         # It gives up where times nearly coincide; bounded least squares then takes longer.
-        found = lsq_linear(matrix / size, right, (0.0, np.inf)).x
-    amounts: Real = found / size
+        scaled = lsq_linear(matrix / size, right, (0.0, np.inf)).x
+    amounts: Real = scaled / size
     return amounts

@@ -198,8 +198,8 @@ def rational_of(node: Node, theta: Real, chain: Real, conditions: Points) -> Rat
         return Rational(theta[:2], rates, theta[2:], chain[:2], np.zeros((len(rates), chain.shape[1])), chain[2:])
     if isinstance(node, Parallel | Series):
         parts = zip(node.children, node.cuts, strict=True)
-        found = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]
-        return _together([part for part in found if part], len(found), isinstance(node, Series))
+        modes = [rational_of(child, theta[cut], chain[cut], conditions) for child, cut in parts]
+        return _together([part for part in modes if part], len(modes), isinstance(node, Series))
     if isinstance(node, Shift | Chain):
         return _carried(node, theta, chain, conditions)
     return None

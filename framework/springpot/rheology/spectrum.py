@@ -330,9 +330,10 @@ class Sum:
         s = 1j * np.exp(SCALES)
         own = self.classical
         kernel = s[:, None] / (s[:, None] + own.rates)
-        found = [part.respond(SCALES, FULL) for part in self.parts]
-        value = own.ends[0] + own.ends[1] * s + kernel @ own.weights + sum(each.value for each in found)
-        slope = own.ends[1] * s + (kernel * (1.0 - kernel)) @ own.weights + sum(each.by_log_omega for each in found)
+        responses = [part.respond(SCALES, FULL) for part in self.parts]
+        value = own.ends[0] + own.ends[1] * s + kernel @ own.weights + sum(each.value for each in responses)
+        slope = own.ends[1] * s + (kernel * (1.0 - kernel)) @ own.weights
+        slope = slope + sum(each.by_log_omega for each in responses)
         # The power of omega as which |K| grows: a relaxation time is where it changes most.
         power = (slope / value).real
         change = np.abs(np.diff(power))
@@ -365,9 +366,9 @@ class Sum:
         by_theta = Slopes(slopes[0], slopes[1], slopes[2], modes.rate_slopes, modes.weight_slopes)
         band = (float(np.exp(low)), float(np.exp(high)))
         spring, dashpot, mass = ends.tolist()
-        found = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
+        spectrum = Spectrum(spring, dashpot, mass, modes.rates, modes.weights, band, np.inf, by_theta)
         # What the rule promises holds for smooth spectra only: the error is measured against the network itself.
-        return replace(found, error=self._error(found, low, high))
+        return replace(spectrum, error=self._error(spectrum, low, high))
 
     def _whole(self, log_omega: Anywhere) -> Complex:
         """K (n,) without the mass."""
@@ -386,13 +387,13 @@ class Sum:
         """Single lines of the parts, and nodes for what is spread: as many of them as the band needs."""
         margin = np.log(2.0 / tolerance)
         # An empty one first, so that a network of springs and dashpots alone has something to be joined.
-        found = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
+        lines = [Lines(np.zeros(0), np.zeros(0), *[np.zeros((0, len(self.mass_slopes)))] * 2)]
         spread, peaks = [], [np.zeros(0, dtype=complex)]
         for part in self.parts:
             edge = edge_of(part, low - margin, high + margin)
             # Lines are sharper than any step: no rule of evenly spread nodes would meet them.
             if edge.discrete:
-                found.append(lines_of(part, edge))
+                lines.append(lines_of(part, edge))
             else:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
@@ -416,8 +417,8 @@ class Sum:
             if any(part.is_layer for part in spread):
                 order = 3
             needed = needed_on(modes, sizes, (low, high), tolerance, order)
-            found.append(Lines(*(field[needed] for field in modes)))
-        return Lines(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
+            lines.append(Lines(*(field[needed] for field in modes)))
+        return Lines(*(np.concatenate(fields) for fields in zip(*lines, strict=True)))
 
     def _ends(self, low: float, high: float, modes: Lines) -> tuple[Real, Real]:
         """Spring, dashpot and mass that stand for all modes slower and faster than `modes`, with their derivatives.
@@ -440,20 +441,20 @@ class Sum:
         slopes = kernel @ modes.weight_slopes - (modes.weights * kernel / (s + modes.rates)) @ modes.rate_slopes
         # In units of the highest s, or the matrix would be singular to rounding.
         inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
-        found = inverse @ (value.real - kernel @ modes.weights)
+        unknowns = inverse @ (value.real - kernel @ modes.weights)
         # What rounding leaves of a spring or dashpot that is not there is none.
-        there = layered | (found > ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers)
+        there = layered | (unknowns > ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers)
         ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
-        ends[: len(powers)] = np.where(there, found, 0.0)
+        ends[: len(powers)] = np.where(there, unknowns, 0.0)
         end_slopes[: len(powers)] = np.where(there[:, None], inverse @ (by_theta.real.T - slopes), 0.0)
         return ends, end_slopes
 
-    def _error(self, found: Spectrum, low: float, high: float) -> float:
+    def _error(self, spectrum: Spectrum, low: float, high: float) -> float:
         grid = np.linspace(low, high, max(9, int(4 * (high - low))))
         exact = self._whole(grid)
         if not np.all(np.isfinite(exact)):
             raise _NoSpectrumError("is not finite on the band")
         # Without the mass, which is exact, and far up so large that it would hide any error of the rest.
-        own = found.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
+        own = spectrum.stiffness(np.exp(grid)) + self.mass * np.exp(2.0 * grid)
         size = np.abs(exact)
         return float(np.max(np.abs(own - exact) / np.where(size > 0.0, size, 1.0)))

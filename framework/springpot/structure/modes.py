@@ -58,7 +58,7 @@ def modes_of(frame: Frame) -> list[Mode]:
     ----------
     Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020, doi:10.1007/s00419-019-01602-4.
     """
-    # The bare frame has n modes for certain: each is followed from there, so that none is missed and none comes twice.
+    # The bare frame has n modes for certain: followed from there, none is missed and none comes twice.
     omega, shapes = frame.natural
     return [_followed(frame, 1j * omega[i], shapes[:, i].astype(complex)) for i in range(len(frame))]
 

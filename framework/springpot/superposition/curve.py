@@ -243,14 +243,7 @@ def mastercurve(
     # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
     own = each_alone(measurement, number, weighing)
     weighing = _by_level(weighing, column, own.share)
-    sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
-    upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
-    plain = Model("material", Continuum(), effects=(sideways,))
-    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `_lifted`).
-    alone = fit(plain, measurement, weighing)
-    best = alone
-    if vertical:
-        best = _lifted(alone, plain + upwards)
+    alone, best = _fits(measurement, column, vertical, weighing)
     rows = Rows.of(best)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
@@ -279,6 +272,18 @@ def mastercurve(
         tuple(notes),
         perf_counter() - began,
     )
+
+
+def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objective) -> tuple[Fit, Fit]:
+    """The material with a shift for each level, and the same with vertical factors where these are asked for."""
+    sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
+    upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
+    plain = Model("material", Continuum(), effects=(sideways,))
+    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `_lifted`).
+    alone = fit(plain, measurement, weighing)
+    if not vertical:
+        return alone, alone
+    return alone, _lifted(alone, plain + upwards)
 
 
 def _check(measurement: Measurement, column: str) -> None:

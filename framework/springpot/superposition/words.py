@@ -33,10 +33,10 @@ def level_of(text: str, column: str = "temperature") -> float:
     OptionError
         If it is no number, or has a unit that the column does not have.
     """
-    found = _LEVEL.fullmatch(text)
-    if found is None:
+    parts = _LEVEL.fullmatch(text)
+    if parts is None:
         raise OptionError(f"reference '{text}' is no number: write a level such as {_example(column)}")
-    value, unit = float(found[1]), found[2]
+    value, unit = float(parts[1]), parts[2]
     if not unit:
         return value
     if column != "temperature":

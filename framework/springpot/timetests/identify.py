@@ -15,7 +15,7 @@ from springpot.measurement import Measurement, Timed, TimeTest, material_of
 from springpot.rheology import Effect, Model, Real, sorted_out
 
 from .material import spectral
-from .native import Found, Search
+from .native import Minimum, Search
 from .parts import Part, Test, parts_of_specimen, reference_of, require_tests
 from .quick import quick_parts
 from .result import TimeIdentification
@@ -111,7 +111,7 @@ def identify(
     return _by_optimiser(search, found, optimiser, (budget or BUDGET, restarts, seed), began)
 
 
-def _native(search: Search, near: bool) -> Found:
+def _native(search: Search, near: bool) -> Minimum:
     """All tests together; where there are several, each weighs as it is missed alone."""
     parts, starts = search.parts, search.starts()
     if near:
@@ -121,17 +121,17 @@ def _native(search: Search, near: bool) -> Found:
     together = [search.ratio(part, u) for part in parts]
     # A test by itself outvotes no other.
     if len(parts) == 1:
-        return Found(u, parts, together, evaluations, converged)
+        return Minimum(u, parts, together, evaluations, converged)
     # Each begins where all together ended, so that alone it can only do better.
     parts, alone, spent = _weighed(parts, together, lambda part: (search, *search.solved([part], [u])[:2]))
     # Once more with the new weights, from where the first ones led.
     u, more, converged = search.solved(parts, [u])
-    return Found(u, parts, alone, evaluations + spent + more, converged)
+    return Minimum(u, parts, alone, evaluations + spent + more, converged)
 
 
 def _by_optimiser(
     search: Search,
-    native: Found,
+    native: Minimum,
     optimiser: Optimiser,
     effort: tuple[int, int | None, int | None],
     began: float,
@@ -187,7 +187,11 @@ def _scanned(
         # It has no law in such a test, or nothing is left to fit: the search begins at natural sizes.
         return []
     best = promises.get(last.name, [])[:STARTS]
-    return [each.start(base, model, moved=moved) for each in best for moved in (True, False)]
+    starts = []
+    for promise in best:
+        # With the model's own parameters made way for the force, and as they were: the linear step may lead astray.
+        starts += [promise.start(base, model, moved=True), promise.start(base, model, moved=False)]
+    return starts
 
 
 def _less(model: Model | Timed, effect: Effect) -> Model | Timed:
@@ -198,7 +202,7 @@ def _less(model: Model | Timed, effect: Effect) -> Model | Timed:
 
 def _of_material(
     model: Model | Timed, parts: Sequence[Part], reference: float, seeds: Sequence[Real]
-) -> tuple[Search, Found]:
+) -> tuple[Search, Minimum]:
     """Any linear passive material, whose spectrum the tests choose."""
     # For its sizes only: the spectrum has a way of its own to its minimum.
     typical = Search(model, parts, reference)
@@ -224,4 +228,4 @@ def _of_material(
         parts, alone, spent = _weighed(parts, alone, lambda part: fitted([part]))
         search, u, more = fitted(parts)
         evaluations += spent + more
-    return search, Found(u, parts, alone, evaluations, True)
+    return search, Minimum(u, parts, alone, evaluations, True)

@@ -50,7 +50,7 @@ ROUGHLY = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Minimum:
     """Where a search ended.
 
     Attributes
@@ -137,8 +137,11 @@ class Search:
             mine = test_with(effect, [part.test for part in in_time])
             places = [np.array(place) for place in tries_of(effect, mine, scales)]
             # One effect at a time: the product of all places of all effects would be hundreds of starts.
-            theta = [np.concatenate([each, place]) for each in theta[:1] for place in places]
-            theta = sorted(theta, key=lambda each: self._misfit(each))
+            # Without a place for one of them there is no start with all of them.
+            if not places:
+                return []
+            best = theta[0]
+            theta = sorted([np.concatenate([best, place]) for place in places], key=self._misfit)
         return theta[:TRIED]
 
     def _misfit(self, theta: Real) -> float:
@@ -213,14 +216,14 @@ class Search:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
         best = int(np.argmin(quick.cost))
-        found, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
+        near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
-            more = self._descend(parts, np.stack([found, *self.natural()]), True, QUICK, AFAR)
+            more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
             best = int(np.argmin(more.cost))
-            found, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
-        return found, spent, rests
+            near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
+        return near, spent, rests
 
     def _descend(
         self, parts: Sequence[Part], starts: Real, coarse: bool, iterations: int, damping: float
@@ -269,7 +272,7 @@ class Search:
         value = part.with_scale(1.0).residual(self.model, self.theta(u), self.reference).value
         return max(1.0, float(np.sqrt(sampled_scatter(value, part))))
 
-    def result(self, found: Found, seconds: float) -> TimeIdentification:
+    def result(self, found: Minimum, seconds: float) -> TimeIdentification:
         """The answer where a search ended."""
         theta = self.theta(found.u)
         rows = [

@@ -74,36 +74,36 @@ class Known:
     seen: tuple[float, float]
 
     @classmethod
-    def of(cls, found: TimeIdentification | Identification) -> Known:
+    def of(cls, identified: TimeIdentification | Identification) -> Known:
         """From a fit to tests in time, or to a sweep."""
-        if isinstance(found, TimeIdentification):
+        if isinstance(identified, TimeIdentification):
             # Samples whose misses are alike were counted once in the covariance already.
-            points = sum(test.points for test in found.tests)
+            points = sum(test.points for test in identified.tests)
             # What a test did itself, such as a drift, does not go into another one.
-            material = material_of(found.model)
-            turn = found.slopes[: len(material.parameters)]
+            material = material_of(identified.model)
+            turn = identified.slopes[: len(material.parameters)]
             return cls(
                 material,
-                found.theta[: len(material.parameters)],
-                turn @ found.covariance @ turn.T,
-                found.units,
-                found.reference,
-                found.relative_rms,
-                max(points - len(found.theta), 1),
-                found.seen,
+                identified.theta[: len(material.parameters)],
+                turn @ identified.covariance @ turn.T,
+                identified.units,
+                identified.reference,
+                identified.relative_rms,
+                max(points - len(identified.theta), 1),
+                identified.seen,
             )
-        coordinates, data = found.fit.task.coordinates, found.measurement
+        coordinates, data = identified.fit.task.coordinates, identified.measurement
         # An endless variance times a slope of zero would be no number.
-        covariance = np.nan_to_num(found.uncertainty.covariance, nan=0.0, posinf=ENDLESS)
-        turn = coordinates.slopes(found.theta, coordinates.size[0])
+        covariance = np.nan_to_num(identified.uncertainty.covariance, nan=0.0, posinf=ENDLESS)
+        turn = coordinates.slopes(identified.theta, coordinates.size[0])
         return cls(
-            found.model,
-            found.theta,
+            identified.model,
+            identified.theta,
             turn @ covariance @ turn.T,
             data.units,
             data.reference_temperature,
-            found.relative_rms,
-            max(found.fit.dof, 1),
+            identified.relative_rms,
+            max(identified.fit.dof, 1),
             (float(data.omega.min()), float(data.omega.max())),
         )
 

@@ -119,7 +119,10 @@ def at_stage(mine: Sequence[tuple[TimeEffect, slice]], stage: Stage) -> list[tup
 
 def indices(mine: Sequence[tuple[TimeEffect, slice]], stage: Stage) -> list[int]:
     """Where the parameters of the effects of one stage stand in theta."""
-    return [i for _, place in at_stage(mine, stage) for i in range(place.start, place.stop)]
+    numbers: list[int] = []
+    for _, place in at_stage(mine, stage):
+        numbers += range(place.start, place.stop)
+    return numbers
 
 
 def _answered(

@@ -46,7 +46,10 @@ def warming(
     kelvin = np.interp(grid, test.time, test.warmth) + KELVIN
     inside = model.in_time(theta, temperature=kelvin, reference_temperature=reference, tolerance=tolerance)
     imposed = np.interp(grid, loading.time, loading.value)
-    answer = inside.respond(grid, imposed) if test.control == "displacement" else inside.respond_force(grid, imposed)
+    if test.control == "displacement":
+        answer = inside.respond(grid, imposed)
+    else:
+        answer = inside.respond_force(grid, imposed)
     rows = np.searchsorted(grid, at)
     return Traced(answer.value[rows], answer.by_theta[rows])
 

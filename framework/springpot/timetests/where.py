@@ -184,6 +184,6 @@ def _flat(test: TimeTest) -> str:
     return ""
 
 
-def worst_first(found: Sequence[Place]) -> tuple[Place, ...]:
+def worst_first(located: Sequence[Place]) -> tuple[Place, ...]:
     """Places of all tests, the worst first."""
-    return tuple(sorted(found, key=lambda place: -place.size))
+    return tuple(sorted(located, key=lambda place: -place.size))
