@@ -23,7 +23,15 @@ EXACT = 50
 
 @dataclass(frozen=True)
 class Interval:
-    """An estimate with its 95 % interval."""
+    """An estimate with its 95 % interval.
+
+    Examples
+    --------
+    >>> from springpot.benchmark.statistics import wilson
+    >>> rate = wilson(18, 20)
+    >>> rate.value, round(rate.low, 2), round(rate.high, 2)
+    (0.9, 0.7, 0.97)
+    """
 
     value: float
     low: float

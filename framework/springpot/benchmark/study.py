@@ -75,6 +75,13 @@ class Study:
     ------
     StudyError
         If a field cannot be used.
+
+    Examples
+    --------
+    >>> from springpot.benchmark import Study
+    >>> study = Study("small", ["artificial-hidden"], ["kelvin"], ["relative"], ["native"], repetitions=3)
+    >>> study.plan().size
+    3
     """
 
     name: str

@@ -25,7 +25,14 @@ LONGEST_REASON = 300
 
 
 class Status(StrEnum):
-    """How a trial ended."""
+    """How a trial ended.
+
+    Examples
+    --------
+    >>> from springpot.benchmark import Status
+    >>> Status.TIMEOUT.failed, Status.CONVERGED.failed
+    (True, False)
+    """
 
     CONVERGED = "converged"
     BUDGET = "budget"

@@ -1,12 +1,13 @@
 """Identification: objective, problem, recorder, optimiser, native solver, uncertainty."""
 
+from .batch import fit_batch
 from .bounded import BoundedDescent, minima_in_box
 from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters, within_material
-from .native import Effort, Fit, default_objective, fit, fit_batch, scanned_starts
-from .objective import Objective, weighted
+from .native import Effort, Fit, fit, scanned_starts
+from .objective import Objective, default_objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
 from .prediction import Prediction
 from .problem import Problem, Searched
@@ -15,8 +16,9 @@ from .regularised import Spectrum, regularised
 from .result import Identification, Standing
 from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
+from .simulated import bootstrap
 from .space import SearchSpace, box_of, paper_box, require_conditions
-from .uncertainty import Uncertainty, bootstrap, held_costs, profile
+from .uncertainty import Uncertainty, held_costs, profile
 from .value import Value, kept_interval
 
 __all__ = [

@@ -14,15 +14,16 @@ from springpot.rheology import Levels, Model, Real
 
 from .guard import guarded
 from .material import is_material
-from .native import Fit, default_objective, fit, require_enough
+from .native import Fit, fit, require_enough
 from .notes import notes_on
-from .objective import Objective
+from .objective import Objective, default_objective
 from .optimiser import Optimiser
 from .problem import Problem, Searched
 from .result import Identification
 from .run import Run
+from .simulated import bootstrap
 from .space import require_conditions
-from .uncertainty import Uncertainty, bootstrap, profile
+from .uncertainty import Uncertainty, profile
 
 NATIVE = "native"
 BUDGET = 8000
@@ -91,6 +92,16 @@ def identify(
         If there is one point only, or if there are more unknowns than data.
     OptionError
         If the optimiser fails: it raises, crashes, hangs, or no value was finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import springpot
+    >>> from springpot.identification import identify
+    >>> model, omega = springpot.parse_model("kelvin"), np.geomspace(1.0, 10.0, 8)
+    >>> data = springpot.Measurement(omega, model.stiffness([2.0, 0.5], omega))
+    >>> round(identify(data, model)["c"].value, 6)
+    0.5
     """
     began = perf_counter()
     require_conditions(model, measurement)

@@ -177,6 +177,15 @@ def levenberg_marquardt(
     Steps are damped in proportion to the diagonal of J J' (D. W. Marquardt, 1963, doi:10.1137/0111030); the damping
     grows as in H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05. A variable at a bound towards
     which the objective falls is frozen for the step.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.identification import levenberg_marquardt
+    >>> evaluate = lambda u, rows: (u**2 - 2.0, (2.0 * u)[:, :, None])
+    >>> levenberg_marquardt(evaluate, np.array([[1.0], [5.0]]), np.zeros(1), np.full(1, 10.0)).u.round(6)
+    array([[1.414214],
+           [1.414214]])
     """
     rules = _Rules.of(u0, lower, upper, floor, team, confirm, flat, alike)
     # Trials may lie where a model overflows: such a step is taken back, and no warning is wanted for it.

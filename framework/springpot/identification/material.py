@@ -85,7 +85,15 @@ STEP = float(np.log(10.0)) / PER_DECADE
 
 
 def is_material(model: Model) -> bool:
-    """Whether the model's material is any linear passive one, whose spectrum the data choose."""
+    """Whether the model's material is any linear passive one, whose spectrum the data choose.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import is_material
+    >>> is_material(springpot.parse_model("material")), is_material(springpot.parse_model("kelvin"))
+    (True, False)
+    """
     return isinstance(model.material, Continuum)
 
 
@@ -100,6 +108,14 @@ def within_material(model: Model, effect: Effect) -> bool:
         The material with other effects; of any other model nothing is a part of the material.
     effect : Effect
         That may be missing.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import within_material
+    >>> model, registry = springpot.parse_model("material"), springpot.plugins()
+    >>> [within_material(model, registry.effect(name)) for name in ("parallel-spring", "inertia")]
+    [True, False]
     """
     shifted = any(own.plane == "shift" for own in model.effects)
     return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and _is_passive(effect)

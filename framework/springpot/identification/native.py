@@ -8,16 +8,15 @@ from functools import cached_property
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.measurement import Measurement
-from springpot.rheology import Complex, Continuum, Model, Points, Real
+from springpot.rheology import Continuum, Model, Real
 
 from .alignment import superposed
-from .leastsquares import ALIKE, FLAT, Rows, Solution
+from .leastsquares import ALIKE, FLAT, Solution
 from .material import STILL, fit_spectrum, is_material, own_parameters
-from .objective import Objective, sizes
+from .objective import Objective, default_objective
 from .problem import Problem
 from .space import require_conditions
 from .starts import shape_count
@@ -43,28 +42,6 @@ SCANNED, NEAR = 1e-4, 1e-6
 """Damping at a start that a scan has found, and at one beside its end: there a step of Gauss and Newton is right."""
 POLISHED = 3
 """Shapes that go on to the search in all parameters."""
-
-
-def relative_objective() -> Objective:
-    """The differences of K' and K'' over |K|: the objective where none is asked for."""
-    return Objective("relative", "the differences of K' and K'' over |K|", _over_magnitude)
-
-
-def _over_magnitude(measurement: Measurement) -> Complex:
-    return np.asarray((1.0 + 1.0j) / sizes(measurement), dtype=np.complex128)
-
-
-def _over_sd(measurement: Measurement) -> Complex:
-    sd = measurement.sd
-    assert sd is not None
-    return np.asarray(1.0 / sd.real + 1.0j / sd.imag, dtype=np.complex128)
-
-
-def default_objective(measurement: Measurement) -> Objective:
-    """Weighted by the given standard deviations, or relative where none are given."""
-    if measurement.sd is None:
-        return relative_objective()
-    return Objective("weighted", "the differences over their given standard deviations", _over_sd)
 
 
 @dataclass(frozen=True)
@@ -221,6 +198,14 @@ def fit(
         If the data lack a column that the model needs.
     DataError
         If there are more unknowns than data.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import fit
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> best.converged, best.dof
+    (True, 9)
     """
     began = perf_counter()
     require_conditions(model, measurement)
@@ -236,7 +221,7 @@ def fit(
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
     best = int(np.argmin(solution.cost))
     # By way of a logarithm and back, a value at its bound comes to lie a rounding beyond it.
-    theta = _within(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
+    theta = within_bounds(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
     return Fit(
         model,
         measurement,
@@ -325,7 +310,7 @@ def _released_starts(model: Model, measurement: Measurement, objective: Objectiv
     full = np.concatenate([known.coordinates.theta(u, known.coordinates.size[0]), best[None]])
     kept = [free.names.index(name) for name in model.names]
     # A start that ran away without limit becomes a number again, which the bounds of this model then cut.
-    return list(_within(model, np.nan_to_num(full[:, kept], posinf=1e300)))
+    return list(within_bounds(model, np.nan_to_num(full[:, kept], posinf=1e300)))
 
 
 def _search(task: Task, seeds: Real, starts: int, offset: float, effort: Effort) -> tuple[Solution, int]:
@@ -378,7 +363,7 @@ def scanned_starts(problem: Problem, rng: np.random.Generator) -> Real:
     u = task.starts(shape_count(task.branches), _offset(rng))[1]
     with np.errstate(all="ignore"):
         theta = task.coordinates.theta(u[0], task.coordinates.size[0])
-        points: Real = problem.space.from_theta(_within(problem.model, theta))
+        points: Real = problem.space.from_theta(within_bounds(problem.model, theta))
     return points
 
 
@@ -401,86 +386,8 @@ def require_enough(model: Model, measurement: Measurement) -> None:
         )
 
 
-def _within(model: Model, theta: Real) -> Real:
+def within_bounds(model: Model, theta: Real) -> Real:
+    """Parameters (..., p) moved to the bounds of the model where they lie beyond them."""
     lower = np.array([p.lower for p in model.parameters])
     upper = np.array([p.upper for p in model.parameters])
     return np.clip(theta, lower, upper)
-
-
-def fit_batch(
-    model: Model,
-    points: Points,
-    stiffness: Complex,
-    weights: Complex,
-    starts: int = 8,
-    seeds_theta: Real | None = None,
-    logarithmic: bool = False,
-) -> tuple[Real, Real]:
-    """Fit one model to many data sets on one grid.
-
-    Parameters
-    ----------
-    model : Model
-        What is fitted.
-    points : Points
-        The n points.
-    stiffness, weights : ndarray of complex, shape (B, n)
-        Data, and weights of their real and imaginary parts.
-    starts : int
-        Starts for a data set at most. The best one goes first; only data sets that are not yet at the noise-free
-        level or whose optimum no second start has confirmed get more.
-    seeds_theta : ndarray, shape (B, s, p), optional
-        Given starts, taken before those read off the data.
-    logarithmic : bool
-        Compare ln K rather than K.
-
-    Returns
-    -------
-    theta : ndarray, shape (B, p)
-        The parameters.
-    cost : ndarray, shape (B,)
-        The sum of squared residuals.
-    """
-    task = Task(model, points, stiffness, np.broadcast_to(weights, stiffness.shape), logarithmic)
-    v = task.starts(starts)[0]
-    if seeds_theta is not None:
-        given = task.coordinates.u(np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :])
-        v = np.concatenate([task.shaped(given), v], axis=1)
-    # The best scanned shape stands in until a descent has given something better.
-    best, cost = v[:, 0].copy(), np.full(len(v), np.inf)
-    _rounds(task, v, best, cost)
-    solution = task.solve(task.full(best[:, None, :]), damping=NEAR)
-    return _within(model, task.coordinates.theta(solution.u, task.coordinates.size)), solution.cost
-
-
-def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:
-    """Search shapes from ever more of the starts (B, s, d); `best` and `cost` take the results."""
-    rows, first, width, iterations = np.arange(len(v)), 0, 1, 15
-    while len(rows) and first < v.shape[1]:
-        # Most data sets are done with their best start: only the others get more starts, and more steps for each.
-        part = task
-        if len(rows) < len(v):
-            part = task.rows(rows)
-        trials = v[rows, first : first + width]
-        # What is best so far goes along: a new start that ends there confirms it.
-        if first:
-            trials = np.concatenate([best[rows, None], trials], axis=1)
-        solution = part.solve_shapes(trials, iterations)
-        agreed = _take_best(solution, best, cost, rows)
-        rows = rows[~(agreed | (cost[rows] <= part.shape_floor))]
-        first, width, iterations = first + width, width + (first > 0), 2 * iterations
-
-
-def _take_best(solution: Solution, best: Real, cost: Real, rows: Rows) -> NDArray[np.bool_]:
-    """Enter improvements; says which data sets have now come to rest at their best objective from two starts."""
-    starts = len(solution.cost) // len(rows)
-    costs, at = solution.cost.reshape(len(rows), starts), solution.u.reshape(len(rows), starts, -1)
-    which = np.argmin(costs, axis=1)
-    least = costs[np.arange(len(rows)), which]
-    # One that was stopped on its way may be as low by chance: only those at rest confirm.
-    agree = solution.converged.reshape(costs.shape) & (costs <= least[:, None] * (1.0 + SAME))
-    better = least < cost[rows]
-    best[rows[better]] = at[better, which[better]]
-    cost[rows[better]] = least[better]
-    agreed: NDArray[np.bool_] = np.sum(agree, axis=1) >= CONFIRMED
-    return agreed

@@ -33,6 +33,16 @@ class Objective:
         Compare ln K instead of K.
     citation : str
         Source of the formula.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.identification import default_objective
+    >>> data = Measurement([1.0], [3.0 + 4.0j])
+    >>> objective = default_objective(data)
+    >>> round(float(objective.value(np.array([3.0 + 4.5j]), data, objective.weights(data))), 6)
+    0.01
     """
 
     name: str
@@ -92,3 +102,33 @@ def sizes(measurement: Measurement) -> Real:
     size = measurement.magnitude
     # A point of nearly no stiffness, as at an antiresonance, must not divide by zero and decide alone.
     return np.asarray(np.maximum(size, LEAST_SIZE * size.max()), dtype=np.float64)
+
+
+def relative_objective() -> Objective:
+    """The differences of K' and K'' over |K|: the objective where none is asked for."""
+    return Objective("relative", "the differences of K' and K'' over |K|", _over_magnitude)
+
+
+def _over_magnitude(measurement: Measurement) -> Complex:
+    return np.asarray((1.0 + 1.0j) / sizes(measurement), dtype=np.complex128)
+
+
+def _over_sd(measurement: Measurement) -> Complex:
+    sd = measurement.sd
+    assert sd is not None
+    return np.asarray(1.0 / sd.real + 1.0j / sd.imag, dtype=np.complex128)
+
+
+def default_objective(measurement: Measurement) -> Objective:
+    """Weighted by the given standard deviations, or relative where none are given.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.identification import default_objective
+    >>> default_objective(Measurement([1.0], [3.0 + 4.0j], sd=[0.1 + 0.1j])).name
+    'weighted'
+    """
+    if measurement.sd is None:
+        return relative_objective()
+    return Objective("weighted", "the differences over their given standard deviations", _over_sd)

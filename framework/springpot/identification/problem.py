@@ -86,6 +86,16 @@ class Problem(Searched):
         How the misfit is measured.
     space : SearchSpace
         Where to search.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import springpot
+    >>> from springpot.identification import Problem, default_objective
+    >>> model, data = springpot.parse_model("kelvin"), springpot.Measurement([1.0, 2.0], [2.0 + 0.5j, 2.0 + 1.0j])
+    >>> problem = Problem.of(model, data, default_objective(data))
+    >>> problem.evaluate(np.array([[2.0, 0.5], [1.0, 0.5]])).round(3)
+    array([0.   , 0.435])
     """
 
     model: Model

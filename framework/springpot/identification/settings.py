@@ -45,7 +45,16 @@ class Window:
 
 
 def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> Real:
-    """Quasi-random settings (count, q) of an effect's parameters over all that is physically possible."""
+    """Quasi-random settings (count, q) of an effect's parameters over all that is physically possible.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import Window, settings
+    >>> effect = springpot.plugins().effect("inertia")
+    >>> settings(effect.element.parameters, Window.of(springpot.read("artificial-hidden")), 3).shape
+    (3, 1)
+    """
     unit = low_discrepancy(count, len(parameters))
     columns: dict[str, Real] = {}
     # Last those whose unit hangs on an order: its value must be there before theirs has a size.
@@ -102,6 +111,14 @@ def shown(parameter: Parameter, window: Window) -> tuple[float, float]:
     -------
     tuple of float
         The ends of the range; empty where its unit depends on another parameter.
+
+    Examples
+    --------
+    >>> from springpot.identification import Window, shown
+    >>> from springpot.rheology import relaxation_time
+    >>> low, high = shown(relaxation_time(), Window(1.0, 0.1, 1.0, 2.0, 0.0))
+    >>> round(low, 4), round(high, 4)
+    (0.01, 1.0)
     """
     unit = parameter.unit
     if parameter.scale == "linear":

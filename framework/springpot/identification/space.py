@@ -125,6 +125,14 @@ def paper_box(model: Model, measurement: Measurement, stiffness_scale: float | N
     ------
     ModelError
         If the data lack a column that the model needs.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import paper_box
+    >>> box = paper_box(springpot.parse_model("fractional-zener"), springpot.read("artificial-hidden"))
+    >>> dict(zip(box.names, box.upper.tolist()))
+    {'k0': 1000.0, 'kinf': 1000.0, 'tau': 1.0, 'alpha': 1.0}
     """
     require_conditions(model, measurement)
     if stiffness_scale is None:
@@ -146,6 +154,13 @@ def box_of(model: Model, scale: float, time: float, reach: float) -> SearchSpace
         The model to be searched.
     scale, time, reach : float
         Largest stiffness, longest time in s, and largest amplitude.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import box_of
+    >>> box_of(springpot.parse_model("kelvin"), 100.0, 1.0, 1.0).upper
+    array([200., 200.])
     """
     form, searched = model.search, model.parameters
     if form is not None:

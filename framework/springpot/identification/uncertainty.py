@@ -1,4 +1,4 @@
-"""How well the parameters are known: intervals from the Jacobian, from profiles of the objective, from bootstrap."""
+"""How well the parameters are known: intervals from the Jacobian, and from profiles of the objective."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.rheology import Complex, Real
+from springpot.rheology import Real
 
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
-from .native import Fit, fit_batch
+from .native import Fit
 from .task import Task
 
 LEVEL = 0.95
@@ -26,8 +26,6 @@ TRACELESS = 1e-6
 """Change of the data, over their size, by a factor e of a parameter that has left no trace: no instrument sees it."""
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
-NUMBERS = 4_000_000
-"""Simulated numbers held at once."""
 
 
 def student(level: float, dof: float) -> float:
@@ -65,6 +63,15 @@ class Uncertainty:
         Whether the weights are known standard deviations; otherwise the scatter of the residuals sets the scale.
     level : float
         Probability of the intervals.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import Uncertainty, fit
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> low, high = Uncertainty.of(best).interval()
+    >>> bool((low < best.theta).all() and (best.theta < high).all())
+    True
     """
 
     fit: Fit
@@ -282,6 +289,15 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     Notes
     -----
     D. J. Venzon and S. H. Moolgavkar, 1988, doi:10.2307/2347496.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import fit, profile
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> low, high = profile(best, "alpha")
+    >>> bool(low < best.theta[best.model.names.index("alpha")] < high)
+    True
     """
     known = Uncertainty.of(fit, level)
     i = fit.model.names.index(parameter)
@@ -326,6 +342,14 @@ def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
     -------
     ndarray, shape (m,)
         The objectives.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import fit, held_costs
+    >>> best = fit(springpot.parse_model("fractional-maxwell"), springpot.read("artificial-hidden@frequency=..1"))
+    >>> bool((held_costs(best, "alpha", [0.4, 0.6]) > best.cost).all())
+    True
     """
     i = fit.model.names.index(parameter)
     path = _Path.of(fit, i)
@@ -408,62 +432,3 @@ class _Path:
         owner: Rows = np.zeros(len(places), dtype=np.intp)
         solve = levenberg_marquardt
         return solve(self.task.evaluator(owner), u, lower, upper, floor=0.0, flat=1e-9, iterations=60).cost
-
-
-def bootstrap(fit: Fit, n: int, rng: np.random.Generator, *, parametric: bool = True) -> Real:
-    """Refit simulated data.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit that is taken for the truth.
-    n : int
-        Number of simulated data sets.
-    rng : numpy.random.Generator
-        The only source of randomness.
-    parametric : bool
-        Draw Gaussian errors; otherwise draw from the residuals, with replacement.
-
-    Returns
-    -------
-    ndarray, shape (n, p)
-        Their parameters. Quantiles of a column are an interval (B. Efron, 1979, doi:10.1214/aos/1176344552).
-    """
-    points = len(fit.measurement)
-    # In blocks, as all simulated data at once may be more than memory holds.
-    block = max(1, NUMBERS // (2 * points))
-    refitted = []
-    for first in range(0, n, block):
-        errors = _errors(fit, min(block, n - first), rng, parametric)
-        refitted.append(_refitted(fit, errors))
-    return np.concatenate(refitted)
-
-
-def _errors(fit: Fit, n: int, rng: np.random.Generator, parametric: bool) -> Complex:
-    """Simulated weighted errors (n, points)."""
-    size, count = Uncertainty.of(fit).scale, len(fit.measurement)
-    if parametric:
-        drawn = rng.standard_normal((n, 2 * count)) * size
-    else:
-        # The fit has taken its share of the scatter: residuals are smaller than the errors they come from.
-        grown = np.sqrt(2 * count / max(fit.dof, 1))
-        drawn = rng.choice(fit.residual * grown, size=(n, 2 * count))
-    errors: Complex = drawn[:, :count] + 1j * drawn[:, count:]
-    return errors
-
-
-def _refitted(fit: Fit, errors: Complex) -> Real:
-    weights = fit.task.weights[0]
-    shift = errors.real / weights.real + 1j * (errors.imag / weights.imag)
-    # In the middle of the box the objective has the size of the data, whatever a search has come to.
-    base = fit.model.stiffness(fit.theta, fit.measurement.points)
-    data = base + shift
-    if fit.objective.logarithmic:
-        data = base * np.exp(shift)
-    # Begun at the fit that they come from, and at two places of their own, should noise have made another valley
-    # deeper.
-    seeds = np.broadcast_to(fit.theta, (len(data), 1, len(fit.theta)))
-    points = fit.measurement.points
-    return fit_batch(
-        fit.model, points, data, weights, starts=2, seeds_theta=seeds, logarithmic=fit.objective.logarithmic
-    )[0]

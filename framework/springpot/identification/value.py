@@ -25,6 +25,12 @@ class Value:
         Such as ``kN/m`` or ``kg``; ``-`` for a pure number.
     fixed : bool
         Whether it was given rather than identified.
+
+    Examples
+    --------
+    >>> from springpot.identification import Value
+    >>> print(Value(0.5985, 0.5912, 0.6059, "kg"))
+    0.5985 [0.5912, 0.6059] kg
     """
 
     value: float
@@ -71,7 +77,14 @@ def finite(value: float) -> float | None:
 
 
 def kept_interval(row: Mapping[str, Any]) -> tuple[float, float]:
-    """Ends of an interval as JSON holds them, which has no word for infinity: without an end it is infinite there."""
+    """Ends of an interval as JSON holds them, which has no word for infinity: without an end it is infinite there.
+
+    Examples
+    --------
+    >>> from springpot.identification import kept_interval
+    >>> kept_interval({"low": 1.0, "high": None})
+    (1.0, inf)
+    """
     low, high = row["low"], row["high"]
     if low is None:
         low = -inf

@@ -52,6 +52,14 @@ class DataSet:
         Address from which it is downloaded when it is first used; empty where it is on this machine.
     unavailable : str
         Empty, or why the set cannot be loaded here and how to mend it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import DataSet
+    >>> DataSet("two-points", "made up", lambda: Measurement([1.0, 2.0], [1j, 2j]), kind="artificial").open()
+    <Measurement measurement: 2 points, 0.159 to 0.318 Hz>
     """
 
     name: str

@@ -31,20 +31,41 @@ def guarded(cell: str) -> str:
 
 
 def unguarded(cell: str) -> str:
-    """What `guarded` was given."""
+    """What `guarded` was given.
+
+    Examples
+    --------
+    >>> from springpot.measurement.cells import guarded, unguarded
+    >>> unguarded(guarded("=1+1"))
+    '=1+1'
+    """
     if _GUARDED.match(cell):
         return cell[1:]
     return cell
 
 
 def guarded_line(line: str) -> str:
-    """A line of words, which a spreadsheet will part at commas, semicolons and tabs."""
+    """A line of words, which a spreadsheet will part at commas, semicolons and tabs.
+
+    Examples
+    --------
+    >>> from springpot.measurement import guarded_line
+    >>> guarded_line("sample 4,=1+1,-2.5")
+    "sample 4,'=1+1,-2.5"
+    """
     # A quote that opens here may close anywhere, so that a sign is not alone for sure.
     return _PARTED.sub(lambda piece: _guarded(piece[0]), line)
 
 
 def unguarded_line(line: str) -> str:
-    """What `guarded_line` was given."""
+    """What `guarded_line` was given.
+
+    Examples
+    --------
+    >>> from springpot.measurement import guarded_line, unguarded_line
+    >>> unguarded_line(guarded_line("sample 4,=1+1,-2.5"))
+    'sample 4,=1+1,-2.5'
+    """
     return _PARTED.sub(lambda piece: unguarded(piece[0]), line)
 
 

@@ -31,6 +31,12 @@ class Geometry(ABC):
         Whether it takes torque and angle rather than force and displacement.
     source : str
         Where the formulas are from.
+
+    Examples
+    --------
+    >>> from springpot.measurement import parse_geometry
+    >>> parse_geometry("parallel-plates diameter=25mm gap=1mm").strain_factor
+    12.5
     """
 
     name: ClassVar[str]

@@ -52,6 +52,12 @@ def parse_geometry(text: str) -> Geometry:
     ------
     OptionError
         If the geometry, a size or a unit is unknown, or one is missing.
+
+    Examples
+    --------
+    >>> from springpot.measurement import parse_geometry
+    >>> parse_geometry("shear-pads area=200cm^2 gap=10mm").shape
+    2.0
     """
     name, _, rest = " ".join(text.replace(":", " ", 1).split()).partition(" ")
     if name not in GEOMETRIES:

@@ -33,6 +33,12 @@ class Loading:
     ------
     DataError
         If the time runs backwards, or something is no number.
+
+    Examples
+    --------
+    >>> from springpot.measurement import Loading
+    >>> Loading([0.0, 0.0, 1.0, 2.0], [0.0, 1.0, 1.0, 0.0]).jumps
+    (array([0.]), array([1.]))
     """
 
     time: Real

@@ -116,7 +116,18 @@ def spread_of(measurement: Measurement, condition: str) -> Spread | None:
 
 
 def independent(measurement: Measurement, condition: str) -> bool:
-    """Whether a condition was varied by itself; see `Spread`."""
+    """Whether a condition was varied by itself; see `Spread`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import independent
+    >>> omega = np.tile([1.0, 10.0], 4)
+    >>> varied = Measurement(omega, omega + 1j, conditions={"amplitude": np.repeat([0.1, 0.2, 0.4, 0.8], 2)})
+    >>> independent(varied, "amplitude")
+    True
+    """
     spread = spread_of(measurement, condition)
     return spread is not None and spread.independent
 
@@ -126,6 +137,15 @@ def telling(measurement: Measurement) -> frozenset[str]:
 
     These are the ones that were varied by themselves, and an amplitude that was held: an effect that needs one is
     still told by what it does along the frequency. A temperature that was held shows nothing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import telling
+    >>> columns = {"amplitude": [0.1, 0.1], "temperature": [20.0, 20.0]}
+    >>> sorted(telling(Measurement([1.0, 2.0], [1j, 2j], conditions=columns)))
+    ['amplitude']
     """
     names = {name for name in measurement.conditions if name not in WANDER or independent(measurement, name)}
     amplitude = measurement.conditions.get("amplitude")
@@ -135,7 +155,17 @@ def telling(measurement: Measurement) -> frozenset[str]:
 
 
 def moved_along(measurement: Measurement) -> set[str]:
-    """Conditions that varied, but not by themselves."""
+    """Conditions that varied, but not by themselves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import moved_along
+    >>> omega = np.geomspace(0.1, 100.0, 12)
+    >>> moved_along(Measurement(omega, 1e3 * omega**0.5 + 0j, conditions={"amplitude": 0.3 / omega**0.5}))
+    {'amplitude'}
+    """
     spreads = {name: spread_of(measurement, name) for name in CONDITIONS}
     varied = {name for name, spread in spreads.items() if spread is not None and spread.varied}
     return varied - telling(measurement)
@@ -145,6 +175,14 @@ def steadied(measurement: Measurement) -> Measurement:
     """The same data, an amplitude that only wandered (see `Spread.varied`) set to its median.
 
     What an effect of the amplitude does at one amplitude can then still be told, but nothing is read into the wander.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import steadied
+    >>> wandering = Measurement([1.0, 2.0, 3.0], [1j, 2j, 3j], conditions={"amplitude": [0.1, 0.1002, 0.0999]})
+    >>> steadied(wandering).conditions["amplitude"]
+    array([0.1, 0.1, 0.1])
     """
     spread = spread_of(measurement, "amplitude")
     if spread is None or spread.varied:

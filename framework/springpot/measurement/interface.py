@@ -22,6 +22,15 @@ def as_modulus(measurement: Measurement, geometry: Geometry, unit: str = "Pa") -
     ------
     DataError
         If the measurement is a modulus already, or the geometry turns and the test did not.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement, Units
+    >>> from springpot.measurement import as_modulus, parse_geometry
+    >>> damper = Measurement([1.0], [100.0 + 50.0j], units=Units("kN/m", "mm"))
+    >>> as_modulus(damper, parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2"), "MPa").stiffness
+    array([0.025+0.0125j])
     """
     return measurement.as_modulus(geometry, unit)
 
@@ -46,12 +55,29 @@ def as_stiffness(
     ------
     DataError
         If the measurement is no modulus.
+
+    Examples
+    --------
+    >>> from springpot import Measurement, Units
+    >>> from springpot.measurement import as_stiffness, parse_geometry
+    >>> material = Measurement([1.0], [0.025 + 0.0125j], units=Units("MPa"))
+    >>> as_stiffness(material, parse_geometry("shear-pads area=200cm^2 gap=10mm pads=2"), "kN/m").stiffness
+    array([100.+50.j])
     """
     return measurement.as_stiffness(geometry, unit, amplitude)
 
 
 def through(measurement: Measurement, geometry: Geometry) -> Measurement:
-    """The other side of the geometry: the material of a measured damper, or the damper of a measured material."""
+    """The other side of the geometry: the material of a measured damper, or the damper of a measured material.
+
+    Examples
+    --------
+    >>> from springpot import Measurement, Units
+    >>> from springpot.measurement import parse_geometry, through
+    >>> damper = Measurement([1.0], [100.0 + 50.0j], units=Units("kN/m", "mm"))
+    >>> through(damper, parse_geometry("shear-pads area=200cm^2 gap=10mm")).units.stiffness
+    'Pa'
+    """
     if measurement.units.is_modulus:
         return measurement.as_stiffness(geometry)
     return measurement.as_modulus(geometry)

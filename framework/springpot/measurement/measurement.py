@@ -353,7 +353,15 @@ class Measurement(Rows):
 
 
 def points_at(log_omega: Real, conditions: Mapping[str, Real], reference_temperature: float) -> Points:
-    """Points (n,) under conditions as a measurement has them, with temperatures in degC; the reference in kelvin."""
+    """Points (n,) under conditions as a measurement has them, with temperatures in degC; the reference in kelvin.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import points_at
+    >>> points_at(np.zeros(1), {"temperature": np.array([20.0])}, 293.15).temperature
+    array([293.15])
+    """
     kelvin = conditions.get("temperature")
     if kelvin is not None:
         kelvin = kelvin + KELVIN
@@ -389,7 +397,14 @@ def numbers_of_levels(column: Real, apart: float) -> NDArray[np.int64]:
 
 
 def misspelt(condition: str) -> str:
-    """What to say of a name that is nearly a known condition's, or nothing."""
+    """What to say of a name that is nearly a known condition's, or nothing.
+
+    Examples
+    --------
+    >>> from springpot.measurement import misspelt
+    >>> misspelt("temprature").split(":")[0]
+    "is nearly 'temperature'"
+    """
     if condition in CONDITIONS or not condition.isalpha():  # temperature_2 is no slip
         return ""
     # A misspelt condition would be a column that no model knows, and its effect be missed without a word.

@@ -18,6 +18,13 @@ class Moduli:
         In rad/s.
     stiffness : ndarray of complex, shape (n,)
         K = K' + i K''.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> data = Measurement([62.83185307179586], [3.0 + 4.0j])
+    >>> data.frequency, data.magnitude
+    (array([10.]), array([5.]))
     """
 
     omega: Real

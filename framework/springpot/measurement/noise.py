@@ -41,6 +41,16 @@ def with_noise(
     ------
     DataError
         If the level is not positive and below 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import with_noise
+    >>> exact = Measurement(np.ones(3), np.full(3, 2.0 + 1.0j))
+    >>> noisy = with_noise(exact, 0.01, np.random.default_rng(1), symmetric=True)
+    >>> bool(np.all(np.abs(noisy.stiffness / exact.stiffness - 1.0) < 0.05))
+    True
     """
     if not 0 < level < 1:
         raise DataError(f"the noise level must lie between 0 and 1, got {level}")

@@ -23,6 +23,12 @@ class Choice:
     columns : mapping of str to str
         What the file leaves open: by a column's name, title or number its unit (``frequency=Hz``), its meaning
         (``3=loss [Pa]``), or a constant (``frequency=1 [Hz]``).
+
+    Examples
+    --------
+    >>> from springpot.measurement import Choice
+    >>> bool(Choice()), Choice("2", {"frequency": "Hz"}).columns["frequency"]
+    (False, 'Hz')
     """
 
     part: str = ""

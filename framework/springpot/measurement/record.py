@@ -35,6 +35,15 @@ class Signals:
         Shown in reports.
     provenance : mapping of str to str
         Where the signals come from.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Signals, measurement_from_signals
+    >>> t = np.linspace(0.0, 5.0, 2000)
+    >>> test = Signals(t, np.cos(6.0 * t), 3.0 * np.cos(6.0 * t + 0.5), "mm", "N", "pad")
+    >>> np.angle(measurement_from_signals([test]).stiffness).round(3)
+    array([0.5])
     """
 
     time: Real

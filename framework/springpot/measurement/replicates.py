@@ -206,6 +206,16 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     ----------
     averaged : Averaged
         The data with the scatter of their repeats.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import average_repeats, noise_of_repeats
+    >>> omega, scatter = np.tile([1.0, 2.0, 4.0], 5), np.random.default_rng(1).normal(size=15)
+    >>> data = Measurement(omega, (1.0 + 0.01 * scatter) * (3.0 + 1j), repeat=np.repeat(np.arange(5), 3))
+    >>> noise_of_repeats(average_repeats(data)).source
+    'repeats'
     """
     scatter = averaged.scatter
     dof = 2.0 * float(np.sum(scatter.dof))
@@ -225,6 +235,15 @@ def thinned(measurement: Measurement) -> Measurement:
     ----------
     measurement : Measurement
         The data; they are handed back as they are where they are few.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import thinned
+    >>> omega = np.geomspace(0.1, 10.0, 4000)
+    >>> len(thinned(Measurement(omega, omega**0.5 + 1j)))
+    1500
     """
     if len(measurement) <= MOST_POINTS:
         return measurement

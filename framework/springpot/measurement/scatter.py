@@ -72,6 +72,14 @@ class Noise:
         Where they come from.
     doubt : str
         One sentence where the given ones disagree with the data's own scatter.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Noise
+    >>> noise = Noise(np.array([0.1 + 0.2j]), np.inf, "given")
+    >>> noise.weights, noise.log_likelihood(4.0, 2)
+    (array([10.+5.j]), -2.0)
     """
 
     sd: Complex
@@ -299,6 +307,13 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
         Of the whitened scatter that neither the model nor structure follows; one if all is well.
     dof : float
         Its degrees of freedom.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Noise, checked_noise
+    >>> checked_noise(Noise(np.array([0.1 + 0.1j]), np.inf, "given"), 9.0, 40.0).doubt.split(":")[0]
+    'the given standard deviations look too small'
     """
     if dof < FEWEST_TO_DOUBT:
         return noise
@@ -328,6 +343,13 @@ def plausible_variance(dof: float) -> tuple[float, float]:
     ----------
     dof : float
         Degrees of freedom of the scatter.
+
+    Examples
+    --------
+    >>> from springpot.measurement import plausible_variance
+    >>> low, high = plausible_variance(40.0)
+    >>> round(low, 2), round(high, 2)
+    (0.35, 2.11)
     """
     low, high = chi2_quantile([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
     return float(low), float(high)
@@ -342,6 +364,15 @@ def at_least_rounding(sd: Complex, measurement: Measurement) -> Complex:
         Of K' (real part) and K'' (imaginary part).
     measurement : Measurement
         The values as they were written.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import at_least_rounding
+    >>> written = Measurement([1.0, 2.0], [1.25 + 0.5j, 1.5 + 0.75j])
+    >>> at_least_rounding(np.zeros(2, dtype=complex), written).round(4)
+    array([0.0029+0.0029j, 0.0029+0.0029j])
     """
     # A number that is rounded lies anywhere within its step: the standard deviation of that is step / sqrt(12).
     least = [rounding_step(part) / np.sqrt(12.0) for part in (measurement.storage, measurement.loss)]

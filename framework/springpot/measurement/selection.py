@@ -29,6 +29,12 @@ def conditions(text: str, where: str) -> dict[str, str]:
     ------
     DataError
         If a part of it is none.
+
+    Examples
+    --------
+    >>> from springpot.measurement import conditions
+    >>> conditions("temperature=20,frequency=1..10", "FILE@temperature=20,frequency=1..10")
+    {'temperature': '20', 'frequency': '1..10'}
     """
     wanted = {}
     # A comma that no further condition follows belongs to a value, which may be anybody's words.
@@ -56,6 +62,13 @@ def select(measurement: Measurement, wanted: Mapping[str, str]) -> Measurement:
     ------
     DataError
         If there is no such column or value, with those that there are.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import select
+    >>> select(springpot.read("artificial-hidden"), {"frequency": "1..10"})
+    <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
     """
     rows = rows_with(measurement, wanted)
     if not rows.any():
@@ -81,5 +94,12 @@ def without(measurement: Measurement, unwanted: Mapping[str, str]) -> Measuremen
     ------
     DataError
         If there is no such column or value, or nothing would be left.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import without
+    >>> len(without(springpot.read("artificial-hidden"), {"frequency": "1..10"}))
+    23
     """
     return measurement.subset(rows_without(measurement, unwanted))

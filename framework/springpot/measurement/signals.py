@@ -150,6 +150,16 @@ def harmonics_of(
     ------
     DataError
         If there is no oscillation (at `omega`, where it is given), not one full cycle, or too few samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import harmonics_of
+    >>> t = np.linspace(0.0, 5.0, 2000)
+    >>> moved = 0.5 * np.cos(6.0 * t)
+    >>> test = harmonics_of(t, moved, 3.0 * moved + 0.1 * moved**3)
+    >>> round(test.omega, 6), round(test.stiffness.real, 6), round(float(test.relative[1].real), 5)
+    (6.0, 3.01875, 0.00207)
     """
     clock, moved, pulled = (np.asarray(channel, dtype=float) for channel in (time, displacement, force))
     record = in_order(clock, moved, pulled, name)
@@ -388,6 +398,15 @@ def measurement_from_signals(
     Measurement
         With standard deviations, amplitude, harmonics, and the tests' names as the label ``file``; rows are in the
         order of frequency, those of one frequency (to three digits) of amplitude.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import Signals, measurement_from_signals
+    >>> t = np.linspace(0.0, 5.0, 2000)
+    >>> tests = [Signals(t, np.cos(w * t), 2.0 * np.cos(w * t + 0.3), name=f"test {w}") for w in (12.0, 6.0)]
+    >>> measurement_from_signals(tests).omega.round(6)
+    array([ 6., 12.])
     """
     rows, names, units, origin = [], [], [], dict(provenance or {})
     for test in tests:

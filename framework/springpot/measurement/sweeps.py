@@ -29,6 +29,14 @@ class Sweep(NamedTuple):
         Row numbers, in the order of `x`.
     x : ndarray, shape (m,)
         ln omega, or where only a condition varies ln amplitude or the temperature.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import sweeps_of
+    >>> sweep = sweeps_of(springpot.read("artificial-hidden"))[0]
+    >>> len(sweep.rows), sweep.x[:2].round(3)
+    (40, array([1.145, 1.281]))
     """
 
     rows: NDArray[np.int64]
@@ -36,12 +44,29 @@ class Sweep(NamedTuple):
 
 
 def distinct_log_omega(measurement: Measurement) -> Real:
-    """Ln omega of the distinct frequencies, ascending."""
+    """Ln omega of the distinct frequencies, ascending.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import distinct_log_omega
+    >>> np.exp(distinct_log_omega(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))).round(6)
+    array([1., 2.])
+    """
     return np.asarray(np.unique(np.round(np.log(measurement.omega), DIGITS)), dtype=np.float64)
 
 
 def temperatures_differ(measurement: Measurement) -> bool:
-    """Whether there is more than the drift about one set temperature."""
+    """Whether there is more than the drift about one set temperature.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import temperatures_differ
+    >>> temperatures_differ(Measurement([1.0, 2.0], [1j, 2j], conditions={"temperature": [20.0, 20.3]}))
+    False
+    """
     column = measurement.conditions.get("temperature")
     return column is not None and float(np.ptp(column)) >= DRIFT
 

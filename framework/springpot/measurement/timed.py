@@ -89,7 +89,16 @@ class Timed(HasParameters):
 
 
 def grown(model: Model | Timed, effect: Effect | TimeEffect) -> Model | Timed:
-    """A model with one more effect of either kind."""
+    """A model with one more effect of either kind.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import grown
+    >>> drift = springpot.plugins().find("time effect", "force-drift")
+    >>> grown(springpot.parse_model("kelvin"), drift).name
+    'kelvin + force-drift'
+    """
     if isinstance(effect, Effect):
         return model + effect
     # A model of the material alone becomes one of tests in time with its first such effect.
@@ -99,7 +108,16 @@ def grown(model: Model | Timed, effect: Effect | TimeEffect) -> Model | Timed:
 
 
 def material_of(model: Model | Timed) -> Model:
-    """The model of the specimen and its rig, without what the test did."""
+    """The model of the specimen and its rig, without what the test did.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.measurement import grown, material_of
+    >>> drift = springpot.plugins().find("time effect", "force-drift")
+    >>> material_of(grown(springpot.parse_model("kelvin"), drift)).name
+    'kelvin'
+    """
     if isinstance(model, Timed):
         return model.material
     return model

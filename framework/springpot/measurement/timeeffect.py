@@ -47,6 +47,15 @@ class Record:
         The way that was gone until each sample, in cycles: four times the largest value each.
     control : {"displacement", "force"}
         Which of the two that was.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import TimeTest
+    >>> from springpot.measurement import Record
+    >>> test = TimeTest.of_relaxation([0.5, 1.0], [3.0, 2.0])
+    >>> Record.of(test, test.time).imposed
+    array([1., 1.])
     """
 
     time: Real

@@ -211,6 +211,16 @@ def relative_scatter(sweep: Measurement) -> float:
     """Relative noise of a sweep at frequencies without standard deviations, from the scatter of neighbours.
 
     Sparse sweeps bend between their points, so that this is at most how large the noise is.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import relative_scatter
+    >>> omega, scatter = np.geomspace(0.1, 10.0, 200), np.random.default_rng(1).normal(size=(2, 200))
+    >>> sweep = Measurement(omega, (1j * omega) ** 0.5 * np.exp(0.01 * (scatter[0] + 1j * scatter[1])))
+    >>> round(relative_scatter(sweep), 3)
+    0.01
     """
     scatters = []
     for _, rows in sweep.sweeps():

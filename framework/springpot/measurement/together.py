@@ -59,7 +59,15 @@ class Rows(Hashable, Protocol):
 
 
 def frequency_numbers(data: Rows) -> NDArray[np.int64]:
-    """Number of the distinct frequency of each row, ascending; shape (n,)."""
+    """Number of the distinct frequency of each row, ascending; shape (n,).
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import frequency_numbers
+    >>> frequency_numbers(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))
+    array([1, 0, 1])
+    """
     # In logarithms, as instruments print so many digits of each frequency, whatever its size.
     _, number = np.unique(np.round(np.log(data.omega), DIGITS), return_inverse=True)
     return np.asarray(number.ravel(), dtype=np.int64)
@@ -109,6 +117,14 @@ def largest_test(measurement: Measurement, column: str) -> str:
         The data.
     column : str
         One of its conditions or labels.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement import largest_test
+    >>> data = Measurement([1.0, 2.0, 1.0], [1j, 2j, 3j], conditions={"current": [0.0, 0.0, 0.5]})
+    >>> largest_test(data, "current")
+    'current=0'
     """
     words = {**measurement.conditions, **measurement.labels}[column]
     values, count = np.unique(words, return_counts=True)

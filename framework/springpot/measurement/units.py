@@ -196,6 +196,12 @@ def known_unit(text: str, table: dict[str, float], what: str) -> str:
     ------
     DataError
         If the unit is unknown, with the nearest known ones.
+
+    Examples
+    --------
+    >>> from springpot.measurement import known_unit
+    >>> known_unit("kilonewton", {"N": 1.0, "kN": 1e3}, "a force")
+    'kN'
     """
     unit = normal_unit(text)
     if unit in table:
@@ -438,7 +444,14 @@ def _with_time(unit: str, time: float | str) -> str:
 
 
 def temperature_in_celsius(value: T, unit: str) -> T:
-    """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits."""
+    """Convert temperatures in ``degC``, ``K`` or ``degF`` to degrees Celsius; those in Celsius stay the same bits.
+
+    Examples
+    --------
+    >>> from springpot.measurement import temperature_in_celsius
+    >>> temperature_in_celsius(212.0, "degF")
+    100.0
+    """
     if unit == "K":
         return value - KELVIN
     if unit == "degF":

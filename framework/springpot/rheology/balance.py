@@ -122,7 +122,16 @@ def _hardening_growth(value: Any, k: Any, doubled: Any) -> Any:
 
 
 def hardening_spring(k: str = "k", doubled: str = "Xh") -> Compliant:
-    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2): at the amplitude Xh it is twice as stiff."""
+    """A mount k x (1 + (4/3) (x / Xh)^2), K = k (1 + (X / Xh)^2): at the amplitude Xh it is twice as stiff.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, hardening_spring
+    >>> at = Points.at([1.0, 1.0], amplitude=[0.001, 0.5])
+    >>> hardening_spring().respond(np.array([3.0, 0.5]), at).value.real.round(3)
+    array([3., 6.])
+    """
     free = (stiffness(k), Parameter(doubled, "X_h", AMPLITUDE))
     return Compliant(free, _hardening, NEEDS_AMPLITUDE, "hardening spring", growth=_hardening_growth)
 
@@ -136,6 +145,13 @@ def slip_film(force: str = "F", exponent: str = "a") -> Compliant:
 
     F is the force at a speed of one amplitude unit per second. a = 1 is a film of Newtonian fluid; molten polymers
     slip with 1 / a of 2 to 6.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, slip_film
+    >>> slip_film().respond(np.array([3.0, 1.0]), Points.at([2.0], amplitude=0.1)).value.imag.round(3)
+    array([6.])
     """
     free = (Parameter(force, "F", FORCE), Parameter(exponent, "a", PURE, 0.1, 1.0, "linear", 0.4))
     return Compliant(free, power_law, NEEDS_AMPLITUDE, "slip film", growth=_slip_growth)

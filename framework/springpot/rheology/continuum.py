@@ -33,6 +33,14 @@ class Continuum(Node):
     rates : tuple of float
         The rates r_j in rad/s, ascending. Without any the node stands for a material that has not been fitted yet:
         the fit chooses them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Continuum, Points
+    >>> material = Continuum((1.0, 10.0))
+    >>> material.respond(np.array([1.0, 0.0, 2.0, 3.0]), Points.at([1e6])).value.real.round(6)
+    array([6.])
     """
 
     rates: tuple[float, ...] = ()

@@ -193,6 +193,15 @@ def draw(node: Node) -> str:
     -------
     str
         Lines without trailing blanks.
+
+    Examples
+    --------
+    >>> from springpot.rheology import dashpot, draw, parallel, spring
+    >>> print(draw(parallel(spring(), dashpot())))
+          k
+     ┌──╱╲╱╲╱──┐
+    ─┤   c     ├─
+     └──━[┣━───┘
     """
     block = _drawn(sketch(node))
     lines = [line.rstrip() for line in block.lines]
@@ -200,7 +209,16 @@ def draw(node: Node) -> str:
 
 
 def drawing_of(model: NamedNetwork) -> str:
-    """The text picture of a model: its own, or one drawn from its network."""
+    """The text picture of a model: its own, or one drawn from its network.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.rheology import drawing_of
+    >>> print(drawing_of(springpot.parse_model("fractional-maxwell")))
+        k      c, alpha
+    ──╱╲╱╲╱───────◇──────
+    """
     # Its own shows the bare material: with an effect it would be another network.
     if model.drawing and not model.effects:
         return model.drawing

@@ -90,6 +90,13 @@ class Effect:
     largest_of_modulus : float, optional
         Largest size, in the unit in which it is printed, that physics allows where a modulus was measured; of a
         stiffness the size of the specimen would decide.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Effect, Model, mass, parallel, spring
+    >>> inertia = Effect("inertia", parallel, mass(), "a mass that moves along")
+    >>> (Model("spring", spring()) + inertia).names
+    ('k', 'inertia.m')
     """
 
     name: str

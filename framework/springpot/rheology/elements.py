@@ -18,7 +18,15 @@ HALF_PI = 0.5j * np.pi
 
 
 def power_of_s(exponent: Real | float, log_omega: Real) -> Complex:
-    """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much."""
+    """(i omega)^exponent, from real exponentials: a complex power costs eighty times as much.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import power_of_s
+    >>> power_of_s(0.5, np.log([4.0])).round(6)
+    array([1.414214+1.414214j])
+    """
     modulus: Complex = np.exp(exponent * log_omega) * np.exp(HALF_PI * exponent)
     return modulus
 
@@ -158,20 +166,52 @@ class Springpot(Node):
 
 
 def spring(name: str = "k") -> FixedPower:
-    """A spring of stiffness `name`."""
+    """A spring of stiffness `name`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, spring
+    >>> spring().respond(np.array([3.0]), Points.at([1.0, 10.0])).value
+    array([3.+0.j, 3.+0.j])
+    """
     return FixedPower(stiffness(name), 0.0, "spring")
 
 
 def dashpot(name: str = "c") -> FixedPower:
-    """A dashpot of viscosity `name`."""
+    """A dashpot of viscosity `name`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, dashpot
+    >>> dashpot().respond(np.array([3.0]), Points.at([1.0, 10.0])).value.imag.round(6)
+    array([ 3., 30.])
+    """
     return FixedPower(viscosity(name), 1.0, "dashpot")
 
 
 def mass(name: str = "m") -> FixedPower:
-    """A moving mass (or inerter): K = -m omega^2."""
+    """A moving mass (or inerter): K = -m omega^2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, mass
+    >>> mass().respond(np.array([0.5]), Points.at([1.0, 10.0])).value.real.round(6)
+    array([ -0.5, -50. ])
+    """
     return FixedPower(Parameter(name, "m", INERTANCE), 2.0, "mass")
 
 
 def springpot(factor: str = "c", exponent: str = "alpha") -> Springpot:
-    """A springpot with constant `factor` and order `exponent`."""
+    """A springpot with constant `factor` and order `exponent`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, springpot
+    >>> np.abs(springpot().respond(np.array([3.0, 0.5]), Points.at([1.0, 100.0])).value).round(6)
+    array([ 3., 30.])
+    """
     return Springpot(quasi_property(factor, exponent), order(exponent))

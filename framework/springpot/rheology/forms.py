@@ -60,7 +60,16 @@ class SearchForm:
 
 
 def columns(*parts: Real | float) -> Real:
-    """Parameter vectors (..., p) from their p components, each (...) or a number; complex ones stay complex."""
+    """Parameter vectors (..., p) from their p components, each (...) or a number; complex ones stay complex.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import columns
+    >>> columns(np.array([1.0, 2.0]), 5.0)
+    array([[1., 5.],
+           [2., 5.]])
+    """
     if not any(isinstance(part, np.ndarray) and part.ndim for part in parts):
         return np.array(parts) * 1.0
     # Each component lies side by side, as the elements take them.
@@ -78,7 +87,16 @@ def components(x: Real) -> Real:
 
 
 def rows(*parts: Real) -> Real:
-    """Jacobian (..., p, q) from its p rows (..., q)."""
+    """Jacobian (..., p, q) from its p rows (..., q).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import rows
+    >>> rows(np.array([1.0, 0.0]), np.array([2.0, 3.0]))
+    array([[1., 0.],
+           [2., 3.]])
+    """
     return np.stack(np.broadcast_arrays(*parts), axis=-2)
 
 
@@ -184,6 +202,13 @@ def limits_form(parameters: tuple[Parameter, ...]) -> SearchForm:
     ----------
     parameters : tuple of Parameter
         The model's; all but the second are searched as they are.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import limits_form, stiffness
+    >>> limits_form((stiffness("k0"), stiffness("k1"))).to_elements(np.array([2.0, 5.0]))
+    array([2., 3.])
     """
     searched = (*_limits()[:2], *parameters[2:])
     maps = _Limits(len(parameters))

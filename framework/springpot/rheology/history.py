@@ -47,6 +47,13 @@ class InTime:
         In kelvin, one for all times or one for each sample of a history.
     tolerance : float
         Relative error of K for which the spectrum is read.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Model, dashpot, series, spring
+    >>> value, by_theta = Model("maxwell", series(spring(), dashpot())).in_time([2.0, 8.0]).relaxation([4.0])
+    >>> value.round(3), by_theta.round(3)
+    (array([0.736]), array([[0.   , 0.092]]))
     """
 
     model: NamedNetwork
@@ -279,6 +286,14 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
     ------
     ModelError
         If an effect has no meaning in time, or stands where its force cannot be told alone.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.rheology import sorted_out
+    >>> groups = sorted_out(springpot.parse_model("kelvin + friction + inertia + gain-error"))
+    >>> [[placed.effect.name for placed in group] for group in groups]
+    [['inertia'], ['friction'], ['gain-error']]
     """
     inside: list[Placed] = []
     beside: list[Placed] = []
@@ -305,7 +320,17 @@ def sorted_out(model: NamedNetwork) -> tuple[list[Placed], list[Placed], list[Pl
 
 
 def network_of(model: NamedNetwork, inside: list[Placed]) -> tuple[Node, list[int]]:
-    """The network of a model with some of its effects only, and where its parameters stand in the model's theta."""
+    """The network of a model with some of its effects only, and where its parameters stand in the model's theta.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.rheology import network_of, sorted_out
+    >>> model = springpot.parse_model("kelvin + friction + inertia")
+    >>> network, places = network_of(model, sorted_out(model)[0])
+    >>> [model.names[place] for place in places]
+    ['k', 'c', 'inertia.m']
+    """
     network, own = model.material, list(range(len(model.material.parameters)))
     for effect, prefix, places in inside:
         network = effect.composition(network, effect.element.with_prefix(prefix))

@@ -273,6 +273,14 @@ def smooth_hysteresis(k: str = "k", force: str = "F", n: str = "n", beta: str = 
     beta = 1 with n = 1 is Dahl's friction (1976, doi:10.2514/3.61511), beta = 1/2 unloads with the stiffness k; below
     1/2 the element could give back more energy than it took (Erlicher and Point 2004,
     doi:10.1016/j.crme.2003.10.009), which is fitted to data none the less.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, smooth_hysteresis
+    >>> at = Points.at([1.0, 1.0], amplitude=[0.001, 10.0])
+    >>> np.abs(smooth_hysteresis().respond(np.array([5.0, 1.0, 1.0, 0.5]), at).value).round(2)
+    array([4.99, 0.13])
     """
     free = (
         stiffness(k),

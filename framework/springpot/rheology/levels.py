@@ -46,6 +46,13 @@ def levels_of(column: str, values: Real) -> NDArray[np.int64]:
         Name of the condition.
     values : ndarray, shape (n,)
         Its values; temperatures in kelvin or degC.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import levels_of
+    >>> levels_of("temperature", np.array([20.1, 39.9, 20.0, 40.2]))
+    array([0, 1, 0, 1])
     """
     # In ascending order neighbours can be compared, and a level grow from its first value on.
     distinct, which = np.unique(values, return_inverse=True)
@@ -193,12 +200,28 @@ class Levels(Node):
 
 
 def free_factors(column: str = "temperature") -> Levels:
-    """Shift factors a of the frequency, one for each level of a column, for `shift`."""
+    """Shift factors a of the frequency, one for each level of a column, for `shift`.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Points, free_factors
+    >>> at = Points.at([1.0, 1.0, 1.0], temperature=[0.0, 20.0, 40.0])
+    >>> [parameter.name for parameter in free_factors().bound_to(at).parameters]
+    ['a_0', 'a_40']
+    """
     return Levels(column, "a", True)
 
 
 def free_vertical_factors(column: str = "temperature") -> Levels:
-    """Vertical factors b of the stiffness, one for each level of a column, for `chain`."""
+    """Vertical factors b of the stiffness, one for each level of a column, for `chain`.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Points, free_vertical_factors
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 40.0])
+    >>> [parameter.name for parameter in free_vertical_factors().bound_to(at).parameters]
+    ['b_40']
+    """
     return Levels(column, "b", False)
 
 

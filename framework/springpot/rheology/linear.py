@@ -25,7 +25,15 @@ def _maxwell(at: Points, k: Any, tau: Any) -> Any:
 
 
 def relaxation_mode(k: str = "k", tau: str = "tau") -> Formula:
-    """A Maxwell branch, K = k s tau / (1 + s tau)."""
+    """A Maxwell branch, K = k s tau / (1 + s tau).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, relaxation_mode
+    >>> relaxation_mode().respond(np.array([2.0, 0.5]), Points.at([2.0])).value
+    array([1.+1.j])
+    """
     return Formula((stiffness(k), relaxation_time(tau)), _maxwell, kind="maxwell")
 
 
@@ -35,7 +43,15 @@ def _kelvin(at: Points, k: Any, tau: Any) -> Any:
 
 
 def retardation_mode(k: str = "k", tau: str = "tau") -> Formula:
-    """A Kelvin unit, K = k (1 + s tau), to be put in series."""
+    """A Kelvin unit, K = k (1 + s tau), to be put in series.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, retardation_mode
+    >>> retardation_mode().respond(np.array([2.0, 0.5]), Points.at([2.0])).value.round(6)
+    array([2.+2.j])
+    """
     return Formula((stiffness(k), relaxation_time(tau)), _kelvin, kind="kelvin")
 
 
@@ -44,7 +60,15 @@ def _hysteretic(at: Points, h: Any) -> Any:
 
 
 def hysteretic(h: str = "h") -> Formula:
-    """Structural damping, K = i h: independent of frequency and of amplitude, and therefore not causal."""
+    """Structural damping, K = i h: independent of frequency and of amplitude, and therefore not causal.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, hysteretic
+    >>> hysteretic().respond(np.array([2.0]), Points.at([0.1, 10.0])).value
+    array([0.+2.j, 0.+2.j])
+    """
     return Formula((Parameter(h, "h", STIFFNESS),), _hysteretic, kind="hysteretic")
 
 
@@ -57,12 +81,28 @@ def _diffusion(at: Points, k: Any, tau: Any) -> Any:
 
 
 def diffusion(k: str = "k", tau: str = "tau") -> Formula:
-    """Fluid that seeps through the specimen, K = k (1 - tanh sqrt(s tau) / sqrt(s tau))."""
+    """Fluid that seeps through the specimen, K = k (1 - tanh sqrt(s tau) / sqrt(s tau)).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, diffusion
+    >>> np.abs(diffusion().respond(np.array([2.0, 1.0]), Points.at([1e-3, 1e6])).value).round(3)
+    array([1.000e-03, 1.999e+00])
+    """
     return Formula((stiffness(k), relaxation_time(tau)), _diffusion, kind="diffusion")
 
 
 def basset(c: str = "c") -> FixedPower:
-    """Oscillating boundary layer in a fluid (Basset), K = c s^(3/2)."""
+    """Oscillating boundary layer in a fluid (Basset), K = c s^(3/2).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, basset
+    >>> basset().respond(np.array([1.0]), Points.at([4.0])).value.round(3)
+    array([-5.657+5.657j])
+    """
     return FixedPower(Parameter(c, "c", Dimension(stiffness=1, time=1.5)), 1.5, "basset")
 
 
@@ -74,7 +114,15 @@ def _frame(at: Points, k: Any, omega_r: Any, zeta: Any) -> Any:
 
 
 def resonant_frame(k: str = "k") -> Formula:
-    """A frame with its own resonance, K = k (1 - r^2 + 2 i zeta r), r = omega / omega_r."""
+    """A frame with its own resonance, K = k (1 - r^2 + 2 i zeta r), r = omega / omega_r.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, resonant_frame
+    >>> resonant_frame().respond(np.array([100.0, 50.0, 0.02]), Points.at([5.0, 50.0])).value.round(3)
+    array([99.+0.4j,  0.+4.j ])
+    """
     return Formula((stiffness(k), resonance(), STRUCTURAL_DAMPING), _frame, kind="frame")
 
 

@@ -38,6 +38,13 @@ class Model(NamedNetwork):
         Effects that joined, in the order in which they were added.
     drawing : str
         The network as text, where it is not drawn from the network itself.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Model, dashpot, parallel, spring
+    >>> model = Model("kelvin", parallel(spring(), dashpot()))
+    >>> model.stiffness(model.theta(k=2.0, c=0.5), [4.0]).round(6)
+    array([2.+2.j])
     """
 
     def _repr_html_(self) -> str:
@@ -164,6 +171,12 @@ class Model(NamedNetwork):
         """Creep function: displacement over force after a step of the force; see `relaxation`.
 
         With a mass the displacement swings.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, dashpot, parallel, spring
+        >>> Model("kelvin", parallel(spring(), dashpot())).creep([2.0, 8.0], [0.0, 4.0]).round(6)
+        array([0.     , 0.31606])
         """
         return self.in_time(theta, temperature=temperature).creep(t).value
 
@@ -189,6 +202,12 @@ class Model(NamedNetwork):
         ------
         ModelError
             If the history is none, or an effect has no law in time.
+
+        Examples
+        --------
+        >>> from springpot.rheology import Model, spring
+        >>> Model("spring", spring()).respond([2.0], [0.0, 1.0, 2.0], [0.0, 0.5, 0.2])
+        array([0. , 1. , 0.4])
         """
         return self.in_time(theta, temperature=temperature).respond(t, displacement).value
 

@@ -234,7 +234,15 @@ def _combine(value: Complex, parts: Sequence[Response], factors: Sequence[Comple
 
 
 class Parallel(Composition):
-    """Stiffnesses add: all children feel the same displacement."""
+    """Stiffnesses add: all children feel the same displacement.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, parallel, spring
+    >>> parallel(spring("a"), spring("b")).respond(np.array([2.0, 3.0]), Points.at([1.0])).value.real
+    array([5.])
+    """
 
     flat = True
 
@@ -246,7 +254,15 @@ class Parallel(Composition):
 
 
 class Series(Composition):
-    """Compliances add: all children carry the same force."""
+    """Compliances add: all children carry the same force.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, series, spring
+    >>> series(spring("a"), spring("b")).respond(np.array([2.0, 3.0]), Points.at([1.0])).value.real
+    array([1.2])
+    """
 
     plane, order, flat = "compliance", 1, True
 
@@ -272,7 +288,15 @@ class Series(Composition):
 
 
 class Chain(Composition):
-    """Logarithms add: what the measurement chain does to the force signal."""
+    """Logarithms add: what the measurement chain does to the force signal.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, chain, gain, spring
+    >>> chain(spring(), gain()).respond(np.array([2.0, 0.1]), Points.at([1.0])).value.real
+    array([2.2])
+    """
 
     plane, order = "log-complex", 5
 
@@ -294,7 +318,16 @@ class Chain(Composition):
 
 
 class Shift(Composition):
-    """Frequencies are rescaled: the first child is read at omega times a_T, whose logarithm the second gives."""
+    """Frequencies are rescaled: the first child is read at omega times a_T, whose logarithm the second gives.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, arrhenius, dashpot, shift
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
+    >>> shift(dashpot(), arrhenius()).respond(np.array([1.0, 50.0]), at).value.imag.round(3)
+    array([1.   , 0.508])
+    """
 
     plane, order = "shift", 3
 
@@ -415,7 +448,15 @@ class Mapped(Node):
 
 @dataclass(frozen=True)
 class Scaled(Node):
-    """A node whose stiffness is multiplied by a known number: more or less of the same specimen."""
+    """A node whose stiffness is multiplied by a known number: more or less of the same specimen.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, Scaled, spring
+    >>> Scaled(spring(), 3.0).respond(np.array([2.0]), Points.at([1.0])).value.real
+    array([6.])
+    """
 
     node: Node
     factor: float

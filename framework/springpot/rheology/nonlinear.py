@@ -41,7 +41,15 @@ def _friction_third(at: Points, force: Any) -> Any:
 
 
 def coulomb_friction(force: str = "F") -> Formula:
-    """Dry friction, F sgn(velocity): K = i 4 F / (pi X)."""
+    """Dry friction, F sgn(velocity): K = i 4 F / (pi X).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, coulomb_friction
+    >>> coulomb_friction().respond(np.array([2.0]), Points.at([1.0, 10.0], amplitude=0.5)).value.round(3)
+    array([0.+5.093j, 0.+5.093j])
+    """
     return Formula(
         (Parameter(force, "F", FORCE),), _friction, NEEDS_AMPLITUDE, "friction", _friction_third, friction_law
     )
@@ -78,7 +86,15 @@ def _jenkins_third(at: Points, k: Any, force: Any) -> Any:
 
 
 def elasto_sliding(k: str = "k", force: str = "F") -> Formula:
-    """A spring in series with a friction slider (Jenkins): it sticks while k X < F."""
+    """A spring in series with a friction slider (Jenkins): it sticks while k X < F.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, elasto_sliding
+    >>> elasto_sliding().respond(np.array([4.0, 1.0]), Points.at([1.0, 1.0], amplitude=[0.2, 0.5])).value.round(3)
+    array([4.+0.j   , 2.+1.273j])
+    """
     free = (stiffness(k), Parameter(force, "F", FORCE))
     return Formula(free, _jenkins, NEEDS_AMPLITUDE, "jenkins", _jenkins_third, in_time=jenkins_law, step=jenkins_step)
 
@@ -103,7 +119,15 @@ def _power_law_third(at: Points, force: Any, exponent: Any) -> Any:
 
 
 def power_law_damper(force: str = "F", exponent: str = "a") -> Formula:
-    """F |v|^a sgn(v): F is the force at a speed of one amplitude unit per second, a = 2 an orifice."""
+    """F |v|^a sgn(v): F is the force at a speed of one amplitude unit per second, a = 2 an orifice.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, power_law_damper
+    >>> power_law_damper().respond(np.array([3.0, 1.0]), Points.at([2.0], amplitude=0.1)).value.round(6)
+    array([0.+6.j])
+    """
     free = (
         Parameter(force, "F", FORCE),
         Parameter(exponent, "a", PURE, 0.0, 3.0, "linear", 0.5),
@@ -121,7 +145,15 @@ def _cubic_spring_third(at: Points, k3: Any) -> Any:
 
 
 def cubic_spring(k3: str = "k3") -> Formula:
-    """Force k3 x^3, K = (3/4) k3 X^2; k3 < 0 softens."""
+    """Force k3 x^3, K = (3/4) k3 X^2; k3 < 0 softens.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, cubic_spring
+    >>> cubic_spring().respond(np.array([4.0]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real
+    array([ 3., 12.])
+    """
     free = (Parameter(k3, "k₃", CUBIC, -np.inf, scale="linear"),)
     return Formula(free, _cubic_spring, NEEDS_AMPLITUDE, "cubic spring", _cubic_spring_third, cubic_spring_law)
 
@@ -136,7 +168,15 @@ def _cubic_dashpot_third(at: Points, c3: Any) -> Any:
 
 
 def cubic_dashpot(c3: str = "c3") -> Formula:
-    """Force c3 v^3, K = i (3/4) c3 omega^3 X^2."""
+    """Force c3 v^3, K = i (3/4) c3 omega^3 X^2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, cubic_dashpot
+    >>> cubic_dashpot().respond(np.array([4.0]), Points.at([1.0, 2.0], amplitude=1.0)).value.imag.round(6)
+    array([ 3., 24.])
+    """
     free = (Parameter(c3, "c₃", CUBIC_RATE),)
     return Formula(free, _cubic_dashpot, NEEDS_AMPLITUDE, "cubic dashpot", _cubic_dashpot_third, cubic_dashpot_law)
 
@@ -165,7 +205,16 @@ def _dead_zone_third(at: Points, k: Any, b: Any) -> Any:
 
 
 def gapped_spring(k: str = "k", b: str = "b") -> Formula:
-    """A spring that touches only beyond a gap of b on either side; nothing happens while X < b."""
+    """A spring that touches only beyond a gap of b on either side; nothing happens while X < b.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, gapped_spring
+    >>> at = Points.at([1.0, 1.0], amplitude=[0.9, 10.0])
+    >>> gapped_spring().respond(np.array([4.0, 1.0]), at).value.real.round(3)
+    array([0.   , 3.492])
+    """
     free = (stiffness(k), Parameter(b, "b", AMPLITUDE))
     return Formula(free, _dead_zone, NEEDS_AMPLITUDE, "gapped spring", _dead_zone_third, dead_zone_law)
 
@@ -177,7 +226,15 @@ def _play(at: Points, b: Any) -> Any:
 
 
 def play(b: str = "b") -> Formula:
-    """Output over input of a joint with play b on either side whose position is held by friction."""
+    """Output over input of a joint with play b on either side whose position is held by friction.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, play
+    >>> play().respond(np.array([0.1]), Points.at([1.0, 1.0], amplitude=[0.2, 10.0])).value.round(3)
+    array([0.5  -0.318j, 0.998-0.013j])
+    """
     return Formula((Parameter(b, "b", AMPLITUDE, typical=0.3),), _play, NEEDS_AMPLITUDE, "play")
 
 
@@ -203,6 +260,14 @@ def payne_softening(k: str = "k") -> Formula:
     k is the stiffness lost at large amplitude and h k the peak of the loss, at the amplitude Xc. The stress of filled
     rubber stays a sinusoid to the eye while its moduli fall, down to 1e-5 Hz (doi:10.5254/rct.25.00018): its third
     harmonic has no formula but a bound, a share of dK / d ln X.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, payne_softening
+    >>> at = Points.at([1.0, 1.0, 1.0], amplitude=[0.001, 1.0, 1000.0])
+    >>> payne_softening().respond(np.array([2.0, 0.3, 1.0, 0.6]), at).value.round(2)
+    array([2.+0.02j, 1.+0.6j , 0.+0.02j])
     """
     free = (
         stiffness(k),
@@ -219,7 +284,15 @@ def _stretch(at: Points, q: Any) -> Any:
 
 
 def amplitude_gain(q: str = "q") -> Formula:
-    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens, the same at all frequencies."""
+    """The factor 1 + q X^2 by which a material softens (q < 0) or stiffens, the same at all frequencies.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, amplitude_gain
+    >>> amplitude_gain().respond(np.array([-0.1]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real
+    array([0.9, 0.6])
+    """
     free = (Parameter(q, "q", Dimension(amplitude=-2), -np.inf, scale="linear"),)
     return Formula(free, _stretch, NEEDS_AMPLITUDE, "amplitude gain")
 
@@ -235,7 +308,15 @@ def _no_third(at: Points, *_: Any) -> Any:
 
 
 def crosstalk_force(force: str = "F", angle: str = "phi") -> Formula:
-    """A disturbance of fixed force and phase at the test frequency, K = F exp(i phi) / X."""
+    """A disturbance of fixed force and phase at the test frequency, K = F exp(i phi) / X.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, crosstalk_force
+    >>> crosstalk_force().respond(np.array([0.1, 0.0]), Points.at([1.0, 1.0], amplitude=[0.1, 1.0])).value.real
+    array([1. , 0.1])
+    """
     free = (
         Parameter(force, "F", FORCE, typical=0.1),
         Parameter(angle, "φ", RADIAN, -np.pi, np.pi, "linear", 0.0),

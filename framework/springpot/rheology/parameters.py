@@ -36,6 +36,13 @@ class Dimension:
         Power of the unit of the measured amplitude.
     label : str
         A fixed unit such as ``"kJ/mol"`` or ``"K"``, for what has no such powers.
+
+    Examples
+    --------
+    >>> from springpot import Units
+    >>> from springpot.rheology import Dimension
+    >>> Units("kN/m", "mm").of(Dimension(stiffness=1, time=2)), Units("Pa").of(Dimension(stiffness=1, time=1))
+    ((1000.0, 'kg'), (1.0, 'Pa s'))
     """
 
     stiffness: int = 0
@@ -74,6 +81,12 @@ class Parameter:
         Size in the natural unit of the data; starts are drawn around it.
     detail : bool
         Whether it is one of many that are told as a whole, such as a line of a spectrum, and left out of lists.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Parameter
+    >>> Parameter("k", "k").renamed("mount.k").name
+    'mount.k'
     """
 
     name: str
@@ -132,25 +145,63 @@ class HasParameters(ABC):
 
 
 def order(name: str = "alpha", symbol: str = "α") -> Parameter:
-    """A fractional order, bounded to [0, 1]: beyond 1 it would pass inertia off as material."""
+    """A fractional order, bounded to [0, 1]: beyond 1 it would pass inertia off as material.
+
+    Examples
+    --------
+    >>> from springpot.rheology import order
+    >>> order().lower, order().upper
+    (0.0, 1.0)
+    """
     return Parameter(name, symbol, PURE, 0.0, 1.0, "linear", 0.5)
 
 
 def stiffness(name: str = "k", symbol: str = "k") -> Parameter:
-    """A positive spring stiffness or modulus."""
+    """A positive spring stiffness or modulus.
+
+    Examples
+    --------
+    >>> from springpot.rheology import stiffness
+    >>> stiffness("k1").scale
+    'log'
+    """
     return Parameter(name, symbol, STIFFNESS)
 
 
 def viscosity(name: str = "c", symbol: str = "c") -> Parameter:
-    """A positive dashpot constant."""
+    """A positive dashpot constant.
+
+    Examples
+    --------
+    >>> from springpot import Units
+    >>> from springpot.rheology import viscosity
+    >>> Units("kN/m", "mm").of(viscosity().unit)
+    (1.0, 'kN s/m')
+    """
     return Parameter(name, symbol, VISCOSITY)
 
 
 def quasi_property(name: str = "c", order_name: str = "alpha", symbol: str = "c") -> Parameter:
-    """A springpot's constant, in stiffness times second to the power of its order."""
+    """A springpot's constant, in stiffness times second to the power of its order.
+
+    Examples
+    --------
+    >>> from springpot import Units
+    >>> from springpot.rheology import quasi_property
+    >>> Units("kN/m", "mm").of(quasi_property().unit)
+    (1.0, 'kN s^alpha/m')
+    """
     return Parameter(name, symbol, Dimension(stiffness=1, time=order_name))
 
 
 def relaxation_time(name: str = "tau", symbol: str = "τ") -> Parameter:
-    """A positive relaxation or retardation time."""
+    """A positive relaxation or retardation time.
+
+    Examples
+    --------
+    >>> from springpot import Units
+    >>> from springpot.rheology import relaxation_time
+    >>> Units("Pa").of(relaxation_time().unit)
+    (1.0, 's')
+    """
     return Parameter(name, symbol, SECOND)

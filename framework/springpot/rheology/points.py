@@ -47,6 +47,12 @@ class Points:
     DataError
         If temperatures look like degC, frequencies were given for their logarithms, or a condition is not given for
         each point: see `at`, which takes these.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Points
+    >>> Points.at([1.0, 10.0], temperature=[20.0, 30.0], amplitude=0.5).need("amplitude")
+    array([0.5, 0.5])
     """
 
     log_omega: Real

@@ -90,6 +90,14 @@ def prony_of(
     ModelError
         If the tolerance needs more terms than `MOST` or no terms hold it, as those of a dashpot that may not stand
         beside them, or if the number of terms is not 1 to `MOST`.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Model, prony_of, springpot
+    >>> exact = Model("springpot", springpot()).spectrum([1.0, 0.5], (0.1, 10.0))
+    >>> series = prony_of(exact, tolerance=0.01)
+    >>> len(series.times), series.error < 0.01
+    (4, True)
     """
     if terms is not None and not 1 <= terms <= MOST:
         raise ModelError(f"a Prony series has 1 to {MOST} terms, not {terms}")

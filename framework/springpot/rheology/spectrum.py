@@ -89,6 +89,13 @@ class Spectrum:
         Largest |dK| / |K| on the band, measured against the network itself.
     by_theta : Slopes
         Exact derivatives by the model's parameters.
+
+    Examples
+    --------
+    >>> from springpot.rheology import Model, dashpot, series, spring
+    >>> modes = Model("maxwell", series(spring(), dashpot())).spectrum([2.0, 8.0])
+    >>> modes.stiffness([0.25])
+    array([1.+1.j])
     """
 
     equilibrium: float

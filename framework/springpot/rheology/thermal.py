@@ -44,7 +44,16 @@ def _arrhenius(at: Points, energy: Any) -> Any:
 
 
 def arrhenius(energy: str = "Ea") -> Formula:
-    """Ln a_T = (Ea / R) (1/T - 1/Tr)."""
+    """Ln a_T = (Ea / R) (1/T - 1/Tr).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, arrhenius
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
+    >>> np.exp(arrhenius().respond(np.array([50.0]), at).value.real).round(3)
+    array([1.   , 0.508])
+    """
     return Formula((activation_energy(energy),), _arrhenius, NEEDS_TEMPERATURE, "arrhenius")
 
 
@@ -60,7 +69,16 @@ def _wlf(at: Points, c1: Any, c2: Any) -> Any:
 
 
 def wlf(c1: str = "C1", c2: str = "C2") -> Formula:
-    """log10 a_T = -C1 (T - Tr) / (C2 + T - Tr) (Williams, Landel and Ferry)."""
+    """log10 a_T = -C1 (T - Tr) / (C2 + T - Tr) (Williams, Landel and Ferry).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, wlf
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
+    >>> np.exp(wlf().respond(np.array([8.86, 101.6]), at).value.real).round(3)
+    array([1.   , 0.161])
+    """
     free = (
         Parameter(c1, "C₁", PURE, 0.0, 200.0, typical=10.0),
         Parameter(c2, "C₂", Dimension(label="K"), 1.0, 2000.0, typical=100.0),
@@ -79,7 +97,16 @@ def _vogel(at: Points, b: Any, pole: Any) -> Any:
 
 
 def vogel(b: str = "B", pole: str = "T0") -> Formula:
-    """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann): WLF with B = ln(10) C1 C2, T0 = Tr - C2."""
+    """Ln a_T = B / (T - T0) - B / (Tr - T0) (Vogel, Fulcher and Tammann): WLF with B = ln(10) C1 C2, T0 = Tr - C2.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, vogel
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 30.0])
+    >>> np.exp(vogel().respond(np.array([np.log(10.0) * 8.86 * 101.6, 293.15 - 101.6]), at).value.real).round(3)
+    array([1.   , 0.161])
+    """
     kelvin = Dimension(label="K")
     free = (
         Parameter(b, "B", kelvin, 0.0, 1e5, typical=1000.0),
@@ -95,7 +122,15 @@ def _vertical(at: Points, n: Any) -> Any:
 
 
 def temperature_power(n: str = "n") -> Formula:
-    """b_T = (T / Tr)^n: n = 1 for entropic elasticity, negative where thermal expansion or softening wins."""
+    """b_T = (T / Tr)^n: n = 1 for entropic elasticity, negative where thermal expansion or softening wins.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, temperature_power
+    >>> temperature_power().respond(np.array([1.0]), Points.at([1.0], temperature=30.0)).value.real.round(4)
+    array([1.0341])
+    """
     free = (Parameter(n, "n", PURE, -20.0, 20.0, "linear", 1.0),)
     return Formula(free, _vertical, NEEDS_TEMPERATURE, "vertical shift")
 
@@ -106,7 +141,16 @@ def _entropic(at: Points, k: Any) -> Any:
 
 
 def entropic_spring(k: str = "k") -> Formula:
-    """K = k T / Tr: a rubber network, stiffer when hot."""
+    """K = k T / Tr: a rubber network, stiffer when hot.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, entropic_spring
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 60.0])
+    >>> entropic_spring().respond(np.array([100.0]), at).value.real.round(2)
+    array([100.  , 113.64])
+    """
     return Formula((stiffness(k),), _entropic, NEEDS_TEMPERATURE, "entropic spring")
 
 
@@ -119,7 +163,16 @@ def _thermal_dashpot(at: Points, c: Any, energy: Any) -> Any:
 
 
 def thermal_dashpot(c: str = "c", energy: str = "Ea") -> Formula:
-    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at temperature T."""
+    """A dashpot with an activation energy of its own, c exp((Ea / R) (1/T - 1/Tr)) at temperature T.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, thermal_dashpot
+    >>> at = Points.at([1.0, 1.0], temperature=[20.0, 40.0])
+    >>> thermal_dashpot().respond(np.array([1.0, 30.0]), at).value.imag.round(3)
+    array([1.   , 0.456])
+    """
     return Formula((viscosity(c), activation_energy(energy, 20.0)), _thermal_dashpot, NEEDS_TEMPERATURE, "dashpot")
 
 
@@ -131,7 +184,15 @@ def _steady_dashpot(at: Points, c: Any) -> Any:
 
 
 def steady_dashpot(c: str = "c") -> Formula:
-    """A dashpot of the rig, the same at every temperature; without temperatures it is a plain dashpot."""
+    """A dashpot of the rig, the same at every temperature; without temperatures it is a plain dashpot.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, steady_dashpot
+    >>> steady_dashpot().respond(np.array([1.0]), Points.at([1.0, 1.0], temperature=[20.0, 40.0])).value.imag
+    array([1., 1.])
+    """
     return Formula((viscosity(c),), _steady_dashpot, NEEDS_TEMPERATURE, "dashpot")
 
 
@@ -148,6 +209,13 @@ def heating(s: str = "s") -> Formula:
     """Shift in -ln omega for each unit of loss stiffness, s omega X^2 / 2; s is the shift per unit of power.
 
     The temperature that a specimen reaches in many cycles does not follow one of them, so that no harmonic arises.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, heating
+    >>> heating().respond(np.array([0.1]), Points.at([1.0, 1.0], amplitude=[1.0, 2.0])).value.real.round(3)
+    array([0.05, 0.2 ])
     """
     unit = Dimension(stiffness=-1, time=1, amplitude=-2)
     return Formula((Parameter(s, "s", unit, typical=0.1),), _heating, ("amplitude",), "heating", _no_third)

@@ -50,6 +50,14 @@ class Damper:
     ModelError
         If the model has an effect of the rig or of the signals, which belong to no damper. What is not linear and
         stands beside the material - friction, a slider, a stop - is taken as part of the damper.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Model, dashpot
+    >>> from springpot.structure import Damper
+    >>> Damper(Model("dashpot", dashpot()), np.array([500.0]), factor=2.0).stiffness(np.array([1j]))[0].round(6)
+    array([0.+1000.j])
     """
 
     model: Model
@@ -156,6 +164,13 @@ class Frame:
     ------
     ModelError
         If masses, stiffnesses or storeys do not fit each other.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import Frame
+    >>> (Frame([1000.0, 1000.0], [4e5, 4e5]).natural[0] / (2 * np.pi)).round(2)
+    array([1.97, 5.15])
     """
 
     mass: Real

@@ -57,6 +57,14 @@ def modes_of(frame: Frame) -> list[Mode]:
     References
     ----------
     Ruhe 1973, doi:10.1137/0710059; Lewandowski & Wielentejczyk 2020, doi:10.1007/s00419-019-01602-4.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import Frame, modes_of
+    >>> mode = modes_of(Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], damping=0.05))[0]
+    >>> round(mode.frequency, 3), round(mode.damping, 3)
+    (1.0, 0.05)
     """
     # The bare frame has n modes for certain: followed from there, none is missed and none comes twice.
     omega, shapes = frame.natural
@@ -146,6 +154,16 @@ def steady_of(frame: Frame, omega: Real, acceleration: float = 1.0) -> Steady:
     ------
     ModelError
         If a damper is not linear: then it depends on the amplitude, and no sinusoid stays one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Model, dashpot
+    >>> from springpot.structure import Damper, Frame, steady_of
+    >>> damper = Damper(Model("dashpot", dashpot()), np.array([500.0]))
+    >>> frame = Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], dampers=(damper,))
+    >>> steady_of(frame, np.array([2 * np.pi])).energy.round(2)
+    array([[1000.]])
     """
     for damper in frame.dampers:
         for effect, _ in damper.beside:
@@ -170,6 +188,14 @@ def steady_state(frame: Frame, omega: Real, acceleration: float = 1.0) -> Comple
     -------
     ndarray of complex, shape (w, n)
         In m.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import Frame, steady_state
+    >>> frame = Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], damping=0.05)
+    >>> np.abs(steady_state(frame, np.array([2 * np.pi]))).round(3)
+    array([[0.253]])
     """
     value, _ = frame.dynamic(1j * np.atleast_1d(np.asarray(omega, dtype=float)))
     # Seen from the ground each floor is pushed by its own inertia.

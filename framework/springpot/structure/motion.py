@@ -42,6 +42,12 @@ class Record:
         In m/s^2.
     name : str
         Shown in reports.
+
+    Examples
+    --------
+    >>> from springpot.structure import Record
+    >>> Record.of([0.0, 0.01, 0.02], [0.0, 1.0, 0.0]).finer(2).acceleration
+    array([0. , 0.5, 1. , 0.5, 0. ])
     """
 
     step: float
@@ -104,6 +110,14 @@ def artificial(rng: np.random.Generator, duration: float = 20.0, step: float = 0
     ----------
     Kanai 1957 and Tajimi 1960 for the filter (firm ground: 15.6 rad/s, damping 0.6); Saragoni & Hart 1974,
     doi:10.1002/eqe.4290020305, for the envelope.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import artificial
+    >>> record = artificial(np.random.default_rng(1), duration=10.0)
+    >>> len(record.time), round(float(np.abs(record.acceleration).max()), 6)
+    (1000, 3.0)
     """
     from scipy.signal import cont2discrete, lfilter
 
@@ -387,6 +401,15 @@ def simulate(frame: Frame, record: Record, rng: np.random.Generator, draws: int 
         Of the draws.
     draws : int
         How many.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.structure import Frame, artificial, simulate
+    >>> rng = np.random.default_rng(1)
+    >>> frame = Frame([1000.0], [1000.0 * (2 * np.pi) ** 2], damping=0.05)
+    >>> simulate(frame, artificial(rng, duration=5.0), rng).motion.displacement.shape
+    (500, 1)
     """
     # Where no damper is uncertain, each draw would be the same motion again.
     if all(damper.covariance is None for damper in frame.dampers):

@@ -14,7 +14,7 @@ from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
 from springpot.identification.alignment import aligned
-from springpot.identification.native import relative_objective
+from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, chain, levels_of, shift

@@ -19,7 +19,14 @@ def unit_of(column: str) -> str:
 
 
 def level_text(column: str, value: float) -> str:
-    """A level as people say it: what was set, not what a sensor printed."""
+    """A level as people say it: what was set, not what a sensor printed.
+
+    Examples
+    --------
+    >>> from springpot.superposition import level_text
+    >>> level_text("temperature", 24.98)
+    '25 degC'
+    """
     if column == "temperature":
         return f"{round(value, 1) + 0.0:g} degC"
     return f"{column} {value:.4g}"
@@ -32,6 +39,12 @@ def level_of(text: str, column: str = "temperature") -> float:
     ------
     OptionError
         If it is no number, or has a unit that the column does not have.
+
+    Examples
+    --------
+    >>> from springpot.superposition import level_of
+    >>> level_of("298.15K"), level_of("0.5", "humidity")
+    (25.0, 0.5)
     """
     parts = _LEVEL.fullmatch(text)
     if parts is None:

@@ -47,6 +47,16 @@ def predicted(
     ------
     ModelError
         If an effect of the model has no law in time, or not for a step that takes no time.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import springpot
+    >>> from springpot.timetests import predicted
+    >>> model = springpot.parse_model("maxwell")
+    >>> test = springpot.TimeTest.of_relaxation([1.0, 4.0], [1.0, 1.0], "kPa")
+    >>> predicted(model, model.theta(k=2.0, c=8.0), test).value.round(3)
+    array([1.558, 0.736])
     """
     if test.warmth is not None and "temperature" in model.needs:
         return warming(model, theta, test, reference, at, tolerance)

@@ -48,6 +48,18 @@ def recorded(
     ModelError
         As in `predicted`; also if something does not go by the clock of its material, such as a mass, or if an effect
         is to turn that clock while a moving temperature does.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import springpot
+    >>> from springpot.measurement import Timed
+    >>> from springpot.timetests import recorded
+    >>> drift = springpot.plugins().find("time effect", "force-drift")
+    >>> model = Timed(springpot.parse_model("maxwell"), (drift,))
+    >>> test = springpot.TimeTest.of_relaxation([1.0, 4.0], [1.0, 1.0], "kPa")
+    >>> recorded(model, np.array([2.0, 8.0, 0.1]), test).value.round(3)
+    array([1.658, 1.136])
     """
     if not isinstance(model, Timed):
         return predicted(model, theta, test, reference, at, tolerance)
