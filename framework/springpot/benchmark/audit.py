@@ -37,6 +37,7 @@ class Audit:
         return [self._checked(result) for result in results]
 
     def _checked(self, result: TrialResult) -> TrialResult:
+        # A failure claims nothing that could be checked.
         if result.status.failed:
             return result
         # What comes from a process that ran an optimiser may be of any kind: no error of it may end the study.

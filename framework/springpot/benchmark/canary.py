@@ -31,6 +31,7 @@ class Canary(Optimiser):
 
     def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
         """Evaluate a few points of the box."""
+        # By each door of the recorder: whichever of them was tampered with, one of these shows it.
         x = problem.lower + rng.random((3, problem.dimension)) * (problem.upper - problem.lower)
         problem(x[0])
         problem.batch(x[:2])

@@ -40,6 +40,7 @@ def register(names: dict[int, str], dimensions: Sequence[int]) -> None:
     """
     required("six", "cocopp")
     required("cocopp", "a COCO report")
+    # cocopp has no door for a further suite: its own table of suites is added to.
     settings: Any = import_module("cocopp.testbedsettings")
 
     class SpringpotTestbed(settings.GECCOBBOBTestbed):  # type: ignore[misc]
@@ -113,6 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("folder", type=Path, help="what springpot export --format coco wrote")
     parser.add_argument("-o", "--output", type=Path, help="where the report goes, by default FOLDER/report")
     given = parser.parse_args(arguments)
+    # Without a screen matplotlib would look for one.
     os.environ.setdefault("MPLBACKEND", "Agg")
     try:
         postprocess(given.folder, given.output or given.folder / "report")

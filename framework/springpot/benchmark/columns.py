@@ -100,6 +100,7 @@ def required(name: str, purpose: str) -> Any:
 
 def _trials(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
     cells = {cell.id: cell for cell in store.cells()}
+    # One cell at a time, as they are asked for.
     return ((cells[number], rows) for number, rows in store.trials() if number in cells)
 
 
@@ -135,6 +136,7 @@ def _points(cell: CellRow, row: TrialRow) -> Iterator[tuple[Any, ...]]:
     told, seen = row.recommendations(), row.oracle_trace()
     # Improvements alone would do, but whoever draws a mean of several trials needs them at common evaluations.
     grid = np.union1d(geometric_grid(row.evaluations), best[0])
+    # Before its first value a trial has none.
     grid = grid[grid >= best[0][0]]
     columns: list[list[Any]] = []
     for trace in (best, told, seen):

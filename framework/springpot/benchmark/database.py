@@ -31,10 +31,12 @@ def connect(path: Path, write: bool) -> sqlite3.Connection:
         If it cannot be opened.
     """
     db = sqlite3.connect(_address(path, write), uri=True, timeout=PATIENCE, isolation_level=None)
+    # A damaged name must not end the reading of all that is sound.
     db.text_factory = lenient
     try:
         if write:
             _log_ahead(db)
+            # With a write-ahead log a power cut loses the last trials at most, and damages nothing.
             db.execute("PRAGMA synchronous = NORMAL")
         else:
             db.execute("PRAGMA query_only = ON")
@@ -59,6 +61,7 @@ def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
     """
     if not path.is_file() or not path.stat().st_size:
         return
+    # Immutable, or SQLite would leave files beside a database that is not ours.
     db = sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
     try:
         require_tables(db, path, tables)
@@ -86,6 +89,7 @@ def require_tables(db: sqlite3.Connection, path: Path, tables: frozenset[str]) -
 def replace_store(fresh: Path, path: Path) -> None:
     """Put a closed database in the place of another, with whose log it has nothing to do."""
     for suffix in ("-wal", "-shm"):
+        # The old log would be folded into the new file.
         path.with_name(path.name + suffix).unlink(missing_ok=True)
     fresh.replace(path)
 

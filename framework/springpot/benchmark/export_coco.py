@@ -60,6 +60,7 @@ class Scale:
 
 def write_coco(store: Store, folder: Path) -> Export:
     """Write a study as COCO data; each problem is a function of the suite, each repetition an instance of it."""
+    # Once through all trials beforehand: what is best of a problem is known only when all have been seen.
     scales = _scales(store)
     files: list[Path] = []
     names: dict[int, str] = {}
@@ -73,6 +74,7 @@ def write_coco(store: Store, folder: Path) -> Export:
         files.append(write_text(timed, "".join(_text(row, scale, grid=True) for row in block.trials)))
         index = _index(block, scale, data.relative_to(where).as_posix())
         files.append(write_text(where / f"bbobexp_f{block.function}.info", index))
+        # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
         names[block.function] = block.name
         count += len(block.trials)
     files.append(write_text(folder / NAMES, "".join(f"{n} {name}\n" for n, name in sorted(names.items()))))
@@ -89,6 +91,7 @@ def _scales(store: Store) -> dict[int, Scale]:
         scale = scales.setdefault(problem.id, Scale(block.best, problem.reference, True))
         for row in block.trials:
             trace = row.oracle_trace()
+            # One trial without it, and the whole problem is told by its measured objective: a scale must be one.
             scale.noise_free &= trace is not None
             least = inf
             if trace is not None:

@@ -65,6 +65,7 @@ def _lines(block: Block) -> Iterator[str]:
 
 def _number(value: float) -> str:
     if not isfinite(value):
+        # What is no number is told as the worst: its readers have no other word for it.
         return "inf"
     return f"{value:.16e}"
 

@@ -122,6 +122,7 @@ def _folders(labels: list[str]) -> dict[str, str]:
     for label in dict.fromkeys(labels):
         # Labels that differ in a sign only may become the same name.
         name, n = slug(label), 1
+        # Two labels must not share a folder where upper and lower case are one.
         while name.lower() in taken:
             n += 1
             name = f"{slug(label)}-{n}"

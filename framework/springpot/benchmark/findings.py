@@ -64,8 +64,10 @@ class Findings:
                 hits = scores[cell.id].hits
             else:
                 goal = goal_of(cell.problem, best, scale.target)
+                # For the summary alone: no trace is unpacked of which the best shows already that it missed.
                 hits = np.array([_hit(trial, goal) for trial in trials])
             summaries[cell.id] = summarise_cell(cell, trials, hits, float(facts["accuracy"]))
+        # In the order of the study, which is not that in which the store has its trials.
         order = [cell.id for cell in store.cells() if cell.id in summaries]
         return cls(
             facts,
@@ -173,6 +175,7 @@ def write_tables(
         raise StudyError(f"unknown table format '{unknown[0]}': use {', '.join(FORMATS)}")
     path = store_path(study, out)
     with Store(path) as store:
+        # All of them before the first is written: a fault in one leaves no half of a set behind.
         tables = list(study_tables(store))
     files = []
     for stem, table in tables:

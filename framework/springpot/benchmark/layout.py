@@ -62,6 +62,7 @@ _TRACE = {"points": "trace", "recommended": "recommended", "seen": "seen"}
 @cache
 def expected() -> dict[str, list[str]]:
     """Names of the columns of each table."""
+    # From the statements themselves: a list of columns kept beside them would drift from it.
     with closing(sqlite3.connect(":memory:")) as db:
         create(db)
         return columns(db)

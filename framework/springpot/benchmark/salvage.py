@@ -55,6 +55,7 @@ def _until_damage(db: sqlite3.Connection, query: str, values: Iterable[object] =
 
 def _save_singly(damaged: sqlite3.Connection, fresh: sqlite3.Connection) -> None:
     """Ask for each trial that lies between two damages by its key."""
+    # Between two damages no order leads to a row, but its own key may.
     cells = [row[0] for row in fresh.execute("SELECT id FROM cell")]
     (last,) = fresh.execute("SELECT MAX(repetition) FROM trial WHERE typeof(repetition) = 'integer'").fetchone()
     known = {table: set(fresh.execute(f"SELECT cell, repetition FROM {table}")) for table in ("trial", "trace")}

@@ -37,6 +37,7 @@ def load_script(path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise StudyError(f"{path} is no Python file: a study script ends in .py")
     module = module_from_spec(spec)
+    # Before it runs, as pickle looks for what it defines under this name.
     sys.modules[name] = module
     # As Python does for a script: files beside it can be imported.
     if str(path.parent) not in sys.path:

@@ -73,6 +73,7 @@ def pair_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     for ranking in (each for each in rankings_shown if each.scope == OVER_ALL):
         order = np.argsort(ranking.means, kind="stable")
         for place, i in enumerate(order):
+            # Each pair once, the better by rank first: the chance then mostly lies above one half.
             for j in order[place + 1 :]:
                 p = float(ranking.p[i, j])
                 verdict = "no"
@@ -97,6 +98,7 @@ def profile_table(name: str, races: Sequence[Race], scale: Scale) -> Table:
     rows: list[tuple[Entry, ...]] = []
     if races:
         shares = profiles(races, simplex, np.array(RATIOS))
+        # By the area under the data profile: who solves more, and sooner, stands higher.
         order = np.argsort(-shares.data.sum(axis=1), kind="stable")
         rows = [(shares.labels[i], *map(float, shares.data[i]), *map(float, shares.performance[i])) for i in order]
     note = (
@@ -110,6 +112,7 @@ def profile_table(name: str, races: Sequence[Race], scale: Scale) -> Table:
 
 def progress_table(name: str, scores: Sequence[CellScores], scale: Scale) -> Table:
     """Anytime curves as numbers: quartiles of the excess, and the share of targets reached, at each mark."""
+    # The marks are among the grid: nothing is interpolated.
     places = np.searchsorted(scale.grid, scale.marks)
     rows: list[tuple[Entry, ...]] = []
     for s in scores:
@@ -131,6 +134,7 @@ def progress_table(name: str, scores: Sequence[CellScores], scale: Scale) -> Tab
 
 
 def _or_none(value: float) -> float | None:
+    # Of fewer than three optimisers there is no such test.
     if np.isnan(value):
         return None
     return value

@@ -265,6 +265,7 @@ def _label(optimiser: Optimiser) -> str:
 
 
 def _unique(word: str, names: list[str], study: str) -> None:
+    # Trials are known by names: two of one name would be taken for repetitions.
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise StudyError(f"study {study}: {word} '{twice[0]}' occurs twice: give one of them another name")
@@ -272,6 +273,7 @@ def _unique(word: str, names: list[str], study: str) -> None:
 
 def _case(source: Source, expression: str, objective: Objective, target: float | None) -> Case:
     model = parse_model(expression)
+    # Here already: a model that does not fit its data is told before the first trial.
     problem = Problem.of(model, source.measurement, objective, source.stiffness_scale)
     reference = _reference(problem)
     known = None
@@ -306,6 +308,7 @@ def _optimum(problem: Problem, reference: float, known: float | None, target: fl
     It is where the native solver, which knows no box, finds nothing better outside, or where several descents
     within the box end at the same value.
     """
+    # The native solver is told nothing of the box: it says what there is at best.
     unbounded = fit(problem.model, problem.measurement, problem.objective)
     least = np.inf
     with np.errstate(all="ignore"):

@@ -62,6 +62,7 @@ class CellSummary:
 
 def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accuracy: float) -> CellSummary:
     """Summary of one cell whose trials reached the target at the evaluations `hits`, infinite where they did not."""
+    # Medians of what came to something; what failed is in the rates and running times, where it counts in full.
     sound = [trial for trial in trials if not trial.status.failed]
     spent = np.array([trial.evaluations for trial in trials], dtype=float)
     problem = cell.problem
@@ -134,6 +135,7 @@ def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
 
 
 def _each(summary: CellSummary) -> float | None:
+    # A clock that shows nothing gives no rate.
     if not summary.seconds or not summary.evaluations:
         return None
     return 1e6 * summary.seconds / summary.evaluations
@@ -171,6 +173,7 @@ def store_path(study: Study | str | Path, out: Path = Path("results")) -> Path:
         return store_path(load_study(path), out)
     if path.suffix == ".sqlite":
         return path
+    # Whoever gives a folder means that one, wherever it is; any other word is the name of a study.
     folder = out / path
     if path.is_dir():
         folder = path

@@ -54,6 +54,7 @@ def number(value: float) -> str:
         return "–"
     if isinf(value):
         return str(value).replace("inf", "∞")
+    # Zero is neither large nor small: it has no power of ten.
     if value and not SMALLEST_PLAIN <= abs(value) < LARGEST_PLAIN:
         return f"{value:.3e}"
     if abs(value) >= WHOLE_FROM:
@@ -99,6 +100,7 @@ def to_csv(table: Table) -> str:
     """The table for programs: numbers in full, an interval as three columns, nothing as an empty field."""
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
+    # A column has the same fields in all rows, whichever of them hold an interval.
     wide = [any(isinstance(row[i], Interval) for row in table.rows) for i in range(len(table.columns))]
     heads: list[str] = []
     for column, is_wide in zip(table.columns, wide, strict=True):
@@ -180,6 +182,7 @@ def to_html(table: Table) -> str:
     """The table as a page of its own."""
     marks = {True: ' class="n"', False: ""}
     kinds = [marks[numeric] for numeric in _numeric(table)]
+    # Names of data sets and optimisers are anybody's words: none may be read as a tag.
     title, note = html.escape(table.title), html.escape(table.note)
     head = "".join(f"<th{k}>{html.escape(c)}</th>" for c, k in zip(table.columns, kinds, strict=True))
     rows = [

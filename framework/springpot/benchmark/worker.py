@@ -137,6 +137,7 @@ def _result(shop: Workshop, task: Task) -> tuple[list[TrialResult], bool]:
     except BaseException as error:
         # Nothing interrupts a worker from outside: whatever this is, the optimiser raised it.
         return failure(task, Status.ERROR, f"{type(error).__name__}: {error}"), True
+    # What it leaves running would take time from the trials that follow.
     left = end_children()
     if left:
         noun = "process"

@@ -59,6 +59,7 @@ def _bounds(model: Model) -> dict[str, list[float | None]]:
     """Bounds that are narrower than those of physics."""
     if not model.constrained:
         return {}
+    # Only what a user narrowed is kept: bounds of physics belong to the model, and may be mended there.
     wide = {p.name: (p.lower, p.upper) for p in model.released().parameters}
     narrow = [p for p in model.parameters if (p.lower, p.upper) != wide[p.name]]
     return {p.name: _finite(np.array([p.lower, p.upper])) for p in narrow}
@@ -126,7 +127,9 @@ def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float
     if is_material(model):
         model = replace(model, material=Continuum(tuple(kept["rates"])))
     bounds = {name: _ends(pair) for name, pair in kept["bounds"].items()}
+    # As when it was fitted: first what is held, then the levels of the data.
     model = model.holding(kept["held"], bounds).bound_to(data.points)
+    # Strictly: of a model that has changed since the numbers may mean something else, and it is refused.
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
     return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
 

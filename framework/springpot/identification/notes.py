@@ -140,6 +140,7 @@ def _correlated(known: Uncertainty) -> list[str]:
 def _too_narrow(known: Uncertainty) -> Iterator[str]:
     fit = known.fit
     if known.absolute and fit.dof > 0:
+        # Where standard deviations are given each weighted residual should be one: more is misfit.
         ratio = float(np.sqrt(fit.cost / fit.dof))
         if ratio > LOOSE:
             yield (

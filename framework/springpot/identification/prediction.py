@@ -257,6 +257,7 @@ def _without_rounding(values: Complex, still: NDArray[np.bool_], tiny: float) ->
 
 def _at(known: Uncertainty, log_omega: Real, conditions: Mapping[str, Real]) -> tuple[Complex, Complex]:
     fit = known.fit
+    # At the reference of the fit: constants of shifts mean something there only.
     points = points_at(log_omega, conditions, fit.measurement.reference_temperature)
     with np.errstate(all="ignore"):
         value = fit.model.stiffness(fit.theta, points)
@@ -276,6 +277,7 @@ def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
 
 
 def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Iterator[str]:
+    # A band knows the uncertainty of the parameters only, and nothing of a model that fails out there.
     low, high = float(data.frequency.min()), float(data.frequency.max())
     asked = rate / (2.0 * np.pi)
     if np.any(asked < low / BEYOND) or np.any(asked > high * BEYOND):

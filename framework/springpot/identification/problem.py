@@ -68,6 +68,7 @@ class Searched(ABC):
     def gradient(self, x: Real) -> tuple[Real, Real]:
         """Objective (...) and its exact gradient (..., d)."""
         residual, jacobian = self.residuals_and_jacobian(x)
+        # From residuals and Jacobian, which are exact: no optimiser needs differences.
         slope: Real = 2.0 * np.matmul(residual[..., None, :], jacobian)[..., 0, :]
         return np.sum(residual * residual, axis=-1), slope
 

@@ -201,6 +201,7 @@ class RecorderGroup:
 
     def __init__(self, recorders: Sequence[Recorder]) -> None:
         self._recorders = tuple(recorders)
+        # Also for recorders that somebody else made, which have no ledgers to be stacked.
         self._batch: Callable[[Real, Real | None], Real] = self._one_by_one
 
     @classmethod

@@ -147,6 +147,7 @@ class Identification(Estimate):
     @property
     def residuals(self) -> Complex:
         """Measured minus fitted complex stiffness, shape (n,), in the unit of the data."""
+        # Measured less fitted, as a missing effect would add to the model.
         return self.measurement.stiffness - self.model.stiffness(self.theta, self.measurement.points)
 
     @property
@@ -237,6 +238,7 @@ class Identification(Estimate):
     def _repr_html_(self) -> str:
         rows = []
         for name, row in self.parameters.items():
+            # A parameter that was held has no interval: it is told apart from one that is known exactly.
             unit = row.unit
             if row.fixed:
                 unit = f"{unit} (fixed)"

@@ -65,6 +65,7 @@ class Conversion:
 
 def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
     """From force over displacement to stress over strain; see `springpot.measurement.as_modulus`."""
+    # Torque over angle and force over displacement take other geometries: the pair is checked before any number.
     units, table, reach = measured.units, *_kinds(geometry)
     if units.stiffness not in table:
         raise _misfit(measured, geometry, table)

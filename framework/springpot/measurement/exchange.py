@@ -58,6 +58,7 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
         return {}
     # Of what is left neither is near the end of what a number can be.
     omega, stiffness = omega / omega.max(), stiffness / np.abs(stiffness).max()
+    # By an absolute bound first: sound data, which nearly all are, need no second fit.
     as_named = material_misfit(omega, stiffness)
     if as_named < FAR:
         return {}
@@ -106,6 +107,7 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     modes = 1j * omega[:, None] / (1j * omega[:, None] + rates)
     # Beside the spectrum a spring and a dashpot, its limits at infinitely low and high rates.
     basis = np.column_stack([np.ones_like(omega), 1j * omega / omega.max(), modes])
+    # Relative at each point: a sweep over decades would else be judged at its stiff end alone.
     weighted = basis / np.abs(stiffness)[:, None]
     target = stiffness / np.abs(stiffness)
     _, misfit = nnls(np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag]))

@@ -71,6 +71,7 @@ def parse_geometry(text: str) -> Geometry:
     given: dict[str, float] = {}
     for key, value in _ITEM.findall(rest):
         key = key.replace("-", "_")
+        # Catalogues give diameters, formulas take radii.
         size = key.replace("diameter", "radius")
         if size not in wanted:
             raise OptionError(f"geometry {name}: there is no '{key:.40}'; it has {', '.join(wanted)}")
@@ -100,6 +101,7 @@ def _read(name: str, size: str, value: str) -> float:
     table = dict(_TABLES.get(size, LENGTH_UNITS))
     if match is None:
         raise OptionError(f"geometry {name}: {size} is no number with a unit: '{value:.30}'")
+    # No unit is guessed: 10 for a gap may be mm or m, and the modulus a thousand times off.
     if not match[2] and "-" not in table:
         raise OptionError(f"geometry {name}: {size}={match[1]} has no unit; write {size}={match[1]}{list(table)[1]}")
     try:

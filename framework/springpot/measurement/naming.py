@@ -119,6 +119,7 @@ def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
     if not numbers:
         return None
     try:
+        # Some of them are enough to see a series; a folder may hold a million files.
         names = {entry.name for entry in islice(path.parent.iterdir(), LISTED)} - {path.name}
     except OSError:
         return None

@@ -65,6 +65,7 @@ def guarded(reader: Recognising, path: Path, action: Callable[[], T]) -> T:
     except (SpringpotError, MemoryError):
         raise
     except Exception as error:
+        # Of a plugin's own fault the first line says what; a traceback helps its author only.
         first = (str(error).splitlines() or [""])[0]
         raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
 

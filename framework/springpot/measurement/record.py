@@ -83,6 +83,7 @@ class Record:
                 forget(self.time, self.displacement, self.force)
             rows = slice(low, min(low + BLOCK, last))
             both = np.column_stack([self.displacement[rows], self.force[rows]])
+            # Both channels or none: a sample that lacks one tells no stiffness.
             good = np.isfinite(both).all(axis=1)
             yield np.asarray(self.time[rows])[good], both[good]
 
@@ -114,11 +115,13 @@ def in_order(time: Real, displacement: Real, force: Real, name: str = "signals")
     notes = []
     lengths = {len(time), len(displacement), len(force)}
     if len(lengths) > 1:
+        # Loggers stop their channels one after the other: what all have is one test.
         common = min(lengths)
         notes.append(f"time, displacement and force differ in length: cut to {common} samples")
         time, displacement, force = time[:common], displacement[:common], force[:common]
     if len(time) and not _rises(time):
         keep = np.flatnonzero(np.isfinite(time))
+        # Stable, so that samples of one time stay in the order of the file.
         keep = keep[np.argsort(time[keep], kind="stable")]
         notes.append("time runs backwards or has gaps: samples were put in order")
         time, displacement, force = time[keep], displacement[keep], force[keep]

@@ -143,6 +143,7 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     column = measured.labels[key]
     known = [str(word) for word in np.unique(column)]
     low = value.lower()
+    # Case first as it is typed: two specimens may be called A and a.
     exact = [word for word in known if word == value] or [word for word in known if word.lower() == low]
     begins = [word for word in known if re.match(re.escape(low) + r"(?!\w)", word.lower())]
     within = [word for word in known if low in word.lower()]
@@ -157,6 +158,7 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
 
 
 def _listed(values: list[str]) -> str:
+    # A message is one line: a column of a thousand values must not fill the screen.
     if len(values) > SHOWN:
         values = [*values[: SHOWN - 2], "...", values[-1]]
     return ", ".join(values)

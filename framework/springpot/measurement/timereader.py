@@ -63,6 +63,7 @@ def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeT
 
 def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[TimeTest, ...]:
     best, sure = surest(readers, read_head(path))
+    # No error: whatever is no test in time may be a sweep, and is opened as one.
     if best is None or sure < SURE:
         return ()
     return guarded(best, path, lambda: tuple(best.read(path, choice)))

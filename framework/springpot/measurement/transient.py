@@ -31,6 +31,7 @@ def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
     """
     from scipy.special import chdtri, fdtri
 
+    # Two sieves, the cheap one first: most records have no transient, and are spared the second fit.
     trial, gain, noise = _strongest(record, basis)
     if np.any(gain > chdtri(1, CHANCE) * noise):
         fit = fit_harmonics(record, trial)
@@ -70,6 +71,7 @@ def _strongest(record: Record, basis: Basis) -> tuple[Basis, Real, Real]:
     period = 2 * np.pi / basis.omega
     # In a short part even less: what lasts through it cannot be told from level and drift.
     longest = min(LONGEST * period, (basis.stop - basis.start) / 4)
+    # By equal ratios: nobody knows beforehand how fast it dies.
     trials = np.exp(np.arange(np.log(period / 16), np.log(longest), np.log(STEP)))
     size = basis.size
     total = size + len(trials)

@@ -126,6 +126,7 @@ def branches(network: Node, theta: Real, conditions: Points, *, compliance: bool
     kind: type[Composition] = Parallel
     if compliance:
         kind = Series
+    # Branch by branch: each may be a line, a mass or spread, and is then treated for what it is.
     parts = _split(network, theta, np.eye(len(theta)), kind)
     return [Branch(node, own, chain, conditions, compliance) for node, own, chain in parts]
 

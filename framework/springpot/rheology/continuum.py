@@ -49,6 +49,7 @@ class Continuum(Node):
     @cached_property
     def _parameters(self) -> tuple[Parameter, ...]:
         unit = EQUILIBRIUM.unit
+        # Details: of forty weights none means anything by itself.
         lines = [Parameter(f"g{j}", f"g_{j}", unit, detail=True) for j in range(1, len(self.rates) + 1)]
         return (EQUILIBRIUM, VISCOSITY, *lines)
 

@@ -105,6 +105,7 @@ def rows(*parts: Real) -> Real:
 
 def _time_to_elements(x: Real) -> Real:
     k, tau, alpha = components(x)
+    # The springpot is as stiff as the spring at omega = 1 / tau: (c / k) = tau^alpha.
     return columns(k, k * tau**alpha, alpha)
 
 

@@ -56,6 +56,7 @@ class Handoff:
         """What it is, in lines of plain text: model, parameters, band, error, unit, long-term and instantaneous."""
         prony = self.prony
         low, high = (omega / (2.0 * np.pi) for omega in prony.band)
+        # A solver has no units: what the numbers are in must be read from the file's first lines.
         unit = self.unit or "unit of the parameters"
         values = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
         dashpot = ""

@@ -111,6 +111,7 @@ class NamedNetwork(HasParameters):
         ModelError
             If a name is unknown or missing.
         """
+        # No Python name has a dot, and no parameter two underscores.
         given = {name.replace("__", "."): value for name, value in values.items()}
         return self.vector(given)
 
@@ -187,6 +188,7 @@ class NamedNetwork(HasParameters):
 
         Thousands of settings of one more effect are then evaluated without as many evaluations of the model itself.
         """
+        # The material's come first in theta: effects join behind it.
         own = len(self.material.parameters)
         effects = []
         for effect, prefix in self.named_effects():
@@ -263,6 +265,7 @@ class NamedNetwork(HasParameters):
 
     def jacobian(self, theta: Real, at: Points | Real | float) -> Complex:
         """Exact derivative dK/dtheta, shape (..., n, p)."""
+        # Networks answer parameter by parameter; users expect a row for each point.
         response = self.network.respond(np.asarray(theta, dtype=float), _points(at), GRADIENT)
         return np.swapaxes(response.by_theta, -1, -2)
 

@@ -153,6 +153,7 @@ def order(name: str = "alpha", symbol: str = "α") -> Parameter:
     >>> order().lower, order().upper
     (0.0, 1.0)
     """
+    # Not by its logarithm: zero is an order like any other, that of a spring.
     return Parameter(name, symbol, PURE, 0.0, 1.0, "linear", 0.5)
 
 

@@ -96,6 +96,7 @@ class Points:
         >>> Points.at([1.0, 10.0], temperature=25.0).temperature
         array([298.15, 298.15])
         """
+        # One frequency is a list of one: answers then have the same axes throughout.
         rate = np.atleast_1d(np.asarray(omega, dtype=float))
         kelvin: Real | None = None
         reach: Real | None = None
@@ -153,4 +154,5 @@ class Points:
 
 def _column(values: ArrayLike, omega: Real) -> Real:
     """One value, or one for each point, as a column."""
+    # A copy: a broadcast view may not be written to, and would show what its owner changes.
     return np.broadcast_to(np.asarray(values, dtype=float), omega.shape).copy()

@@ -135,6 +135,7 @@ class TimeCandidate:
 
 def best_of(candidates: Sequence[TimeCandidate]) -> TimeCandidate | None:
     """The effect that should be added, if any: the first, where the evidence for it is beyond doubt."""
+    # By evidence alone: the first of several candidates always fits best, which is no proof.
     if not candidates or candidates[0].delta_bic <= PLAINLY:
         return None
     return candidates[0]
@@ -199,6 +200,7 @@ class TimeDiagnosis:
     def says(self) -> str:
         """One sentence."""
         size = f"the error is {self.error.over_floor:.2g} x the noise"
+        # Where it fails is the best advice there is, as long as nobody knows what is missing.
         place = ""
         if self.where:
             place = f"; {self.where[0].says}"

@@ -104,6 +104,7 @@ def compare(
         try:
             fits.append(identify(tests, model))
         except SpringpotError as error:
+            # One model that cannot be followed must not keep the others from being compared.
             left_out[model.name] = str(error)
     if not fits:
         raise DataError(next(iter(left_out.values()), "there is no model to compare"))

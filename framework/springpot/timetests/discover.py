@@ -147,9 +147,11 @@ def discover(
     known = {effect.name: effect for effect in effects}
     told(f"judging {model.name}")
     diagnosis = diagnose(tests, model, effects)
+    # The fit that the diagnosis made: a rung costs no second one.
     steps = [TimeStep(diagnosis.base, None)]
     # Also where the verdict is unexplained: an effect that helps beyond doubt may be one of several.
     while diagnosis.missing and len(steps) <= MOST:
+        # The first of a class stands for it: the others would fit as well, and are told beside it.
         first, *others = diagnosis.missing
         model = grown(model, known[first])
         told(f"judging {model.name}")

@@ -180,6 +180,7 @@ class TimeIdentification:
     @cached_property
     def interval(self) -> tuple[Real, Real]:
         """Ends (p,) of the 95 % intervals: by factors for what is searched by its logarithm."""
+        # The covariance is that of search coordinates: it is carried to what is printed.
         reach = self.quantile * spread_of(self.slopes, self.covariance)
         log = self.coordinates.log
         with np.errstate(all="ignore"):

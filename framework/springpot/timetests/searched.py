@@ -52,6 +52,7 @@ class InTimeProblem(Searched):
 
     def _one(self, x: Real) -> tuple[Real, Real]:
         theta = self.space.theta(x)
+        # Counted here, where every evaluation passes, so that none goes past the recorder.
         self.tally.points += 1
         try:
             residuals = [part.residual(self.model, theta, self.reference) for part in self.parts]
