@@ -77,7 +77,8 @@ def write_coco(store: Store, folder: Path) -> Export:
         # cocopp shows numbers only: the names are kept beside them, for whoever reads its report.
         names[block.function] = block.name
         count += len(block.trials)
-    files.append(write_text(folder / NAMES, "".join(f"{n} {name}\n" for n, name in sorted(names.items()))))
+    lines = [f"{number} {name}\n" for number, name in sorted(names.items())]
+    files.append(write_text(folder / NAMES, "".join(lines)))
     return Export(folder, tuple(files), count, left_out(store), f"python -m springpot.benchmark.coco_suite {folder}")
 
 

@@ -82,7 +82,8 @@ def _pair(one: _Curve, other: _Curve, moves: bool, lifts: bool) -> tuple[float, 
     log_b = np.sum(weight * error[0], axis=-1) / (np.sum(weight, axis=-1) + LIFT**-2.0) * lifts
     error[0] -= log_b[:, None]
     # Heavy tails: one end of a sweep may be the instrument's.
-    surprise = np.sum(2.0 * np.log1p(error**2 / sd**2) + 2.0 * np.log(sd), axis=(0, -1)) + (log_b / LIFT) ** 2
+    tails = 2.0 * np.log1p(error**2 / sd**2) + 2.0 * np.log(sd)
+    surprise = np.sum(tails, axis=(0, -1)) + (log_b / LIFT) ** 2
     best = int(np.argmin(surprise))
     return float(grid[best]) + STEP * _vertex(surprise, best), float(log_b[best])
 

@@ -140,7 +140,9 @@ class _Layout:
     def sizes(self, log_omega: float, stiffness: Real, amplitude: float) -> Real:
         """Natural sizes (B, p) of the parameters of data with these |K| (B,)."""
         ends = np.array([-log_omega, np.log(amplitude)])
-        sizes: Real = np.exp(np.log(stiffness)[:, None] * self.powers[0] + ends @ self.powers[1:]) * self.base
+        # A product of powers of |K|, time and amplitude, by its logarithm.
+        logs = np.log(stiffness)[:, None] * self.powers[0] + ends @ self.powers[1:]
+        sizes: Real = np.exp(logs) * self.base
         return sizes
 
 

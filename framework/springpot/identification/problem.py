@@ -148,7 +148,8 @@ class Problem(Searched):
         if theta.size // d * n <= BLOCK:
             return self._value(theta)
         rows, step = theta.reshape(-1, d), max(1, BLOCK // n)
-        return np.concatenate([self._value(rows[i : i + step]) for i in range(0, len(rows), step)]).reshape(lead)
+        blocks = [self._value(rows[i : i + step]) for i in range(0, len(rows), step)]
+        return np.concatenate(blocks).reshape(lead)
 
     def _value(self, theta: Real) -> Real:
         return self.objective.value(self._stiffness(theta), self.measurement, self.weights)

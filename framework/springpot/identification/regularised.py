@@ -181,7 +181,8 @@ class _System:
         target = weighted(data - response.value, weights) + lines @ slopes[:count]
         columns = np.concatenate([slopes[:2], step * slopes[count:]]).T
         size = np.abs(material.respond(lines, Points(log_rates)).value)
-        variance = max(fit.cost / max(fit.dof, 1), float(np.mean(weighted(EXACT * data, weights) ** 2)))
+        rounding = weighted(EXACT * data, weights)
+        variance = max(fit.cost / max(fit.dof, 1), float(np.mean(rounding**2)))
         # Reduced once to as many rows as columns, because every halving and every draw solves it again.
         basis, columns = np.linalg.qr(columns)
         inside = basis.T @ target

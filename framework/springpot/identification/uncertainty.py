@@ -139,7 +139,8 @@ class Uncertainty:
         # Of the Jacobian itself: its square would lose half of the digits that tell what is determined.
         _, values, directions = np.linalg.svd(inner / size, full_matrices=False)
         known = values > RANK * values.max(initial=0.0)
-        spread = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)[:, None] * directions / size
+        inverse = np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)
+        spread = inverse[:, None] * directions / size
         covariance = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
             covariance[np.ix_(free, free)] = self.scale**2 * (spread.T @ spread)

@@ -50,7 +50,8 @@ def exchange_note(measurement: Measurement) -> dict[str, str]:
     if len(measurement) > MOST_ROWS:
         return {}
     sweep = max(sweeps_of(measurement), key=lambda each: len(each.rows))
-    rows = sweep.rows[np.unique(np.linspace(0, len(sweep.rows) - 1, MOST_POINTS).round().astype(int))]
+    picks = np.linspace(0, len(sweep.rows) - 1, MOST_POINTS).round().astype(int)
+    rows = sweep.rows[np.unique(picks)]
     omega, stiffness = measurement.omega[rows], measurement.stiffness[rows]
     if len(np.unique(omega)) < FEWEST_POINTS or omega.max() < LEAST_RANGE * omega.min():
         return {}

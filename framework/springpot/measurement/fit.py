@@ -128,7 +128,9 @@ def refined_frequency(record: Record, basis: Basis, rounds: int = 10) -> tuple[B
         solution = _solve(normal, right, square, count)[:, 0]
         # A longer step would leave the peak: beyond one over the length another one begins.
         coefficients, step = solution[:-1], float(np.clip(solution[-1], -width, width))
-        left = max(float(square[0, 0] - solution @ right[:, 0]), 0.0) / max(count - len(solution), 1)
+        # What is left of the squares, without a second pass through the record.
+        squares = max(float(square[0, 0] - solution @ right[:, 0]), 0.0)
+        left = squares / max(count - len(solution), 1)
         variance = left * float(np.linalg.pinv(normal)[-1, -1])
         basis = replace(basis, omega=basis.omega + step)
         # Well within its own standard deviation no step is worth another round.

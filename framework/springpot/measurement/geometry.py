@@ -249,8 +249,10 @@ class TorsionBar(Geometry):
         ratio /= b
         # Saint-Venant's series: even terms vanish, as the section is symmetric.
         odd = range(1, _TERMS, 2)
-        constant = ratio / 3.0 - 64.0 / pi**5 * sum(tanh(n * pi * ratio / 2.0) / n**5 for n in odd)
-        steep = 1.0 - 8.0 / pi**2 * sum(1.0 / (n**2 * _cosh(n * pi * ratio / 2.0)) for n in odd)
+        bent = sum(tanh(n * pi * ratio / 2.0) / n**5 for n in odd)
+        flattened = sum(1.0 / (n**2 * _cosh(n * pi * ratio / 2.0)) for n in odd)
+        constant = ratio / 3.0 - 64.0 / pi**5 * bent
+        steep = 1.0 - 8.0 / pi**2 * flattened
         return constant * b**4, steep * b
 
     @property

@@ -119,7 +119,8 @@ def _explained(time: Real, values: Real, omega: Real) -> Real:
     # Within a small part of a period cosine and sine look like level and drift, and explain nothing more.
     spare = cc * ss - cs**2
     apart = spare > 1e-12 * cc * ss
-    explained: Real = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0) / np.where(apart, spare, 1.0)
+    gain = np.where(apart, ss * cr**2 - 2.0 * cs * cr * sr + cc * sr**2, 0.0)
+    explained: Real = gain / np.where(apart, spare, 1.0)
     return explained
 
 

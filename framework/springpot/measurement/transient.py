@@ -55,7 +55,9 @@ def unsteady_cycles(fit: Fit) -> int:
     if n < 3 or not np.isfinite(each).all():
         return 0
     centre = settled.mean()
-    variance = max(float(np.sum(np.abs(settled - centre) ** 2)) / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
+    scatter = float(np.sum(np.abs(settled - centre) ** 2))
+    # Computed signals scatter by rounding only, which must not make every cycle an exception.
+    variance = max(scatter / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
     limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - UNLIKE)
     unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
     # Only an unbroken beginning is a transient; what comes later is scatter.

@@ -98,7 +98,8 @@ class BalancedSeries(Composition):
             both = body + own_value
             # In logarithms of the amplitude, which then cannot become negative on the way.
             off = log_own + np.log(np.abs(both)) - log_whole
-            step = np.clip(-off / (1.0 + np.real(element.log_slope(theta, own_value) / both)), -LONGEST, LONGEST)
+            slope = 1.0 + np.real(element.log_slope(theta, own_value) / both)
+            step = np.clip(-off / slope, -LONGEST, LONGEST)
             log_own = log_own + step
             if np.max(np.abs(step), initial=0.0) < CONVERGED:
                 break

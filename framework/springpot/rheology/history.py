@@ -133,7 +133,10 @@ class InTime:
         with self._blaming():
             # A step this small leaves the answer itself untouched: only its imaginary part tells of it.
             respond = _answer(self.on_its_clock(), control)
-            columns = [respond(t + 1j * STEP * move, imposed, slopes=False).value.imag / STEP for move in moves.T]
+            columns = []
+            for move in moves.T:
+                moved = respond(t + 1j * STEP * move, imposed, slopes=False)
+                columns.append(moved.value.imag / STEP)
         return np.column_stack(columns)
 
     def step_rate(self, t: Real, control: str) -> Real:

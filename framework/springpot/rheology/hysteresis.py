@@ -65,7 +65,8 @@ def flat_rule() -> Rule:
     # Near 1 from the distance to 1, or its digits would be lost.
     near_one = np.log1p(-betainc(FLATNESS, FLATNESS, 1.0 - t))
     log_node = np.where(t < 0.5, np.log(betainc(FLATNESS, FLATNESS, t)), near_one)
-    slope = 0.5 * np.exp((FLATNESS - 1) * np.log(t * (1.0 - t)) - betaln(FLATNESS, FLATNESS))
+    log_slope = (FLATNESS - 1) * np.log(t * (1.0 - t)) - betaln(FLATNESS, FLATNESS)
+    slope = 0.5 * np.exp(log_slope)
     to_series = (legendre.legvander(at, NODES - 1) * weight[:, None]).T * (np.arange(NODES)[:, None] + 0.5)
     integrated = np.stack([legendre.legval(at, legendre.legint(one, lbnd=-1)) for one in np.eye(NODES)], axis=1)
     up_to = integrated @ to_series * slope
@@ -183,7 +184,9 @@ def first_and_slopes(reach: Any, n: Any, turn: Any) -> Any:
     # Of the integrands and the part done by hand: by ln Z, by n and by the turn.
     slip = cycle.unloading**2 / tip * power
     lower = np.exp((n - 1.0) * log_z)
-    bend = tip * ((n - 1.0) * lower * lost - n * np.expm1((n - 1.0) * log_z) * power) / lost**2
+    # The quotient rule for (1 - z^(n-1)) / (1 - z^n), by ln z.
+    above, below = (n - 1.0) * lower * lost, n * np.expm1((n - 1.0) * log_z) * power
+    bend = tip * (above - below) / lost**2
     unloading = (cycle.unloading - n * turn * slip, -turn * log_z * slip, -slip)
     regular = (cycle.regular + bend, tip * log_z * lower * np.expm1(log_z) / lost**2, 0.0 * slip)
     by_hand = (-power / lost, -(cycle.log_part + log_z * power / lost) / n, 0.0 * slip)

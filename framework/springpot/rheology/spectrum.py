@@ -450,7 +450,8 @@ class Sum:
         inverse = np.linalg.inv((s / s[-1]) ** powers) / s[-1] ** powers[:, None]
         unknowns = inverse @ (value.real - kernel @ modes.weights)
         # What rounding leaves of a spring or dashpot that is not there is none.
-        there = layered | (unknowns > ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers)
+        least = ROUNDING * np.abs(value.real[: len(powers)]) / s[-1, 0] ** powers
+        there = layered | (unknowns > least)
         ends, end_slopes = np.zeros(3), np.zeros((3, len(self.mass_slopes)))
         ends[: len(powers)] = np.where(there, unknowns, 0.0)
         end_slopes[: len(powers)] = np.where(there[:, None], inverse @ (by_theta.real.T - slopes), 0.0)

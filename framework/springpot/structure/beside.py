@@ -61,7 +61,11 @@ class Beside:
     def _pointwise(self, way: float, speed: float) -> float:
         """Force in the damper's own units, of all laws that remember nothing."""
         now, here, fast = np.zeros(1), np.array([way]), np.array([speed])
-        return sum(float(element.in_time(now, here, fast, *theta)[0][0]) for element, theta in self.laws)
+        force = 0.0
+        for element, theta in self.laws:
+            value, _ = element.in_time(now, here, fast, *theta)
+            force += float(value[0])
+        return force
 
     def _slid(self, way: float) -> list[float]:
         """Forces of the sliders after a way within the step."""

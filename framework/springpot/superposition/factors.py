@@ -204,7 +204,8 @@ class Rows:
         if np.any(same):
             product = np.mean((residual[1:] * residual[:-1])[same])
         # A negative correlation would narrow the intervals, on no more than a guess.
-        r = float(np.clip(product / max(float(np.mean(residual**2)), 1e-300), 0.0, MOST_ALIKE))
+        variance = max(float(np.mean(residual**2)), 1e-300)
+        r = float(np.clip(product / variance, 0.0, MOST_ALIKE))
         return (1.0 + r) / (1.0 - r)
 
 

@@ -241,7 +241,9 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
     bounds = (np.maximum(theta - reach, task.low), np.minimum(theta + reach, task.high))
     given = task.log_factor(theta)
     away = given[used] - target
-    worst = float(factors.levels[used[int(np.argmax(np.abs(away) / np.sqrt(np.diag(covariance))))]])
+    # By what is known of each factor: far off where nothing is known is no departure.
+    surprise = np.abs(away) / np.sqrt(np.diag(covariance))
+    worst = float(factors.levels[used[int(np.argmax(surprise))]])
     off = float(np.sqrt(np.mean(away**2)))
     return LawFit(law, theta, *bounds, given, off, chance, evidence, verdict, worst)
 

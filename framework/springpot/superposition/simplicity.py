@@ -355,7 +355,8 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     # Half forward and half back: the one then runs ahead of the other by all of it, and the common factor is left
     # alone.
     apart = 0.5 * (1j * slope.imag - slope.real)
-    columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(int(rows.number.max()) + 1)])
+    count = int(rows.number.max()) + 1
+    columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(count)])
     size, chance, share = _one_step(rows, alone, columns)
     values, failures = rows.elements[0].shown, []
     for i in np.flatnonzero(chance < ALARM).tolist():

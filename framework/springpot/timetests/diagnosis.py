@@ -7,7 +7,7 @@ record, every effect is judged by how far the error falls for its parameters, an
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,9 +17,9 @@ from springpot.measurement import Timed, TimeTest, grown, material_of, noise_of
 from springpot.registry import library_in_time, parse_timed
 from springpot.rheology import Effect, Model, Real
 
-from .answer import TimeCandidate, TimeDiagnosis, TimeError
+from .answer import TimeDiagnosis
 from .identify import identify
-from .judging import ALIKE, HINT, PLAINLY, Left, delta_bic, independent
+from .judging import Left, delta_bic, independent
 from .native import Search
 from .parts import InTimePart, Part, Test, parts_of_specimen
 from .promise import AnyEffect, Promise
@@ -27,7 +27,7 @@ from .quick import QuickPart, UnfollowedError, quick_parts
 from .result import TimeIdentification
 from .scatter import Scatter
 from .score import Scan
-from .where import Place, places, worst_first
+from .verdict import Tried, answer_of
 
 LEADING = 14
 """Effects that are fitted, nearly: the others fell behind by a linear step already."""
@@ -47,37 +47,6 @@ COSTLY = 0.05
 """Share of the best promise from which an effect that makes the specimen swing is worth its long fit."""
 NOTHING = 1e-6
 """Share of the sum of squares that two searches for the same minimum may differ by: they stop at less."""
-TWINS = 0.995
-"""Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
-they would need a hundred times the evidence that finds them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """An effect, what is left with it, and how much likelier it makes the tests.
-
-    Attributes
-    ----------
-    effect : Effect or TimeEffect
-        The effect.
-    model : Model or Timed
-        The model with it.
-    theta : ndarray, shape (p,)
-        Its parameters.
-    left : Left
-        What is left of the tests.
-    delta : float
-        By how much the Bayesian information criterion falls.
-    fit : TimeIdentification or None
-        The exact fit, where there is one.
-    """
-
-    effect: AnyEffect
-    model: Model | Timed
-    theta: Real
-    left: Left
-    delta: float
-    fit: TimeIdentification | None = None
 
 
 def diagnose(
@@ -198,7 +167,7 @@ def _judged(
     best = min((each.left for each in tried), key=_plain_bic, default=before)
     noise = _noise(before, best)
     judged = [replace(each, delta=_delta(before, each, noise, base)) for each in tried]
-    return _answer(parts, base, before, sorted(judged, key=lambda each: -each.delta), noise, promises)
+    return answer_of(parts, base, before, sorted(judged, key=lambda each: -each.delta), noise, promises)
 
 
 def _no_worse(each: Tried, before: Left) -> Tried:
@@ -335,7 +304,8 @@ def _delta(before: Left, each: Tried, noise: Sequence[Scatter], base: TimeIdenti
 def _plain_bic(left: Left) -> float:
     """Of a fit by itself: the size of its noise is read from what it leaves."""
     points = sum(len(value) for value in left.residuals)
-    return float(points * np.log(max(_power(left), 1e-300) / points) + left.count * np.log(points))
+    variance = max(_power(left), 1e-300) / points
+    return float(points * np.log(variance) + left.count * np.log(points))
 
 
 def _power(left: Left) -> float:
@@ -351,150 +321,3 @@ def _noise(before: Left, best: Left) -> list[Scatter]:
         if np.sum(new**2) <= np.sum(old**2):
             noise[i] = best.scatters[i]
     return noise
-
-
-def _answer(
-    parts: Sequence[Part],
-    base: TimeIdentification,
-    before: Left,
-    tried: Sequence[Tried],
-    noise: Sequence[Scatter],
-    promises: dict[str, list[Promise]],
-) -> TimeDiagnosis:
-    verdict = _verdict(before, tried)
-    alike: list[str] = []
-    if _is_plain(tried):
-        alike = _class(tried, promises, noise)
-    candidates = []
-    for each, chance in zip(tried, _chances(tried), strict=True):
-        of_it = _open(each, alike)
-        # One of several that cannot be told apart is not known to be the missing one.
-        if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
-            of_it = "missing"
-        candidates.append(_candidate(each, chance, alike, noise, of_it))
-    error = TimeError.of(parts, before, noise)
-    where: tuple[Place, ...] = ()
-    # What noise leaves of an adequate model stands out somewhere too.
-    if verdict != "adequate":
-        where = _where(parts, before, noise)
-    # The next round of a discovery goes on from the best fit that there is.
-    best_fit = base
-    for each in tried:
-        if each.fit is not None and each.effect.name in alike[:1]:
-            best_fit = each.fit
-            break
-    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit)
-
-
-def _is_plain(tried: Sequence[Tried]) -> bool:
-    """Whether the evidence for the best effect is beyond doubt."""
-    return bool(tried) and tried[0].delta > PLAINLY
-
-
-def _verdict(before: Left, tried: Sequence[Tried]) -> str:
-    """What the tests say of the model, `tried` best first."""
-    if _is_plain(tried):
-        # An effect that helps and leaves more than noise is not all that is missing.
-        if tried[0].left.misfit:
-            return "unexplained"
-        return "effect-missing"
-    if before.misfit:
-        return "unexplained"
-    if tried and tried[0].delta > HINT:
-        return "inconclusive"
-    return "adequate"
-
-
-def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tuple[Place, ...]:
-    """Where the model fails in all tests in time, the worst first."""
-    located: list[Place] = []
-    for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
-        if isinstance(part, InTimePart):
-            located += places(part.test, residual / scatter.size)
-    return worst_first(located)
-
-
-def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
-    """The best effect and those that these tests cannot tell from it."""
-    best = tried[0]
-    # Two roads to a class: effects that fit as well, and such that add the same shape but were never fitted.
-    names = [each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)]
-    fitted = {each.effect.name for each in tried}
-    return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
-
-
-def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
-    """Whether an effect explains the tests as well as the best one: more parameters do not exclude it."""
-    worse = each.left.squares(noise) - best.left.squares(noise)
-    return min(worse, best.delta - each.delta) <= ALIKE
-
-
-def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
-    """Effects that add the same to a record as one does."""
-    # What the model's own parameters could take over is out of these directions: only what is seen is compared.
-    own = promises[name][0].direction
-    twins = []
-    for other, others in promises.items():
-        if other != name and abs(float(own @ others[0].direction)) > TWINS:
-            twins.append(other)
-    return twins
-
-
-def _classes(
-    promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
-) -> tuple[tuple[str, ...], ...]:
-    """Effects that are one to these tests: the class of the best, and the twins of the others that were fitted."""
-    classes = []
-    if len(alike) > 1:
-        classes.append(tuple(alike))
-    taken = set(alike)
-    for each in tried:
-        name = each.effect.name
-        if name in taken:
-            continue
-        # Each effect in one class alone: the first that claims it is the better one.
-        twins = [other for other in _twins(name, promises) if other not in taken]
-        if twins:
-            classes.append((name, *twins))
-            taken |= {name, *twins}
-    return tuple(classes)
-
-
-def _chances(tried: Sequence[Tried]) -> list[float]:
-    """Probability of each effect, against nothing missing too."""
-    if not tried:
-        return []
-    # Nought is the model as it is: nothing missing is a candidate too.
-    logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
-    # Less the largest, or evidence of some thousand would overflow.
-    weights = np.exp(logs - logs.max())
-    return [float(weight) for weight in weights[1:] / weights.sum()]
-
-
-def _open(each: Tried, alike: Sequence[str]) -> str:
-    """Of an effect that is not plainly missing: absent only where nothing speaks for it.
-
-    One that helps, and less than a rival, may be there beside the rival, or only resemble it: that is told when the
-    rival has been accepted.
-    """
-    if each.effect.name in alike or each.delta > HINT:
-        return "cannot-tell"
-    return "absent"
-
-
-def _candidate(
-    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], verdict: str
-) -> TimeCandidate:
-    name = each.effect.name
-    parameters = {}
-    if each.fit is not None:
-        # A parameter is called effect.own, and effect#2.own where the model has the effect already.
-        for own, value in each.fit.parameters.items():
-            if own.rpartition(".")[0].split("#")[0] == name:
-                parameters[own] = value
-    others: tuple[str, ...] = ()
-    if name in alike:
-        others = tuple(other for other in alike if other != name)
-    return TimeCandidate(
-        name, others, chance, each.delta, each.left.over(noise), parameters, verdict, each.effect.summary, each.effect
-    )

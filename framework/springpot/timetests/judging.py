@@ -82,8 +82,9 @@ FEW = 39
 def independent(residuals: Sequence[Real], noise: Sequence[Scatter]) -> float:
     """Number of samples, those counted once whose noise is alike (Bayley & Hammersley 1946, doi:10.2307/2983560)."""
     pairs = zip(residuals, noise, strict=True)
+    counts = [len(value) * (1.0 - scatter.memory) / (1.0 + scatter.memory) for value, scatter in pairs]
     # Two at least: the logarithm of their number is what a parameter costs.
-    return max(float(sum(len(value) * (1.0 - s.memory) / (1.0 + s.memory) for value, s in pairs)), 2.0)
+    return max(float(sum(counts)), 2.0)
 
 
 def delta_bic(base: Left, other: Left, noise: Sequence[Scatter], more: int) -> float:

@@ -148,7 +148,8 @@ class Search:
         """Sum of squares at a start that may lack the parameters of the last effects."""
         if len(theta) < len(self.model.parameters):
             return 0.0
-        return float(np.sum(self._guarded(self.parts, self.coordinates.u(theta, self.size), True)[0] ** 2))
+        value, _ = self._guarded(self.parts, self.coordinates.u(theta, self.size), True)
+        return float(np.sum(value**2))
 
     def natural(self) -> list[Real]:
         """Starts at the natural sizes, for each of a few orders."""

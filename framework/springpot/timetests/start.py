@@ -74,7 +74,8 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     # It gives up after so many rounds; the search then begins without this sweep.
     except RuntimeError:
         return None
-    omega = np.geomspace(1.0 / longest, 1.0 / shortest, max(4, int(FREQUENCIES * np.log10(longest / shortest))))
+    count = max(4, int(FREQUENCIES * np.log10(longest / shortest)))
+    omega = np.geomspace(1.0 / longest, 1.0 / shortest, count)
     stiffness = _sum_at(omega, times, amounts, test.control)
     # A compliance of nothing has no stiffness.
     good = np.isfinite(stiffness) & (np.abs(stiffness) > 0.0)

@@ -1,0 +1,199 @@
+"""What the effects that were tried on tests in time say together: verdict, classes, chances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.measurement import Timed
+from springpot.rheology import Model, Real
+
+from .answer import TimeCandidate, TimeDiagnosis, TimeError
+from .judging import ALIKE, HINT, PLAINLY, Left
+from .parts import InTimePart, Part
+from .promise import AnyEffect, Promise
+from .result import TimeIdentification
+from .scatter import Scatter
+from .where import Place, places, worst_first
+
+TWINS = 0.995
+"""Cosine between what two effects leave in a record from which they are one to it, whatever the fits say: told apart
+they would need a hundred times the evidence that finds them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """An effect, what is left with it, and how much likelier it makes the tests.
+
+    Attributes
+    ----------
+    effect : Effect or TimeEffect
+        The effect.
+    model : Model or Timed
+        The model with it.
+    theta : ndarray, shape (p,)
+        Its parameters.
+    left : Left
+        What is left of the tests.
+    delta : float
+        By how much the Bayesian information criterion falls.
+    fit : TimeIdentification or None
+        The exact fit, where there is one.
+    """
+
+    effect: AnyEffect
+    model: Model | Timed
+    theta: Real
+    left: Left
+    delta: float
+    fit: TimeIdentification | None = None
+
+
+def answer_of(
+    parts: Sequence[Part],
+    base: TimeIdentification,
+    before: Left,
+    tried: Sequence[Tried],
+    noise: Sequence[Scatter],
+    promises: dict[str, list[Promise]],
+) -> TimeDiagnosis:
+    """The answer of a diagnosis from the effects that were tried, best first."""
+    verdict = _verdict(before, tried)
+    alike: list[str] = []
+    if _is_plain(tried):
+        alike = _class(tried, promises, noise)
+    candidates = []
+    for each, chance in zip(tried, _chances(tried), strict=True):
+        of_it = _open(each, alike)
+        # One of several that cannot be told apart is not known to be the missing one.
+        if verdict == "effect-missing" and len(alike) == 1 and each is tried[0]:
+            of_it = "missing"
+        candidates.append(_candidate(each, chance, alike, noise, of_it))
+    error = TimeError.of(parts, before, noise)
+    where: tuple[Place, ...] = ()
+    # What noise leaves of an adequate model stands out somewhere too.
+    if verdict != "adequate":
+        where = _where(parts, before, noise)
+    # The next round of a discovery goes on from the best fit that there is.
+    best_fit = base
+    for each in tried:
+        if each.fit is not None and each.effect.name in alike[:1]:
+            best_fit = each.fit
+            break
+    return TimeDiagnosis(base, verdict, tuple(candidates), where, error, _classes(promises, tried, alike), best_fit)
+
+
+def _is_plain(tried: Sequence[Tried]) -> bool:
+    """Whether the evidence for the best effect is beyond doubt."""
+    return bool(tried) and tried[0].delta > PLAINLY
+
+
+def _verdict(before: Left, tried: Sequence[Tried]) -> str:
+    """What the tests say of the model, `tried` best first."""
+    if _is_plain(tried):
+        # An effect that helps and leaves more than noise is not all that is missing.
+        if tried[0].left.misfit:
+            return "unexplained"
+        return "effect-missing"
+    if before.misfit:
+        return "unexplained"
+    if tried and tried[0].delta > HINT:
+        return "inconclusive"
+    return "adequate"
+
+
+def _where(parts: Sequence[Part], before: Left, noise: Sequence[Scatter]) -> tuple[Place, ...]:
+    """Where the model fails in all tests in time, the worst first."""
+    located: list[Place] = []
+    for part, residual, scatter in zip(parts, before.residuals, noise, strict=True):
+        if isinstance(part, InTimePart):
+            located += places(part.test, residual / scatter.size)
+    return worst_first(located)
+
+
+def _class(tried: Sequence[Tried], promises: dict[str, list[Promise]], noise: Sequence[Scatter]) -> list[str]:
+    """The best effect and those that these tests cannot tell from it."""
+    best = tried[0]
+    # Two roads to a class: effects that fit as well, and such that add the same shape but were never fitted.
+    names = [each.effect.name for each in tried if each.delta > PLAINLY and _as_well(each, best, noise)]
+    fitted = {each.effect.name for each in tried}
+    return names + [name for name in _twins(best.effect.name, promises) if name not in fitted]
+
+
+def _as_well(each: Tried, best: Tried, noise: Sequence[Scatter]) -> bool:
+    """Whether an effect explains the tests as well as the best one: more parameters do not exclude it."""
+    worse = each.left.squares(noise) - best.left.squares(noise)
+    return min(worse, best.delta - each.delta) <= ALIKE
+
+
+def _twins(name: str, promises: dict[str, list[Promise]]) -> list[str]:
+    """Effects that add the same to a record as one does."""
+    # What the model's own parameters could take over is out of these directions: only what is seen is compared.
+    own = promises[name][0].direction
+    twins = []
+    for other, others in promises.items():
+        if other != name and abs(float(own @ others[0].direction)) > TWINS:
+            twins.append(other)
+    return twins
+
+
+def _classes(
+    promises: dict[str, list[Promise]], tried: Sequence[Tried], alike: Sequence[str]
+) -> tuple[tuple[str, ...], ...]:
+    """Effects that are one to these tests: the class of the best, and the twins of the others that were fitted."""
+    classes = []
+    if len(alike) > 1:
+        classes.append(tuple(alike))
+    taken = set(alike)
+    for each in tried:
+        name = each.effect.name
+        if name in taken:
+            continue
+        # Each effect in one class alone: the first that claims it is the better one.
+        twins = [other for other in _twins(name, promises) if other not in taken]
+        if twins:
+            classes.append((name, *twins))
+            taken |= {name, *twins}
+    return tuple(classes)
+
+
+def _chances(tried: Sequence[Tried]) -> list[float]:
+    """Probability of each effect, against nothing missing too."""
+    if not tried:
+        return []
+    # Nought is the model as it is: nothing missing is a candidate too.
+    logs = np.array([0.0, *(0.5 * each.delta + np.log(each.effect.prior) for each in tried)])
+    # Less the largest, or evidence of some thousand would overflow.
+    weights = np.exp(logs - logs.max())
+    return [float(weight) for weight in weights[1:] / weights.sum()]
+
+
+def _open(each: Tried, alike: Sequence[str]) -> str:
+    """Of an effect that is not plainly missing: absent only where nothing speaks for it.
+
+    One that helps, and less than a rival, may be there beside the rival, or only resemble it: that is told when the
+    rival has been accepted.
+    """
+    if each.effect.name in alike or each.delta > HINT:
+        return "cannot-tell"
+    return "absent"
+
+
+def _candidate(
+    each: Tried, chance: float, alike: Sequence[str], noise: Sequence[Scatter], verdict: str
+) -> TimeCandidate:
+    name = each.effect.name
+    parameters = {}
+    if each.fit is not None:
+        # A parameter is called effect.own, and effect#2.own where the model has the effect already.
+        for own, value in each.fit.parameters.items():
+            if own.rpartition(".")[0].split("#")[0] == name:
+                parameters[own] = value
+    others: tuple[str, ...] = ()
+    if name in alike:
+        others = tuple(other for other in alike if other != name)
+    return TimeCandidate(
+        name, others, chance, each.delta, each.left.over(noise), parameters, verdict, each.effect.summary, each.effect
+    )
