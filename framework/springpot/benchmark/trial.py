@@ -141,9 +141,9 @@ class Workshop:
             return failure(task, Status.MEMORY, f"needs more than {self.plan.memory} MiB")
         except (Exception, SystemExit) as error:
             return failure(task, Status.ERROR, f"{type(error).__name__}: {error}")
-        # What the trial itself reports of a fault says more than that the process was changed by it.
         # An optimiser shares the process with the problem: one that has changed it has raced on another.
         complaint = bench.witness.complaint(bench.problem)
+        # What the trial itself reports of a fault says more than that the process was changed by it.
         if complaint and not all(result.status.failed for result in results):
             return failure(task, Status.CHANGED, complaint)
         return results

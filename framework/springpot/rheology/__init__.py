@@ -6,9 +6,7 @@ from .drawing import draw, drawing_of
 from .effect import Effect, InstrumentConstant, Layer
 from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
 from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
-from .formula import (
-    Formula,
-)
+from .formula import Formula
 from .handoff import Handoff, Writer
 from .history import InTime, Placed, network_of, sorted_out, with_laws
 from .hysteresis import smooth_hysteresis

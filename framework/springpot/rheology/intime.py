@@ -305,8 +305,7 @@ def _motions(modes: Spectrum) -> tuple[Modes, float, Real]:
     # With one missed the pair below, which stands for what is left, would be something else altogether.
     if len(zeros) != others:
         raise ModelError("the mass and the material balance so nearly that their motion cannot be told")
-    # K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
-    # All zeros but two are known: these are left as one quadratic equation.
+    # All zeros but two are known: K(s) = m (s^2 + b s + d) times the product of (s + zero) / (s + rate).
     b = modes.viscosity / m + float(np.sum(r) - np.sum(zeros))
     paired = np.sort(zeros)
     if not solid:

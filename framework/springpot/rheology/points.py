@@ -121,7 +121,6 @@ class Points:
 
     def _unchecked(self, **changed: Real) -> Points:
         # On the way to a fit any shift is tried, however far, and in each evaluation: nothing is checked here.
-        # Past the checks: a search shifts thousands of times, and as far as it likes.
         other = object.__new__(Points)
         other.__dict__.update(self.__dict__, **changed)
         return other

@@ -169,9 +169,9 @@ def _log_likelihood(power: Real, spectrum: Real) -> float:
 def _local(residual: Real, memory: float) -> float:
     """Chance that noise alone makes the worst part of a record so large, against the usual size of all."""
     white = residual[1:] - memory * residual[:-1]
-    # A short bump is smooth, and hardly there in what is new with each sample: so both are looked at.
     # Squares of neighbours are correlated by the square of their memory: so many of them are independent.
     alike = (1.0 - memory**2) / (1.0 + memory**2)
+    # A short bump is smooth, and hardly there in what is new with each sample: so both are looked at.
     return min(1.0, 2.0 * _worst(white, 1.0), 2.0 * _worst(residual, alike))
 
 
