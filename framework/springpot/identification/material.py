@@ -36,6 +36,7 @@ from springpot.rheology import (
 
 from .alignment import aligned
 from .coordinates import Coordinates
+from .nonnegative import non_negative
 from .objective import Objective, weighted
 from .settings import Window, settings
 from .starts import thinned
@@ -382,31 +383,6 @@ def _step(residual: Real, slopes: Real, damping: float) -> Real:
     matrix = scaled.T @ scaled + damping * np.eye(len(size))
     step: Real = np.clip(np.linalg.solve(matrix, scaled.T @ residual) / size, -REACH, REACH)
     return step
-
-
-def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
-    """Weights >= 0 of columns (m, q) that come nearest to a target (m,), and the sum of squares that is left.
-
-    Raises
-    ------
-    RuntimeError
-        If the active set does not settle.
-    """
-    from scipy.optimize import nnls  # loading the plugins must not take its time
-
-    # Columns of one size: the active set is chosen by slopes, which depend on the units otherwise.
-    size = np.linalg.norm(columns, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    scaled = columns / size
-    system, wanted = scaled, target
-    if scaled.shape[0] > 2 * scaled.shape[1]:
-        # The same problem in as many rows as columns: the active set then moves among small matrices.
-        basis, system = np.linalg.qr(scaled)
-        wanted = basis.T @ target
-    weights, _ = nnls(system, wanted, maxiter=20 * scaled.shape[1])
-    # From the columns themselves: a mass that a spring takes back would leave a difference of large squares.
-    left = target - scaled @ weights
-    return weights / size, float(left @ left)
 
 
 def _linear_in_material(network: Node) -> bool:

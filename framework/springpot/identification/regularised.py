@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from springpot.rheology import GRADIENT, Complex, Continuum, Points, Real
 
-from .material import BEYOND, is_material, non_negative, reduced_range
+from .material import BEYOND, is_material, reduced_range
 from .native import Fit
+from .nonnegative import non_negative
 from .objective import weighted
 
 PER_DECADE = 8
