@@ -24,7 +24,7 @@ SEEN = {"by_battery": True, "certain": True}
         (SEEN | {"exact": True, "gain": CLEAR, "named": True}, "adequate"),
         ({"few": True}, "inconclusive"),
         ({"outliers": True}, "unexplained"),
-        ({"gain": CLEAR, "named": True}, "inconclusive"),
+        ({"gain": CLEAR, "something": True}, "inconclusive"),
         ({"gain": CLEAR}, "adequate"),
         ({"unknown": True}, "inconclusive"),
         ({"material": True}, "unexplained"),

@@ -202,7 +202,7 @@ def examine(
         verdict = "inconclusive"
     # The chance of "unknown" must agree with the verdict, which rests on more than the evidence.
     if verdict == "effect-missing":
-        evidence = evidence.without_unknown()
+        evidence = evidence.without_unknown().beside_drift()
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value)
     diagnosis = _answer(measurement, search, floor, evidence, outliers, verdict, library)
@@ -337,6 +337,9 @@ def _next_experiment(
         return experiment_on_confounded(evidence.search.base.fit.measurement, names)
     if only_points(search, outliers):
         return experiment_on_points(outliers)
+    # The cheapest question of all, and no other measurement answers it.
+    if evidence.drift is not None:
+        return experiment_on_unknown(search.base.data.raw)
     # Effects that nobody believes in are not worth a measurement that tells them apart.
     experiment = None
     if verdict != "unexplained" or leading:

@@ -15,6 +15,7 @@ from springpot.rheology import Real
 
 from .marginal import harmonic_evidence, marginal, unknown_marginal
 from .search import Grown, Search
+from .swept import SweepDrift, drift_in_place
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,8 @@ class Evidence:
         Whether they are sought beside a free spectrum because the user's model cannot follow the material.
     moved : frozenset of str
         Effects of a condition that was not varied by itself, judged as nothing else explains the data.
+    drift : SweepDrift or None
+        A gain that drifts while the sweep is measured, where it explains the data as well as one of the effects.
     """
 
     search: Search
@@ -75,6 +78,7 @@ class Evidence:
     leaning: frozenset[str] = frozenset()
     beside_material: bool = False
     moved: frozenset[str] = frozenset()
+    drift: SweepDrift | None = None
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -146,11 +150,13 @@ class Evidence:
     def _is_patchwork(self, one: Explanation) -> bool:
         """Whether an explanation puts together what may be one thing of another shape.
 
-        A spectrum and two effects beside it follow any slow error of storage and of loss, and what goes with an
-        amplitude that moved with the frequency may as well go with the frequency.
+        A spectrum and two effects beside it follow any slow error of storage and of loss; what goes with an
+        amplitude that moved with the frequency may as well go with the frequency, and what a drift explains, with
+        time.
         """
         moved = not self.moved.isdisjoint(one.names)
-        return one.twice or moved or (self.beside_material and len(one.names) > 1)
+        drifted = self.drift is not None and self.drift.effect in one.names
+        return one.twice or moved or drifted or (self.beside_material and len(one.names) > 1)
 
     def _is_imitated(self, one: Explanation) -> bool:
         """Whether something else as narrow may hold the place of one of its effects."""
@@ -161,6 +167,10 @@ class Evidence:
         if name in self.imitators | self.leaning:
             return 1.0 - EVIDENCE.other_shape
         return 1.0
+
+    def beside_drift(self) -> Evidence:
+        """The same, having asked whether a drifting gain explains as well what is told by the best model."""
+        return replace(self, drift=drift_in_place(self.search))
 
     def doubted(self, p_value: float) -> Evidence:
         """The same, where what the best model leaves has this chance of being noise: little if it is none of these.

@@ -42,6 +42,8 @@ class Facts:
         Drop of the information criterion that the best grown model brings.
     named : bool
         The evidence prefers some effect to nothing.
+    something : bool
+        The evidence prefers something, known or not, to nothing.
     unknown : bool
         The evidence prefers something unknown to every effect.
     ruled_out : bool
@@ -74,6 +76,7 @@ class Facts:
     certain: bool = False
     gain: float = 0.0
     named: bool = False
+    something: bool = False
     unknown: bool = False
     ruled_out: bool = False
     chain: bool = False
@@ -118,7 +121,7 @@ RULES = (
     Rule("more than the noise, by neighbours", lambda f: not f.alarm and f.exceeds and f.together, "unexplained"),
     Rule("more than the noise, of a kind", lambda f: not f.alarm and f.exceeds and f.unknown, "unexplained"),
     # Never "effect-missing" without an alarm: of all that was tried, something helps by chance.
-    Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.named, "inconclusive"),
+    Rule("an effect would help, or it is noise", lambda f: not f.alarm and f.clear and f.something, "inconclusive"),
     # After the effects beside the free spectrum: one of these that helps clearly leaves it open what is missing.
     Rule("a material follows, but no effect mends the model", lambda f: not f.alarm and f.material, "unexplained"),
     # Only where no test is alarmed: drift makes the floor too high, and what shows above it is real all the more.
@@ -174,6 +177,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         certain=min(search.scan.p_value, search.structure.p_value) < VERDICT.beyond_doubt,
         gain=search.gain,
         named=sum(one.probability for one in evidence.explanations) > evidence.nothing,
+        something=evidence.nothing < VERDICT.likely,
         unknown=unknown,
         ruled_out=evidence.nothing < VERDICT.ruled_out and search.base.fit.dof >= VERDICT.enough_spare,
         chain=unknown and bool(likeliest_unknown(search).says),
@@ -289,6 +293,9 @@ def sentence(
         names = " or ".join(grown.names[0] for grown in most)
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
         missing = f"{names} takes it to {left}, and something is missing beside it that no effect explains"
+        # "to 1 x, and something is missing beside it" would be a riddle.
+        if most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
+            missing = f"{names} takes it to {left}, but what has no name in the library explains it better"
     elif moved := _by_confounded(evidence.search):
         missing = moved
     if column is not None:
@@ -361,7 +368,9 @@ def _named(evidence: Evidence) -> str:
     # Only where the headline names the narrow effect itself: the doubt is not its partners'.
     if evidence.imitators & {*named, *beside}:
         words = f"{words} or another narrow feature"
-    if evidence.moved & set(named):
+    if evidence.drift is not None and evidence.drift.effect in {*named, *beside}:
+        words = f"{words}, or in place of {evidence.drift.effect} {evidence.drift.says}"
+    elif evidence.moved & set(named):
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
     elif evidence.other_shape > VERDICT.worth_a_word:
