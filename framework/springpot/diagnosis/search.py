@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from springpot.identification import EDGE, Effort, is_material, within_material
+from springpot.identification import EDGE, Effort, within_material
 from springpot.measurement import moved_along
 from springpot.misfit.battery import Battery, battery
 from springpot.misfit.floor import beyond_floor
@@ -228,12 +228,11 @@ def _from_the_best(search: Search, grown: Grown) -> Grown:
 
     Of two effects with one curve each may have ended in another minimum of the base, and that would decide.
     """
-    if is_material(search.base.model):
-        return grown  # its spectrum has no other minimum
-    best = dict(zip(search.grown[0].refit.model.names, search.grown[0].refit.theta, strict=True))
+    if search.base.has_one_minimum:
+        return grown
     own, base = grown.refit, search.base.model.names
-    start = [best[n] if n in base else value for n, value in zip(own.model.names, own.theta, strict=True)]
-    again = refit(own.model, search.base.data, search.base.noise, [np.array(start)], starts=0)
+    start = np.where(np.isin(own.model.names, base), own.seed_from(search.grown[0].refit), own.theta)
+    again = refit(own.model, search.base.data, search.base.noise, [start], starts=0)
     if again.log_evidence > own.log_evidence + EVIDENCE.rounding:
         return replace(grown, refit=again)
     return grown

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.identification import is_material
 from springpot.measurement import Measurement
 from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
 from springpot.misfit.outliers import (
@@ -24,7 +23,7 @@ from springpot.misfit.outliers import (
 )
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.words import counted
-from springpot.policy import OUTLIERS, SEARCH, VERDICT
+from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .search import Search, search_from
@@ -90,9 +89,9 @@ def _without_outliers(
     if len(rows) == 0:
         return None
     reduced = reduced_by(rows)
-    if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
-        return None
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
+        return None
+    if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
         return None
     return reduced, described(reduced.base.frame_of(measurement), rows)
 
@@ -106,7 +105,13 @@ def _may_be_effects(reduced: Search, measurement: Measurement, rows: NDArray[np.
         return False
     # What is named must be seen without the end: else it rests on the row beside the one that was set aside.
     inner = reduced_by(np.union1d(rows, ends))
-    return not _sees_something(inner) or inner.grown[0].names != reduced.grown[0].names
+    if not _sees_something(inner):
+        return True
+    # One of its rivals may fit the inner points a little better: that does not take it back.
+    least = inner.best.log_evidence - EVIDENCE.rivals
+    return not any(
+        grown.names == reduced.grown[0].names and grown.refit.log_evidence > least for grown in inner.grown
+    )
 
 
 def _sees_something(search: Search) -> bool:
@@ -127,9 +132,9 @@ def _without_a_pulling_point(
     before, after = search.best.relative_rms, reduced.best.relative_rms
     if after**2 > OUTLIERS.settles * before**2:
         return None
-    if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
-        return None
     if not are_outliers((search.base, search.best), (reduced.base, reduced.best), len(rows)):
+        return None
+    if _sees_something(reduced) and _may_be_effects(reduced, measurement, rows, reduced_by):
         return None
     return reduced, described(reduced.best.frame_of(measurement), rows)
 
@@ -148,14 +153,13 @@ def better_start(search: Search) -> Real | None:
     base = search.base
     if not search.grown or search.alarm > SEARCH.suspicious:
         return None
-    if is_material(base.model):
-        return None  # its spectrum has no other minimum
-    seeds = []
-    for grown in search.grown[: SEARCH.tried_alone]:
-        values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-        seeds.append(np.array([values[name] for name in base.model.names]))
+    if base.has_one_minimum:
+        return None
+    seeds = [base.seed_from(grown.refit) for grown in search.grown[: SEARCH.tried_alone]]
     again = refit(base.model, base.data, base.noise, seeds, starts=0)
-    return again.theta if again.log_likelihood > base.log_likelihood + SEARCH.better else None
+    if again.log_likelihood <= base.log_likelihood + SEARCH.better:
+        return None
+    return again.theta
 
 
 def _search_in_noise(

@@ -28,5 +28,10 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
         wanted = basis.T @ target
     weights, _ = nnls(system, wanted, maxiter=20 * scaled.shape[1])
     # From the columns themselves: a mass that a spring takes back would leave a difference of large squares.
-    left = target - scaled @ weights
-    return weights / size, float(left @ left)
+    with np.errstate(all="ignore"):
+        left = target - scaled @ weights
+        cost = float(left @ left)
+    # What is too large for a number is no fit.
+    if not np.isfinite(cost):
+        cost = np.inf
+    return weights / size, cost

@@ -70,6 +70,17 @@ class Refit:
         return len(self.theta) - len(self.own) - self.fit.silent
 
     @property
+    def has_one_minimum(self) -> bool:
+        """Whether any start leads to the same fit: that of a free spectrum with no effect around it is convex."""
+        return is_material(self.model) and not self.model.effects
+
+    def seed_from(self, other: Refit) -> Real:
+        """The parameters (p,) with the values of those that another fitted model shares."""
+        known = dict(zip(other.model.names, other.theta, strict=True))
+        own = zip(self.model.names, self.theta, strict=True)
+        return np.array([known.get(name, value) for name, value in own], dtype=np.float64)
+
+    @property
     def log_likelihood(self) -> float:
         """Log-likelihood at the fit, less what the lines of a free spectrum follow of the noise.
 
