@@ -110,7 +110,10 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
         kind = "single points stand out and were"
         if len(outliers) == 1:
             kind = "a single point stands out and was"
-        yield f"{kind} set aside, an outlier or narrow interference: {places}"
+        hum = ""
+        if any(outlier.at_mains for outlier in outliers):
+            hum = "; mains hum has such frequencies"
+        yield f"{kind} set aside, an outlier or narrow interference: {places}{hum}"
     if search.base.noise.doubt:
         yield search.base.noise.doubt
     yield from _of_floor(search)
