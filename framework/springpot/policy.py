@@ -84,6 +84,9 @@ class EvidenceLevels:
     """Log-evidence that says nothing."""
     prior_nothing: float = 0.5
     """Chance, before the data, that nothing is missing: even odds."""
+    beyond_physics: float = 0.001
+    """Prior weight of an effect that is larger than any specimen makes it: a unit or a geometry would have to be
+    wrong, as it is in one table of a thousand."""
     prior_pair: float = 0.5
     """Prior weight of a second missing effect; pairs have no order, so that two against one weigh half of it."""
     outside: float = 0.15

@@ -17,15 +17,17 @@ from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.values import Value, printed
 from springpot.misfit.where import Where, periodic, where
+from springpot.misfit.words import times
 from springpot.policy import EVIDENCE, EXPERIMENT, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .evidence import Evidence, best_with
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
+from .marginal import explaining_unknown
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Candidate, Diagnosis, EffectVerdict, NextExperiment, Verdict
 from .scan import Score, scan_effects
-from .search import Grown, Search, search_from
+from .search import Grown, Search, search_from, with_factors
 from .searched_data import search_data
 from .verdict import drifted, facts_of, leading_names, only_points, rule_for, sentence
 
@@ -264,6 +266,13 @@ def _answer(
         # To look at one test needs no measurement: it comes first.
         if not one_test:
             experiment = _next_experiment(search, evidence, verdict, outliers, leading)
+    says = _says(search, evidence, verdict, outliers, column)
+    factors = None
+    if verdict == "unexplained" and naming is search and not leading:
+        factors = _by_factors(search, library)
+    if factors is not None:
+        leading = list(factors.names)
+        says = f"{says}; {_factors_in_words(factors)}"
     told = [
         *notes(evidence, verdict, outliers, column, len(measurement), library),
         *header_notes(candidates, measurement),
@@ -275,7 +284,7 @@ def _answer(
         model=search.base.model,
         error=error,
         verdict=verdict,
-        says=_says(search, evidence, verdict, outliers, column),
+        says=says,
         split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
@@ -299,6 +308,22 @@ def _says(
     if unexplained_harmonics(evidence.search, verdict):
         says = f"{says}{HARMONICS}"
     return says
+
+
+def _by_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
+    """The model with a factor at each level of a condition, where the misfit looks like a gain of its own at each."""
+    unknown = explaining_unknown(search)
+    if unknown is None or not unknown.gain_of:
+        return None
+    return with_factors(search, library, unknown.gain_of)
+
+
+def _factors_in_words(factors: Grown) -> str:
+    """What factors without a law explain, so that the user can go on with them and knows what they are."""
+    left = times(factors.refit.relative_rms / factors.refit.floor)
+    (effect,) = factors.effects
+    (column,) = effect.needs
+    return f"{effect.name} takes it to {left}: a gain of its own at each {column}, which no law joins"
 
 
 def _chances(search: Search, evidence: Evidence) -> dict[str, float]:

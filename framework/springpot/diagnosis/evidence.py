@@ -300,6 +300,7 @@ def _log_prior(grown: Grown, library: float) -> float:
     prior = (1.0 - EVIDENCE.prior_nothing) * EVIDENCE.prior_pair ** (len(grown.effects) - 1)
     for effect in grown.effects:
         prior *= effect.prior / library
+    prior *= EVIDENCE.beyond_physics ** len(grown.beyond_physics)
     return float(np.log(max(prior, 1e-300)))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TypeAlias
 
@@ -71,11 +71,14 @@ class Unknown:
         Drop of the whitened residual sum of squares, at each place at which the shape was tried.
     shapes : int
         How many shapes follow the residual.
+    gain_of : str
+        The condition of which each level has a gain of its own, if that is what it is.
     """
 
     says: str
     drops: Real
     shapes: int
+    gain_of: str = ""
 
     @property
     def drop(self) -> float:
@@ -105,7 +108,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
     for name in CONDITIONS:
         curves = _own_levels(frame, name)
         if len(curves):
-            yield _family(frame, curves, f"a gain of its own at each {name}")
+            yield replace(_family(frame, curves, f"a gain of its own at each {name}"), gain_of=name)
             yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
     yield from _step(frame, log_omega)
 
@@ -282,6 +285,24 @@ def _seen(refit: Refit, i: int, left_open: bool) -> float:
 def likeliest_unknown(search: Search) -> Unknown:
     """The kind of structure without a name that explains the data best."""
     return max(_kinds(search), key=lambda kind: _evidence_of(search, kind))
+
+
+def explaining_unknown(search: Search) -> Unknown | None:
+    """The kind of structure without a name that explains all or most of what is seen; None without one.
+
+    Without structure some fault still explains best, but nothing that is there.
+    """
+    if search.structure.p_value >= VERDICT.structure_alarm:
+        return None
+    kind, frame = likeliest_unknown(search), search.frame
+    spare = frame.size - frame.absorbed.shape[1]
+    misfit = float(frame.rest @ frame.rest)
+    left = misfit - kind.drop
+    all_of_it = left < VERDICT.explained * spare
+    most_of_it = left - spare < VERDICT.most_of_it * (misfit - spare)
+    if all_of_it or most_of_it:
+        return kind
+    return None
 
 
 def _kinds(search: Search) -> list[Unknown]:

@@ -17,15 +17,17 @@ from springpot.misfit.material import notes_on_levels
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.unseen import validation
 from springpot.misfit.values import Value
-from springpot.misfit.words import percent, times
+from springpot.misfit.words import percent, plain, times
 from springpot.policy import EVIDENCE, SCATTER, VERDICT
 from springpot.rheology import INERTANCE, Complex, Effect, Real
 
 from .evidence import Evidence
-from .marginal import harmonic_evidence, likeliest_unknown
+from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
 from .search import Search
 
+LEADING = 3
+"""Grown models of which it is told that they are beyond what physics allows."""
 ONE_FREQUENCY = 1e-3
 """Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 MEANINGS = {
@@ -71,7 +73,9 @@ def notes(
     # Rows that stand by a setting differ "from row to row" too: where a column or a condition that moved may be the
     # cause, nobody is to look for it in the measuring chain.
     if verdict == "unexplained" and column is None and not search.confounded:
-        kind = _unknown(search)
+        unknown = explaining_unknown(search)
+        if unknown is not None:
+            kind = unknown.says
     if column is not None:
         yield column.says
     elif kind:
@@ -93,6 +97,18 @@ def notes(
     if evidence.explanations:
         yield from validation(search.base, evidence.likeliest_with()[evidence.leader])
     yield from _confounded(evidence)
+    yield from _beyond_physics(search)
+
+
+def _beyond_physics(search: Search) -> Iterator[str]:
+    """That an effect which fits best would have to be larger than any specimen makes it."""
+    units = search.base.fit.measurement.units
+    for effect in {effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics}:
+        _, unit = units.of(effect.element.parameters[0].unit)
+        yield (
+            f"{effect.name} would explain much, but only beyond {plain(effect.largest_of_modulus)} {unit}, which no "
+            "specimen reaches: is the unit of the amplitude right?"
+        )
 
 
 def _of_one_frequency(search: Search) -> Iterator[str]:
@@ -173,22 +189,6 @@ def _of_rest(search: Search) -> Iterator[str]:
         ratio = best.relative_rms / best.floor
         yield f"the best model found, {best.model}, still leaves structure ({times(ratio)} the noise floor)"
     yield from discrepancy(best.frame(), log_shift_of(best))
-
-
-def _unknown(search: Search) -> str:
-    """The kind of structure that explains the data, if one does that no effect of the library is."""
-    # Without structure some fault still explains best, but nothing that is there.
-    if search.structure.p_value >= VERDICT.structure_alarm:
-        return ""
-    kind, frame = likeliest_unknown(search), search.frame
-    spare = frame.size - frame.absorbed.shape[1]
-    misfit = float(frame.rest @ frame.rest)
-    left = misfit - kind.drop
-    all_of_it = left < VERDICT.explained * spare
-    most_of_it = left - spare < VERDICT.most_of_it * (misfit - spare)
-    if all_of_it or most_of_it:
-        return kind.says
-    return ""
 
 
 def _confounded(evidence: Evidence) -> Iterator[str]:

@@ -40,6 +40,21 @@ class Grown:
     predicted: float
 
     @property
+    def beyond_physics(self) -> list[Effect]:
+        """Effects that are larger than any specimen makes them."""
+        units = self.refit.fit.measurement.units
+        if not units.is_modulus:
+            return []
+        values = dict(zip(self.refit.model.names, self.refit.theta, strict=True))
+        beyond = []
+        for effect in self.effects:
+            size = effect.element.parameters[0]
+            factor, _ = units.of(size.unit)
+            if factor * values.get(f"{effect.name}.{size.name}", 0.0) > effect.largest_of_modulus:
+                beyond.append(effect)
+        return beyond
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects added."""
         return tuple(effect.name for effect in self.effects)
@@ -125,8 +140,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     search.left = search.structure
     search.repeats = repeats_structure(base.data, rng)
     for score in scanned.scores[: SEARCH.singles]:
-        # One by one: the best so far tells which further ones are hopeless.
-        search.grown += _clear(search, [_grow(search, score)])
+        search.grown.append(_grow(search, score))
     _sort(search)
     search.grown[1 : SEARCH.beam] = [_from_the_best(search, grown) for grown in search.grown[1 : SEARCH.beam]]
     _sort(search)
@@ -143,6 +157,32 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
+
+
+def with_factors(search: Search, library: Sequence[Effect], column: str) -> Grown | None:
+    """The model with a factor of its own at each level of a column, where that takes the error to the noise.
+
+    It is no law, and is sought only where a gain of its own at each level is what the misfit looks like.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+    library : sequence of Effect
+        Effects, those with a factor for each level among them.
+    column : str
+        A condition.
+    """
+    base = search.base
+    present = {effect.name for effect in base.model.effects}
+    for effect in library:
+        gains = effect.by_levels and effect.plane == "log-complex" and effect.needs == {column}
+        if gains and effect.name not in present and enough_for(base, base.model + effect):
+            grown = refit(base.model + effect, base.data, base.noise, [], starts=2)
+            clear = grown.log_evidence > base.log_evidence + 0.5 * SEARCH.decisive
+            if clear and not beyond_floor(grown):
+                return Grown((effect,), grown, grown.rss)
+    return None
 
 
 def _try_narrow(search: Search, library: Sequence[Effect]) -> list[Effect]:
@@ -172,22 +212,8 @@ def _forget_narrow(search: Search) -> None:
 
 
 def _clear(search: Search, tried: Sequence[Grown]) -> list[Grown]:
-    """The grown models that physics allows and whose narrow effects, if they have any, are seen as such."""
-    return [grown for grown in tried if _is_possible(grown) and _resolved(search, grown)]
-
-
-def _is_possible(grown: Grown) -> bool:
-    """Whether no effect is larger than any specimen makes it."""
-    units = grown.refit.fit.measurement.units
-    if not units.is_modulus:
-        return True
-    values = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
-    for effect in grown.effects:
-        size = effect.element.parameters[0]
-        factor, _ = units.of(size.unit)
-        if factor * values.get(f"{effect.name}.{size.name}", 0.0) > effect.largest_of_modulus:
-            return False
-    return True
+    """The grown models whose narrow effects, if they have any, are seen as such."""
+    return [grown for grown in tried if _resolved(search, grown)]
 
 
 def _resolved(search: Search, grown: Grown) -> bool:

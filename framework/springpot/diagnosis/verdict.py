@@ -343,7 +343,8 @@ def _most_of_it(search: Search) -> list[Grown]:
 
     Where many do so equally well their names say nothing of the cause.
     """
-    singles = [grown for grown in search.grown if len(grown.effects) == 1 and not grown.effects[0].narrow]
+    alone = [grown for grown in search.grown if len(grown.effects) == 1 and not grown.beyond_physics]
+    singles = [grown for grown in alone if not grown.effects[0].narrow]
     if not singles or search.gain < SEARCH.decisive:
         return []
     least = singles[0].refit.log_evidence - EVIDENCE.as_good
