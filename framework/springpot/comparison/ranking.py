@@ -26,7 +26,7 @@ from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.leftover import column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.policy import SEARCH
+from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
@@ -258,10 +258,12 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     adequate = [one for one in as_near if one.adequate]
     near: list[Judgement] = []
     # Where a material is adequate, a model that is not lacks what the material has: only chance made it as near.
-    if not Judgement(floor, error_of(floor, lowest), 0.0, rng).adequate:
+    judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)
+    if not judged.adequate:
         near = [one for one in as_near if not one.adequate]
     others = [one for one in ordered if one not in adequate and one not in near]
-    outgrown = not near
+    # Where any material is far beyond the floor, no smaller noise is to blame.
+    outgrown = not near and judged.error.relative_rms < VERDICT.small_rest * floor.floor
     if adequate:
         outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].refit)
     return _Order(adequate, near, others, outgrown)

@@ -46,6 +46,8 @@ MOST_TURNS = 10
 """Times that the points which stand out are found anew; nearly all settle in three."""
 FINE = 41
 """Periods tried between the neighbours of the strongest one."""
+LEAST_WAVE = 1e-9
+"""Singular value, beside the largest, below which a direction of a ripple is rounding."""
 MOST_RIPPLES = 2
 """Periods that are taken out of the scatter; a third could follow noise."""
 SLOWEST_RIPPLE = 16.0
@@ -355,13 +357,27 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     if chance > SCATTER.ripple_alarm:
         return 0.0
     # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at the ends.
-    fine = np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
-    tried = []
-    for place in fine:
-        ripple = frame.relative(waves(frame.measurement, 2.0 * longest / place))
-        along = orthonormal(ripple).T @ left
-        tried.append(float(np.sum(along**2)))
-    return 2.0 * longest / float(fine[int(np.argmax(tried))])
+    periods = 2.0 * longest / np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
+    return float(periods[np.argmax(_energy_of_ripples(frame, left, periods))])
+
+
+def _energy_of_ripples(frame: Frame, left: Real, periods: Real) -> Real:
+    """Energy (m,) of a whitened scatter along ripples in size and phase of K of some periods (m,), in points."""
+    n, energy = len(frame.measurement), np.zeros(len(periods))
+    # Sweep by sweep: a ripple of one says nothing of the others, and small matrices are quickly done.
+    for rows, _ in sweeps_of(frame.measurement):
+        phase = 2.0 * np.pi * np.arange(len(rows)) / periods[:, None]
+        waves_of_sweep = np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+        relative = np.stack([factor * frame.model_stiffness[rows] for factor in (1.0, 1.0j)], axis=-1)
+        change = (relative[:, :, None] * waves_of_sweep[:, :, None, :]).reshape(len(periods), len(rows), -1)
+        weights = frame.weights[rows][:, None]
+        columns = np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1)
+        size = np.linalg.norm(columns, axis=1, keepdims=True)
+        axes, sizes, _ = np.linalg.svd(columns / np.where(size > 0.0, size, 1.0), full_matrices=False)
+        along = np.einsum("kji,j->ki", axes, np.concatenate([left[rows], left[rows + n]]))
+        # The fastest alternation has no sine: its direction is rounding.
+        energy += np.sum(along**2 * (sizes > LEAST_WAVE * sizes[:, :1]), axis=1)
+    return energy
 
 
 def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray[np.bool_] | None = None) -> Trimmed:
