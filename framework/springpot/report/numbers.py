@@ -13,6 +13,12 @@ TINY = 1e-300
 DIGITS = 4
 """Significant digits of a number whose uncertainty is not known."""
 
+APART = 5.0
+"""Ratio of the ends of an interval from which each has its own digits: rounded alike, the lower one would vanish."""
+
+PLAIN = 4
+"""Decimals of what rounds to zero: ``0.00`` beside ``0.12`` says how nearly it is known, a row of them nothing."""
+
 MOST_DIGITS = 8
 """Significant digits of a number known to the last bit, as from noise-free artificial data."""
 
@@ -55,7 +61,8 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
         return number(value), f"[{number(low)}, {number(high)}]"
     size = _exponent(value if abs(value) >= TINY else width)
     place = max(_place(width), size - MOST_DIGITS + 1)
-    if place > size:  # the interval says little more than the size of the value
+    wide = low > 0.0 and high > APART * low
+    if place > size or wide:  # the interval says little more than the size of the value
         return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
     return _at_place(value, place), f"[{_at_place(low, place)}, {_at_place(high, place)}]"
 
@@ -99,7 +106,11 @@ def _at_place(value: float, place: int) -> str:
     """`value` rounded at 10**place; scientific where plain digits would be long."""
     if not isfinite(value):
         return number(value)
-    exponent = _exponent(value)
-    if value and (exponent >= 6 or exponent < -3) and exponent >= place:
+    rounded = round(value, -place)
+    # Nothing has no decimals, and what rounds to it would have as many as the place is small.
+    if value == 0.0 or (rounded == 0.0 and -place > PLAIN):
+        return "0"
+    exponent = _exponent(rounded)
+    if rounded and (exponent >= 6 or exponent < -3) and exponent >= place:
         return f"{value:.{exponent - place}e}"
-    return f"{round(value, -place):.{max(0, -place)}f}"
+    return f"{rounded:.{max(0, -place)}f}"
