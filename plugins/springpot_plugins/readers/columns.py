@@ -91,7 +91,6 @@ def measurement_of(
     notes = {
         **_doubts(roles),
         **runs_together({**conditions, **extra}, labels, known_labels),
-        **_negative(omega, stiffness, shown),
     }
     provenance = {**provenance, **{f"unit {key}": value for key, value in units.items()}, **notes}
     repeat = _repeat(roles.get("repeat"))
@@ -107,7 +106,8 @@ def measurement_of(
         provenance=provenance,
         labels=labels,
     )
-    return replace(measured, provenance={**provenance, **exchange_note(measured), **again_note(measured)})
+    of_values = {**_negative(measured), **exchange_note(measured), **again_note(measured)}
+    return replace(measured, provenance={**provenance, **of_values})
 
 
 def _unit(column: Column, table: dict[str, float], advice: str) -> str:
@@ -239,29 +239,43 @@ NOTES_OF_VALUES = frozenset(
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
 
 
-def _negative(omega: Real, stiffness: Complex, units: Units) -> dict[str, str]:
+def _negative(measured: Measurement) -> dict[str, str]:
     """Notes where storage or loss is negative, each by the name that the data have for it."""
     notes = {}
-    if (stiffness.real < 0).any():
-        notes["note storage"] = _negative_storage(omega, stiffness.real, units)
-    if (stiffness.imag < 0).any():
-        notes["note loss"] = _negative_loss(stiffness.imag, units)
+    if (measured.storage < 0).any():
+        notes["note storage"] = _negative_storage(measured)
+    if (measured.loss < 0).any():
+        notes["note loss"] = _negative_loss(measured.loss, measured.units)
     return notes
 
 
-def _negative_storage(omega: Real, storage: Real, units: Units) -> str:
-    rows = storage < 0
+def _negative_storage(measured: Measurement) -> str:
+    omega, rows, units = measured.omega, measured.storage < 0, measured.units
     note = f"{units.storage} negative in {int(rows.sum())} of {len(rows)} rows"
     inertia = "the inertia of the rig or the instrument outweighs the specimen"
     if rows.all():
         return f"{note}: {inertia} at all these frequencies, or check the sign of the force"
     # A mass takes m omega^2 away: it outweighs a stiffness above some frequency, never below one.
-    if np.median(omega[rows]) > np.median(omega[~rows]):
+    high = np.median(omega[rows]) > np.median(omega[~rows])
+    if high and _last_of_their_sweeps(measured, rows):
         begin = units.at(float(omega[rows].min()) / FREQUENCY_UNITS["Hz"])
         return f"{note}, from {begin} on: {inertia} there, which is no error"
     if 2 * rows.sum() > len(rows):
         return f"{note}; check the sign of the force"
-    return f"{note}, not at the highest frequencies, where inertia does so; noise, or the instrument at its limit"
+    place = "not at the highest frequencies, where inertia does so"
+    if high:
+        place = "with positive ones at higher frequencies, which inertia does not do"
+    return f"{note}, {place}; noise, or the instrument at its limit"
+
+
+def _last_of_their_sweeps(measured: Measurement, rows: NDArray[np.bool_]) -> bool:
+    """Whether the rows are the highest frequencies of each sweep, without others between."""
+    # An amplitude may move along with the frequency, and would make a sweep of every row.
+    for _, sweep in measured.sweeps(held=["temperature"]):
+        chosen, others = sweep[rows[sweep]], sweep[~rows[sweep]]
+        if len(chosen) and len(others) and measured.omega[chosen].min() < measured.omega[others].max():
+            return False
+    return True
 
 
 def _negative_loss(loss: Real, units: Units) -> str:

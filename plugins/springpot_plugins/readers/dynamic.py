@@ -15,7 +15,7 @@ from springpot.measurement import Choice, Measurement, Part, Reader, known_unit,
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
-from .choices import ask_base, ask_meaning, ask_units, with_choice
+from .choices import CURVES, ask_base, ask_meaning, ask_units, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
 from .columns import measurement_of
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
@@ -98,7 +98,7 @@ def measurement_from(
         return replace(parts[0], name=name, provenance={**origin, **left_out})
     first = next(i for i, block in enumerate(blocks, 1) if block is chosen[0])
     note = f"{len(parts)} of {len(blocks)} parts together; choose one by '#', such as {path.name}#{first}"
-    if all(is_number(block.name) for block in chosen):
+    if CURVES not in choice.columns and all(is_number(block.name) for block in chosen):
         # Numbers without a unit may count samples as well as state temperatures: only the user knows.
         shown = ", ".join(block.name for block in chosen[:3])
         note += f"; say what {shown} ... are by '{path.name}?curves=temperature[degC]' or '?curves=repeat'"

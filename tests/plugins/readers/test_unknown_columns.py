@@ -267,6 +267,7 @@ def test_a_negative_loss_is_told_by_the_name_of_the_file(folder, head, name):
     [
         ([4, 5], "storage stiffness negative in 2 of 6 rows, from 20 Hz on: the inertia of the rig"),
         ([0], "storage stiffness negative in 1 of 6 rows, not at the highest frequencies"),
+        ([3, 5], "storage stiffness negative in 2 of 6 rows, with positive ones at higher frequencies"),
         ([0, 1, 2, 3], "storage stiffness negative in 4 of 6 rows; check the sign of the force"),
         (range(6), "storage stiffness negative in 6 of 6 rows: the inertia of the rig"),
     ],
@@ -280,3 +281,16 @@ def test_a_negative_storage_is_told_for_what_it_is(folder, rows, says):
 def test_what_inertia_does_is_told_in_the_clock_of_the_file(folder):
     found = negative(folder, "omega [rad/s];G' [Pa];G'' [Pa]", 0, [5])
     assert found["note storage"].startswith("G' negative in 1 of 6 rows, from 50 rad/s on: ")
+
+
+@pytest.mark.parametrize(
+    ("factor", "says"), [(1.0, "from 20 Hz on: the inertia"), (0.1, "from 2 Hz on: the inertia")]
+)
+def test_inertia_begins_at_each_temperature_where_the_specimen_is_soft_enough(folder, factor, says):
+    """A soft specimen is outweighed from a lower frequency on: signs alternate only where sweeps are mixed."""
+    lines = ["f [Hz];G' [Pa];G'' [Pa];T [degC]"]
+    for celsius, first in ((20.0, 20.0), (60.0, 20.0 * factor)):
+        sign = np.where(first > HERTZ, 1.0, -1.0)
+        table = np.column_stack([HERTZ, sign * STORAGE, LOSS, np.full(len(HERTZ), celsius)])
+        lines += [";".join(f"{value:.10g}" for value in row) for row in table]
+    assert says in notes_of(folder.open("\n".join([*lines, ""])))["note storage"]

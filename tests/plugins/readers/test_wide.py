@@ -54,7 +54,10 @@ def test_numbers_above_curves_are_names_until_the_user_says_more(folder):
     found = folder.open(text)
     is_both(found)
     assert found.provenance["note parts"].endswith("?curves=temperature[degC]' or '?curves=repeat'")
-    is_both(folder.open(text, "?curves=temperature[degC]"), (20.0, 40.0))
+    meant = folder.open(text, "?curves=temperature[degC]")
+    is_both(meant, (20.0, 40.0))
+    # What was said is not asked for again.
+    assert "curves=" not in meant.provenance["note parts"]
 
 
 def test_moduli_first_then_temperatures(folder):
