@@ -1,5 +1,7 @@
 """Step one: signals whose stiffness is known, disturbed in every way a test rig disturbs them."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -287,6 +289,25 @@ def test_a_frequency_at_which_nothing_oscillates_is_refused(wrong, rng):
         harmonics_of(*signals(rng, cycles=20, noise=0.01), omega=wrong)
     assert "\n" not in str(refused.value)
     assert "5 rad/s" in str(refused.value) or "5.0" in str(refused.value) or "4.99" in str(refused.value)
+
+
+@pytest.mark.parametrize("samples", [40, 400, 3000])
+def test_a_record_in_which_nothing_oscillates_is_refused(samples, rng):
+    """A static test: of all frequencies of noise one is the strongest, and no stiffness."""
+    for _ in range(5):
+        t = np.arange(samples) / 300.0
+        with pytest.raises(DataError) as refused:
+            harmonics_of(t, 27.0 + 0.02 * rng.normal(size=samples), -112.0 + 0.1 * rng.normal(size=samples))
+        assert "\n" not in str(refused.value)
+        assert re.search("nothing oscillates|no frequency found|one is needed|too few", str(refused.value))
+
+
+def test_a_faint_oscillation_is_not_taken_for_nothing(rng):
+    """A fifth of the noise of a single sample, in 4000 of them."""
+    t = np.linspace(0.0, 40.0, 4000)
+    q, u = np.cos(5.0 * t), (STIFFNESS * np.exp(5j * t)).real
+    found = harmonics_of(t, q + 5.0 * rng.normal(size=4000), u + 5.0 * rng.normal(size=4000), window=(0.0, 40.0))
+    assert found.omega == pytest.approx(5.0, rel=0.02)
 
 
 def test_a_weak_but_real_second_tone_can_be_asked_for(rng):

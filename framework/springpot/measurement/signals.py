@@ -15,6 +15,7 @@ from springpot.rheology import Complex, Real
 from .budget import uncounted
 from .fit import Basis, Fit, refined_frequency
 from .measurement import Measurement
+from .motion import require_motion, tried
 from .record import Record, Signals, in_order
 from .steady import Steady, coarse_frequency, excerpt_span, steady_part
 from .transient import fit_with_transient, unsteady_cycles
@@ -30,8 +31,6 @@ from .units import (
 
 SURE = 3.0
 """Standard deviations by which a stiffness is negative beyond doubt."""
-SEEN = 0.999
-"""Probability that noise alone would show less than a motion that is believed."""
 BENT = 0.05
 """Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
 LONGER = 4.0
@@ -185,24 +184,8 @@ def harmonics_of(
         begin = float(fit.begins[unsteady])
         notes = (*notes, f"the stiffness settles only at {begin:.4g} s: what comes before was left out")
         basis, fit = fit_with_transient(record, replace(basis, start=begin, transient=0.0))
-    if omega is not None:
-        _check_motion(record, basis, fit)
+    require_motion(record, basis, fit, tried(record, omega is None, window is None))
     return _summary(basis, sd, fit, notes, record)
-
-
-def _check_motion(record: Record, basis: Basis, fit: Fit) -> None:
-    """Refuse a given frequency at which the displacement is no more than its noise there (F test, 0.1 %)."""
-    from scipy.special import fdtri
-
-    # Variance of cosine and sine together: noise alone makes an amplitude of this size.
-    noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
-    if abs(fit.amplitude[0, 0]) ** 2 <= fdtri(2, fit.freedom, SEEN) * noise:
-        moving = coarse_frequency(record)
-        raise DataError(
-            f"{record.name}: the displacement does not oscillate at {basis.omega:.4g} rad/s "
-            f"({basis.omega / (2 * np.pi):.4g} Hz); give the frequency at which it does, "
-            f"{moving:.4g} rad/s ({moving / (2 * np.pi):.4g} Hz), or none"
-        )
 
 
 def _given_part(record: Record, window: tuple[float, float]) -> Steady:
