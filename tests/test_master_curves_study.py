@@ -47,13 +47,17 @@ def test_what_nist_says_of_its_fluid(study):
 @pytest.mark.parametrize(
     ("name", "law", "error"),
     [
-        ("3m-468mp-acrylic-tts", None, 0.0115),
+        ("3m-468mp-acrylic-tts", None, 0.0125),
         ("reptate-polyisoprene-osc@molar_mass=33.6", "reptate", 0.0067),
-        ("fhwa-ptf-binder-dsr@lane=1", None, 0.0218),
+        ("fhwa-ptf-binder-dsr@lane=1", None, 0.023),
     ],
 )
 def test_measured_sets(study, name, law, error):
-    """The errors that a free spectrum with both factors reaches, and polyisoprene within 5 % of what is published."""
+    """The errors that a free spectrum with both factors reaches, and polyisoprene within 5 % of what is published.
+
+    Vertical factors without any expectation would take the tape to 1.0 % with b = 0.65 at -40 degC, where no material
+    is nearer than 3.8 %, and the bitumen to 2.16 % (repeats: 3.2 %) with b over a factor of 22.
+    """
     try:
         data = springpot.read(name)
     except DataError:

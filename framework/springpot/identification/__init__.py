@@ -5,10 +5,11 @@ from .bounded import BoundedDescent, minima_in_box
 from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
-from .material import is_material, own_parameters, within_material
+from .material import is_material, own_parameters
 from .native import Effort, Fit, fit, scanned_starts
 from .objective import Objective, default_objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
+from .passive import within_material
 from .prediction import Prediction
 from .problem import Problem, Searched
 from .recorder import Recorder, RecorderGroup

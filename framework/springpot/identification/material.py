@@ -9,20 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import chain
 
 import numpy as np
 
-from springpot.errors import ModelError
 from springpot.measurement import Measurement
 from springpot.rheology import (
     GRADIENT,
     Chain,
     Complex,
     Continuum,
-    Effect,
-    Layer,
     Model,
     Node,
     Parallel,
@@ -98,45 +94,6 @@ def is_material(model: Model) -> bool:
     return isinstance(model.material, Continuum)
 
 
-def within_material(model: Model, effect: Effect) -> bool:
-    """Whether an effect is a part of any material, so that beside a free spectrum it can explain nothing.
-
-    Around a material whose times are shifted, what gives way in the mounting is not shifted with it, and shows.
-
-    Parameters
-    ----------
-    model : Model
-        The material with other effects; of any other model nothing is a part of the material.
-    effect : Effect
-        That may be missing.
-
-    Examples
-    --------
-    >>> import springpot
-    >>> from springpot.identification import within_material
-    >>> model, registry = springpot.parse_model("material"), springpot.plugins()
-    >>> [within_material(model, registry.effect(name)) for name in ("parallel-spring", "inertia")]
-    [True, False]
-    """
-    shifted = any(own.plane == "shift" for own in model.effects)
-    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and _is_passive(effect)
-
-
-@lru_cache(maxsize=256)
-def _is_passive(effect: Effect) -> bool:
-    """Whether it adds a spring, dashpot, springpot or mode: what has a relaxation spectrum, and no mass."""
-    if effect.plane not in ("stiffness", "compliance") or effect.needs:
-        return False
-    element = Model(effect.name, effect.element)
-    bounds = np.array([(parameter.lower, parameter.upper) for parameter in element.parameters])
-    # Inside its range the sign of a spectrum does not depend on the parameters: any value will do.
-    theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
-    try:
-        return element.spectrum(theta).mass == 0.0
-    except ModelError:
-        return False
-
-
 def own_parameters(model: Model) -> list[int]:
     """Numbers of the parameters of the effects around a material, in the order of theta."""
     return list(range(len(model.material.parameters), len(model.parameters)))
@@ -197,10 +154,15 @@ class _Trial:
 class _Search:
     """Variable projection for one model and one set of data."""
 
-    def __init__(self, model: Model, measurement: Measurement, weights: Complex) -> None:
+    def __init__(
+        self, model: Model, measurement: Measurement, weights: Complex, expected: Real | None = None
+    ) -> None:
         self.model, self.data, self.weights = model, measurement.stiffness, weights
         self.points = measurement.points
         self.own = tuple(model.parameters[i] for i in own_parameters(model))
+        if expected is None:
+            expected = np.zeros((0, len(self.own)))
+        self.expected = expected
         self.scale = float(np.exp(np.mean(np.log(measurement.magnitude))))
         # Without amplitudes any size will do: no effect that has one can be fitted.
         typical = 1.0
@@ -225,6 +187,13 @@ class _Search:
     def u_of(self, own: Real) -> Real:
         """Search coordinates (q,) of the effects' parameters."""
         return self.coordinates.u(np.asarray(own, dtype=float).copy(), self.size)
+
+    def surprise(self, own: Real) -> Real:
+        """How far the effects' parameters (q,) lie from what is expected of them, weighted (r,)."""
+        # Where nothing is expected, a parameter may be zero and have no logarithm.
+        if not len(self.expected):
+            return np.zeros(0)
+        return np.asarray(self.expected @ np.log(own), dtype=np.float64)
 
     def with_lines(self, log_rates: Real) -> Model:
         """The model with a spectrum of these lines; neighbouring settings mostly have the same ones."""
@@ -267,13 +236,15 @@ class _Search:
             start = np.full(count, self.scale / count)
         best = trial = _Trial(u, log_rates, start, np.inf)
         foretold = np.inf
+        surprise = self.surprise(self.theta_of(u))
+        beside = float(surprise @ surprise)
         for _ in range(INNER):
             response = self.respond(trial)
             if not (np.all(np.isfinite(response.value)) and np.all(np.isfinite(response.by_theta))):
                 break
             residual = weighted(self.data - response.value, self.weights)
             with np.errstate(over="ignore"):
-                cost = float(residual @ residual)
+                cost = float(residual @ residual) + beside
             if not np.isfinite(cost):
                 break  # K is a number, yet its square is none: a wave in a specimen, driven at its resonance
             if np.isfinite(foretold):
@@ -283,7 +254,8 @@ class _Search:
                     break
             # What the last weights explain is put back: whole weights are found, and these must not be negative.
             columns = weighted(response.by_theta[:count], self.weights)
-            weights, foretold = non_negative(columns.T, residual + trial.weights @ columns)
+            weights, left = non_negative(columns.T, residual + trial.weights @ columns)
+            foretold = left + beside
             trial = replace(trial, weights=weights)
             if self.linear:
                 return replace(trial, cost=foretold)
@@ -316,7 +288,7 @@ class _Search:
         return trial, False
 
     def _slopes(self, trial: _Trial) -> tuple[Real, Real]:
-        """Residual (2n,) and its fall (2n, q) with u where the lines that carry weight follow; 0 at a bound."""
+        """Residual (m,) and its fall (m, q) with u where the lines that carry weight follow; 0 at a bound."""
         response, own = self.respond(trial), self.theta_of(trial.u)
         count = len(trial.weights)
         residual = weighted(self.data - response.value, self.weights)
@@ -326,6 +298,10 @@ class _Search:
         # What the weights of the spectrum would take up of a change is no gain of the effects (Golub and Pereyra).
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
+        if len(self.expected):
+            by_log = self.coordinates.slopes(own, self.size) / own[:, None]
+            residual = np.concatenate([residual, -self.surprise(own)])
+            slopes = np.concatenate([slopes, self.expected @ by_log])
         downhill = slopes.T @ residual
         # What rests on its bound and would go beyond is left where it is.
         resting = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
@@ -371,7 +347,10 @@ class _Search:
         kept = trial.weights[2:] > 0.0
         model = self.with_lines(trial.log_rates[kept])
         theta = np.concatenate([trial.weights[:2], trial.weights[2:][kept], self.theta_of(trial.u)])
-        return Spectral(model, theta, trial.cost, self.evaluations, converged)
+        surprise = self.surprise(self.theta_of(trial.u))
+        # What was expected guides the search; the objective that is told is that of the data.
+        cost = trial.cost - float(surprise @ surprise)
+        return Spectral(model, theta, cost, self.evaluations, converged)
 
 
 def _step(residual: Real, slopes: Real, damping: float) -> Real:
@@ -416,6 +395,7 @@ def fit_spectrum(
     *,
     still: float = STILL,
     hopeless: float = np.inf,
+    expected: Real | None = None,
 ) -> Spectral:
     """Fit a material, and the effects around it, to a measurement.
 
@@ -435,25 +415,31 @@ def fit_spectrum(
         Relative drop of the objective below which a descent ends.
     hopeless : float
         Objective above which a descent ends after its first steps.
+    expected : ndarray, shape (r, q), optional
+        What is known of the effects' q parameters beforehand: the squares of these rows times their logarithms are
+        added to the objective (Tikhonov's regularisation).
     """
     weights = objective.weights(measurement)
     if objective.logarithmic:
         weights = weights / measurement.magnitude
     weights = np.asarray(weights, dtype=np.complex128)
-    search = coarse = _Search(model, measurement, weights)
+    search = coarse = _Search(model, measurement, weights, expected)
     # A material alone is a convex problem: nothing is searched but its lines.
     if not search.own:
         return search.result(search.refined(search.solve(np.zeros(0))), True)
     rows = thinned(measurement.points.log_omega, COARSE_POINTS)
+    part = len(rows) / len(measurement)
     if len(rows) < len(measurement):
-        coarse = _Search(model, measurement.subset(rows), weights[rows])
+        if expected is not None:
+            # What is expected weighs against the points: of fewer points as much less.
+            expected = np.sqrt(part) * expected
+        coarse = _Search(model, measurement.subset(rows), weights[rows], expected)
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     if starts and not seeds:
         seeds = list(_settings(search, measurement))
     # A setting costs one convex problem; descents are begun only from the best of them.
     trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
-    part = len(rows) / len(measurement)
     ends = [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
     best, converged = min(ends, key=lambda end: end[0].cost)
     if coarse is not search:

@@ -167,6 +167,7 @@ def fit(
     seeds_theta: Sequence[Real] = (),
     rng: np.random.Generator | None = None,
     effort: Effort | None = None,
+    expected: Real | None = None,
 ) -> Fit:
     """Fit a model to a measurement.
 
@@ -186,6 +187,9 @@ def fit(
         Moves the scanned shapes; without it they are always the same.
     effort : Effort, optional
         How far it goes; by default until nothing but rounding is left.
+    expected : ndarray, shape (r, q), optional
+        Of any material only: what is known of the effects' parameters beforehand; see `fit_spectrum`. `Fit.cost` is
+        that of the data alone.
 
     Returns
     -------
@@ -214,7 +218,7 @@ def fit(
     if objective is None:
         objective = default_objective(measurement)
     if is_material(model):
-        return _fit_material(model, measurement, objective, starts, seeds_theta, effort or Effort())
+        return _fit_material(model, measurement, objective, starts, seeds_theta, effort or Effort(), expected)
     # One data set is a batch of one: single fits and simulated ones by the thousand run through the same code.
     task = _task(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
@@ -280,11 +284,14 @@ def _fit_material(
     starts: int,
     seeds_theta: Sequence[Real],
     effort: Effort,
+    expected: Real | None,
 ) -> Fit:
     """Any linear passive material, with the lines of its spectrum that the data ask for."""
     began = perf_counter()
     still, hopeless = max(STILL, effort.negligible), effort.hopeless
-    fitted = fit_spectrum(model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless)
+    fitted = fit_spectrum(
+        model, measurement, objective, seeds_theta, starts, still=still, hopeless=hopeless, expected=expected
+    )
     seconds = perf_counter() - began
     return Fit(
         fitted.model, measurement, objective, fitted.theta, fitted.cost, fitted.evaluations, fitted.converged, seconds

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
-from springpot.identification.alignment import aligned
+from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
-from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, chain, levels_of, shift
+from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
-from .factors import Factors, Rows, factors_of
-from .laws import LawFit, judged_laws
+from .factors import Factors, Rows, factors_of, told_by_data
+from .laws import LawFit, judged_laws, slower_when_hot
 from .simplicity import Alone, Simplicity, each_alone, simplicity
+from .vertical import lifted
 from .words import level_text, unit_of
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ DIFFER = 0.005
 """Relative scatter of repeats from which it is told; below it is the usual noise of an instrument."""
 WIDE = float(np.log(10.0))
 """Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
+
+FURTHEST = 2.0 * WIDEST
+"""Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
+ROUNDING = 1e-9
+"""Share of a logarithm by which one at the end of the search may lie within it."""
 
 
 class Level(NamedTuple):
@@ -132,19 +138,10 @@ class MasterCurve:
         factors, rest = self.factors, self.simplicity
         rows = []
         for i in range(len(factors)):
-            # Intervals are those of the logarithms: a factor is never below zero.
-            a, b = factors.log_a[i], factors.log_b[i]
-            log_factors = (
-                a,
-                a - factors.reach_a[i],
-                a + factors.reach_a[i],
-                b,
-                b - factors.reach_b[i],
-                b + factors.reach_b[i],
-            )
+            ends = (*_ends(factors.log_a[i], factors.reach_a[i]), *_ends(factors.log_b[i], factors.reach_b[i]))
             head = (float(factors.levels[i]), int(counts[i]))
             errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
-            rows.append(Level._make((*head, *np.exp(log_factors).tolist(), *errors, bool(self.determined[i]))))
+            rows.append(Level._make((*head, *ends, *errors, bool(self.determined[i]))))
         return rows
 
     def curve(self, omega: Real) -> NDArray[np.complex128]:
@@ -243,47 +240,56 @@ def mastercurve(
     # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
     own = each_alone(measurement, number, weighing)
     weighing = _by_level(weighing, column, own.share)
-    alone, best = _fits(measurement, column, vertical, weighing)
-    rows = Rows.of(best)
+    alone, rows = _fits(measurement, column, vertical, weighing)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
     connected = _connected(rows, at)
-    determined = connected & (factors.reach_a < WIDE)
+    # A factor at the end of the search is where this ended, whatever its interval.
+    searched = np.abs(fitted.log_a) < (1.0 - ROUNDING) * WIDEST
+    determined = connected & searched & (factors.reach_a < WIDE)
+    told = told_by_data(rows, at)
     notes += [
         *remarks,
         *_undetermined(factors, connected, determined),
-        *_vertical_range(factors),
+        *slower_when_hot(factors, determined),
+        *_not_told_apart(factors, told),
+        *_vertical_range(factors, told),
         *_repeats(rows, own),
     ]
     # Laws are judged against free factors: a law within the fit would bend them to itself.
-    laws = judged_laws(factors, determined, vertical)
-    verdict = simplicity(rows, own.weighted_by(own.share))
+    laws = judged_laws(factors, determined, told & vertical)
     return MasterCurve(
-        best,
+        rows.fit,
         factors,
         _reduced(rows, fitted, at),
         vertical,
         _error(alone),
         tuple(laws),
-        verdict,
+        simplicity(rows, own.weighted_by(own.share)),
         determined,
         tuple(notes),
         perf_counter() - began,
     )
 
 
-def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objective) -> tuple[Fit, Fit]:
+def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objective) -> tuple[Fit, Rows]:
     """The material with a shift for each level, and the same with vertical factors where these are asked for."""
     sideways = Effect("shift", shift, Levels(column, "a", True), "a factor for each level", Layer.TEMPERATURE)
-    upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
-    plain = Model("material", Continuum(), effects=(sideways,))
-    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `_lifted`).
-    alone = fit(plain, measurement, weighing)
+    # Shifts first: vertical factors could otherwise do what belongs to a shift (see `lifted`).
+    alone = fit(Model("material", Continuum(), effects=(sideways,)), measurement, weighing)
     if not vertical:
-        return alone, alone
-    return alone, _lifted(alone, plain + upwards)
+        return alone, Rows.of(alone)
+    return alone, lifted(alone, column)
+
+
+def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:
+    """A factor and its interval; those of the logarithm, so that a factor is never below zero."""
+    # What the data leave open ends where no factor is searched: beyond, it would be no number.
+    low = max(log_factor - reach, min(log_factor, -FURTHEST))
+    high = min(log_factor + reach, max(log_factor, FURTHEST))
+    return float(np.exp(log_factor)), float(np.exp(low)), float(np.exp(high))
 
 
 def _check(measurement: Measurement, column: str) -> None:
@@ -324,16 +330,6 @@ def _by_level(objective: Objective, column: str, share: Real) -> Objective:
         return np.asarray(objective.weights(measurement) * share[here], dtype=np.complex128)
 
     return replace(objective, weights=weights)
-
-
-def _lifted(alone: Fit, model: Model) -> Fit:
-    """With vertical factors, begun where the shifts alone have ended."""
-    data = alone.measurement
-    model = model.bound_to(data.points)
-    own = alone.theta[len(alone.model.material.parameters) :]
-    read_off = np.array(list(aligned(model, data).values()))
-    # Two ways in, because few sweeps that hardly overlap can have two optima.
-    return fit(model, data, alone.objective, seeds_theta=[np.concatenate([own, np.ones(len(own))]), read_off])
 
 
 def _error(fitted: Fit) -> float:
@@ -394,14 +390,27 @@ def _undetermined(factors: Factors, connected: NDArray[np.bool_], determined: ND
     return notes
 
 
-def _vertical_range(factors: Factors) -> list[str]:
-    """A sentence where vertical factors do what shifts should do."""
-    span = float(np.exp(np.ptp(factors.log_b)))
-    if factors.column != "temperature" or span < LARGE:
+def _not_told_apart(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
+    """A sentence for levels at which a shift does what a vertical factor would do as well."""
+    if np.all(told):
+        return []
+    names = ", ".join(level_text(factors.column, value) for value in factors.levels[~told].tolist())
+    return [
+        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as near to 1 as the "
+        "data allow, and the interval of a holds for such a b"
+    ]
+
+
+def _vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
+    """A sentence where the data ask for vertical factors that physics does not explain."""
+    if factors.column != "temperature":
+        return []
+    span = float(np.exp(np.ptp(factors.log_b[told])))
+    if span < LARGE:
         return []
     return [
         f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
-        "where sweeps are nearly straight they stand for a part of the shift"
+        "the data contradict smaller ones, as a changed geometry, a slip or a failure of superposition would"
     ]
 
 

@@ -88,6 +88,36 @@ class Factors:
 
 
 @dataclass(frozen=True, eq=False)
+class Expected:
+    """What is known of the free factors before the data speak.
+
+    Attributes
+    ----------
+    rows : ndarray, shape (r, q)
+        The logarithms of the factors times these are expected to be normal, of unit variance about zero.
+    unit : float
+        Variance of a weighted residual of the data, by which departures are weighed against these.
+    """
+
+    rows: Real
+    unit: float
+
+    @property
+    def weighted(self) -> Real:
+        """Rows (r, q) whose squares stand beside those of the residuals."""
+        return np.asarray(np.sqrt(self.unit) * self.rows, dtype=np.float64)
+
+    @property
+    def covariance(self) -> Real:
+        """Covariance (q, q) of the logarithms of which something is expected; zero for the others."""
+        precision = self.rows.T @ self.rows
+        known = np.flatnonzero(np.diag(precision) > 0.0)
+        covariance = np.zeros_like(precision)
+        covariance[np.ix_(known, known)] = np.linalg.inv(precision[np.ix_(known, known)])
+        return covariance
+
+
+@dataclass(frozen=True, eq=False)
 class Rows:
     """What the factors of a fitted material are judged by, row by row of the weighted residual (2n,).
 
@@ -99,17 +129,21 @@ class Rows:
         One for each effect with factors, in the order of theta.
     number : ndarray of int, shape (n,)
         Level of each measured point.
+    expected : Expected, optional
+        What was expected of the free factors when they were fitted.
     """
 
     fit: Fit
     elements: tuple[Levels, ...]
     number: NDArray[np.int64]
+    expected: Expected | None = None
 
     @classmethod
-    def of(cls, fit: Fit) -> Rows:
+    def of(cls, fit: Fit, expected: Expected | None = None) -> Rows:
         """Of a fit of a material with free factors of one column."""
         elements = tuple(effect.element for effect in fit.model.effects if isinstance(effect.element, Levels))
-        return cls(fit, elements, levels_of(elements[0].column, fit.measurement.points.need(elements[0].column)))
+        number = levels_of(elements[0].column, fit.measurement.points.need(elements[0].column))
+        return cls(fit, elements, number, expected)
 
     def named(self, level: int) -> str:
         """A level with its unit."""
@@ -208,26 +242,60 @@ class Rows:
         r = float(np.clip(product / variance, 0.0, MOST_ALIKE))
         return (1.0 + r) / (1.0 - r)
 
+    @cached_property
+    def unit(self) -> float:
+        """Variance of a weighted residual, by which departures from what is expected are weighed."""
+        return max(self.alike * self.fit.cost / max(self.fit.dof, 1), LEAST**2)
+
 
 def factors_of(rows: Rows) -> Factors:
     """The factors with the covariance that the exact slopes give, the spectrum free to follow.
 
-    The scatter of each level is its own: where a level is not followed its factors are that much less certain.
+    The scatter of each level is its own: where a level is not followed its factors are that much less certain. What
+    was expected of the factors counts as measured beside the data.
     """
+    return _spread(rows, _covariance(rows, rows.expected))
+
+
+def told_by_data(rows: Rows, reference: int) -> NDArray[np.bool_]:
+    """Levels (m,) whose vertical factor the data tell more nearly than was expected of it; all, where nothing was.
+
+    Parameters
+    ----------
+    rows : Rows
+        The fitted material with its factors.
+    reference : int
+        Number of the level where the factors are one.
+    """
+    if rows.expected is None:
+        return np.ones(len(rows.elements[0].values), dtype=np.bool_)
+    after = _spread(rows, _covariance(rows, None)).referred_to(reference)
+    before = _spread(rows, rows.expected.covariance).referred_to(reference)
+    told = after.reach_b < before.reach_b
+    # There it is one by definition.
+    told[reference] = True
+    return np.asarray(told, dtype=np.bool_)
+
+
+def _covariance(rows: Rows, expected: Expected | None) -> Real:
+    """Covariance (q, q) of the logarithms of the free factors."""
     # What the spectrum could do in a factor's place tells nothing of the factor.
     slopes = without(rows.spectrum, rows.factors)
+    sd = np.sqrt(rows.alike) * rows.scale
+    if expected is not None:
+        slopes = np.concatenate([slopes, expected.weighted])
+        sd = np.concatenate([sd, np.full(len(expected.rows), np.sqrt(expected.unit))])
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
     left, values, right = np.linalg.svd(slopes / size, full_matrices=False)
     known = values > LOST * values[0]
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
     carry = (right[known].T / values[known]) @ left[:, known].T / size[:, None]
-    covariance = rows.alike * (carry * rows.scale**2) @ carry.T
+    covariance = (carry * sd**2) @ carry.T
     # What the data do not determine gets a deviation that nobody takes for knowledge, rather than infinity, with
     # which nothing can be computed.
     lost = right[~known].T / size[:, None]
     lost = lost / np.maximum(np.linalg.norm(lost, axis=0), 1e-300)
-    covariance = covariance + OPEN**2 * lost @ lost.T
-    return _spread(rows, covariance)
+    return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
 
 
 def without(basis: Real, columns: Real) -> Real:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from springpot.distributions import chi2_sf
+from springpot.distributions import chi2_sf, normal_sf
 from springpot.identification.uncertainty import student
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.points import KELVIN
@@ -21,13 +21,19 @@ Verdict = Literal["holds", "departs", "cannot-tell"]
 ALARM = 0.005
 """Chance below which the departure of the factors from a law is no scatter."""
 HARDLY = 1.0
-"""Half-width of an interval of ln a from which a factor says nothing about a law."""
+"""Half-width of an interval of ln b from which a vertical factor says nothing about a law."""
 TRIES = 12
 """Starts of a law's fit along its second parameter, which alone can have two minima."""
 BISECTIONS = 8
 """Of the size of a law's own error between 1e-6 and all that the factors range over: known to a few per cent."""
 EXACT = 1e-6
 """Standard deviation in ln a to which no factor is known better: exact data would make every law depart."""
+BOUND = 1e-6
+"""Share of a parameter's range within which it rests on a bound: steps beyond end this near."""
+SLOWER = (
+    "it relaxes more slowly when hot: no law of temperature does so; is the column a temperature, or did the "
+    "specimen dry or cure?"
+)
 
 
 @dataclass(frozen=True)
@@ -117,7 +123,7 @@ class LawFit:
         }
 
 
-def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: bool) -> list[LawFit]:
+def judged_laws(factors: Factors, determined: NDArray[np.bool_], told: NDArray[np.bool_]) -> list[LawFit]:
     """All laws of temperature, the best of each kind first; none for another column.
 
     Parameters
@@ -126,8 +132,8 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: 
         The free factors.
     determined : ndarray of bool, shape (m,)
         Levels whose factors are known.
-    with_vertical : bool
-        Whether there are vertical factors.
+    told : ndarray of bool, shape (m,)
+        Levels whose vertical factors the data tell; others show what was expected of them, which is no evidence.
     """
     if factors.column != "temperature":
         return []
@@ -135,14 +141,41 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], with_vertical: 
     judging = determined & (np.arange(len(factors)) != factors.reference)
     fits = []
     for law in LAWS:
-        reach = factors.reach_a
+        known = judging
         if law.vertical:
-            reach = factors.reach_b
-        used = np.flatnonzero(judging & (reach < HARDLY))
-        if len(used) >= len(law.element.parameters) and (with_vertical or not law.vertical):
-            fits.append(_fitted(law, factors, used))
+            known = judging & told & (factors.reach_b < HARDLY)
+        used = np.flatnonzero(known)
+        if len(used) < len(law.element.parameters):
+            continue
+        judged = _fitted(law, factors, used)
+        if judged is not None:
+            fits.append(judged)
     # WLF and VFT are one curve: which of them comes first is not left to rounding.
     return sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
+
+
+def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str]:
+    """A sentence where the shifts rise with temperature beyond their scatter: every law of temperature falls.
+
+    Parameters
+    ----------
+    factors : Factors
+        The free factors.
+    determined : ndarray of bool, shape (m,)
+        Levels whose factors are known.
+    """
+    used = np.flatnonzero(determined & (np.arange(len(factors)) != factors.reference))
+    if factors.column != "temperature" or not len(used):
+        return []
+    away, log_a = factors.levels[used] - factors.levels[factors.reference], factors.log_a[used]
+    covariance = factors.covariance[np.ix_(used, used)] + EXACT**2 * np.eye(len(used))
+    # The slope of least squares over its standard deviation.
+    weighing = np.linalg.solve(covariance, away)
+    score = float(weighing @ log_a) / float(np.sqrt(weighing @ away))
+    # Where factors share much of their error, their weighted slope may have the sign of none of them.
+    if float(away @ log_a) > 0.0 and normal_sf(score) < ALARM:
+        return [SLOWER]
+    return []
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +227,11 @@ class _Task:
         best = min(ends, key=lambda end: float(end.cost))
         return best.x, 2.0 * float(best.cost), np.asarray(best.jac, dtype=np.float64)
 
+    def at_bound(self, theta: Real) -> bool:
+        """Whether a parameter rests on a bound: it is then the bound's value and not the material's."""
+        width = BOUND * (self.high - self.low)
+        return bool(np.any((theta - self.low < width) | (self.high - theta < width)))
+
     def own_error(self, start: Real, spare: int) -> float:
         """How far the law is off at each level by itself, so that its misfit is what is to be expected.
 
@@ -211,7 +249,8 @@ class _Task:
         return high
 
 
-def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
+def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit | None:
+    """A law at the levels that are used; none where it would need constants that no material has."""
     kelvin = factors.levels + KELVIN
     reference = float(kelvin[factors.reference])
     offset, target = 0, factors.log_a[used]
@@ -239,6 +278,10 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit:
         freedom = spare
     reach = student(LEVEL, freedom) * spread
     bounds = (np.maximum(theta - reach, task.low), np.minimum(theta + reach, task.high))
+    # Of a constant whose interval is all its range nothing is known.
+    empty = (bounds[0] <= task.low) & (bounds[1] >= task.high)
+    if task.at_bound(theta) or np.any(empty):
+        return None
     given = task.log_factor(theta)
     away = given[used] - target
     # By what is known of each factor: far off where nothing is known is no departure.

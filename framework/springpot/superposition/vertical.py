@@ -1,0 +1,81 @@
+"""What is known of vertical factors before the data speak, and those that depart from it no more than they must.
+
+Where sweeps are straight (a power law) a factor of the stiffness and a shift of the frequency are one, and the data
+leave both open along a ridge. Of all factors on it those are taken that physics expects: a stiffness that goes with
+a power of temperature, and sweeps that repeat to some per cent. Tikhonov's regularisation with a width that has a
+meaning, which is Bayes' theorem with a normal prior of ln b; data that contradict it have their way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from springpot.identification import Fit, fit
+from springpot.identification.alignment import aligned
+from springpot.rheology import Continuum, Effect, Layer, Levels, Real, chain
+
+from .factors import Expected, Rows
+
+POWER = 1.0
+"""Standard deviation of n in b = (T / Tr)^n: 1 for an ideal rubber (Flory), below 0 for a glass, whose modulus falls
+by tenths of a per cent for each kelvin."""
+REPEATED = 0.03
+"""Standard deviation of ln b of one sweep by itself: the gap and the grip of a specimen give and slip by some per
+cent when the temperature changes."""
+ELSEWHERE = float(np.log(2.0))
+"""Standard deviation of ln b along other columns, of whose stiffness nothing is known but its order of magnitude."""
+
+
+def expectation(rows: Rows) -> Real:
+    """Rows (r, q) that whiten the logarithms of all free factors by what is expected of them; zero where nothing is.
+
+    Every level, that of reference too, has an error of its own, so that no level is trusted before the others.
+    """
+    whitening = np.zeros((0, 0))
+    for element in rows.elements:
+        own = np.zeros((0, len(element.parameters)))
+        if not element.logarithmic:
+            own = np.linalg.inv(np.linalg.cholesky(_covariance(element)))
+        whitening = block_diag(whitening, own)
+    return np.asarray(whitening, dtype=np.float64)
+
+
+def _covariance(element: Levels) -> Real:
+    """Of the logarithms of the free vertical factors, one at the reference."""
+    free = list(element.free)
+    size, along = ELSEWHERE, np.zeros(len(free))
+    if element.column == "temperature":
+        size = REPEATED
+        kelvin = np.array(element.values)
+        along = POWER * np.log(kelvin[free] / kelvin[element.reference])
+    shared = np.ones((len(free), len(free)))
+    return np.asarray(np.outer(along, along) + size**2 * (np.eye(len(free)) + shared), dtype=np.float64)
+
+
+def lifted(alone: Fit, column: str) -> Rows:
+    """With vertical factors, begun where the shifts alone have ended.
+
+    Parameters
+    ----------
+    alone : Fit
+        A material with shifts.
+    column : str
+        The condition along which both stand.
+    """
+    data = alone.measurement
+    upwards = Effect("vertical", chain, Levels(column, "b", False), "a factor for each level", Layer.TEMPERATURE)
+    model = (replace(alone.model, material=Continuum()) + upwards).bound_to(data.points)
+    own = alone.theta[len(alone.model.material.parameters) :]
+    unlifted = np.concatenate([own, np.ones(len(own))])
+    read_off = np.array(list(aligned(model, data).values()))
+    # Two ways in, because few sweeps that hardly overlap can have two optima.
+    free = fit(model, data, alone.objective, seeds_theta=[unlifted, read_off])
+    # What the freest factors leave is the scatter that departures from the expected are weighed against.
+    rows = Rows.of(free)
+    expected = Expected(expectation(rows), rows.unit)
+    seeds = [unlifted, read_off, free.theta]
+    best = fit(model, data, alone.objective, seeds_theta=seeds, expected=expected.weighted)
+    return Rows.of(best, expected)
