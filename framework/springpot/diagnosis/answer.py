@@ -1,0 +1,207 @@
+"""The answer of a diagnosis as plain data and sentences, and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from springpot.measurement import Measurement
+from springpot.misfit.leftover import Column, column_behind, one_test_of
+from springpot.misfit.material import MaterialFloor, error_of, split_in_words
+from springpot.misfit.outliers import Outlier
+from springpot.misfit.values import printed
+from springpot.misfit.where import Where, periodic, where
+from springpot.misfit.words import times
+from springpot.policy import EXPERIMENT, VERDICT
+from springpot.rheology import Effect
+
+from .candidates import candidates_of
+from .evidence import Evidence
+from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
+from .marginal import explaining_unknown
+from .notes import header_notes, notes, unexplained_harmonics
+from .result import Diagnosis, NextExperiment, Verdict
+from .search import Search, with_factors
+from .verdict import drifted, leading_names, only_points, sentence
+
+BESIDE_MATERIAL = {
+    "effect-missing": ", and beside it a part of the material that no single effect supplies",
+    "unexplained": "; any linear material comes nearer than the model with any effect",
+    "inconclusive": "; any linear material comes nearer than the model with any effect",
+}
+"""What is added where effects are named beside a free spectrum."""
+OPEN = frozenset({"unexplained", "inconclusive"})
+"""Verdicts after which the cause may be something that no effect knows, such as another column."""
+HARMONICS = "; the force holds harmonics that this model does not make"
+
+
+def answer(
+    measurement: Measurement,
+    search: Search,
+    floor: MaterialFloor,
+    evidence: Evidence,
+    outliers: Sequence[Outlier],
+    verdict: Verdict,
+    library: Sequence[Effect],
+) -> Diagnosis:
+    """Tell what was found, of the user's own model whatever the names were found beside.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data as given.
+    search : Search
+        Fits and scans of the user's model.
+    floor : MaterialFloor
+        The least error that any material reaches.
+    evidence : Evidence
+        Of every effect.
+    outliers : sequence of Outlier
+        Points set aside.
+    verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
+        Overall.
+    library : sequence of Effect
+        Those with a factor for each level tell whether any shift would do.
+    """
+    error = error_of(search.base, floor)
+    # Noise that is hard to believe is told of first: until it is smaller, none of the rest is worth reading.
+    doubted = verdict == "inconclusive" and error.is_hardly_noise
+    candidates = candidates_of(evidence, verdict)
+    leading = leading_names(search, evidence, verdict)
+    column, one_test, split, classes, experiment = None, "", "", [], None
+    if verdict in OPEN:
+        column = column_behind(evidence.search.best.frame())
+        one_test, _ = one_test_of(search.base.data.raw, column)
+    if verdict != "adequate":
+        # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
+        if not doubted and not only_points(search, outliers):
+            split = split_in_words(search.base, floor)
+        classes = evidence.classes
+        # To look at one test needs no measurement: it comes first.
+        if not one_test:
+            experiment = _next_experiment(search, evidence, verdict, outliers, leading)
+    sentences = list(notes(evidence, verdict, outliers, column, len(measurement), library))
+    sentences += header_notes(candidates, measurement)
+    if doubted:
+        sentences.insert(0, error.advice)
+    diagnosis = Diagnosis(
+        data=search.base.data.raw.name,
+        model=search.base.model,
+        error=error,
+        verdict=verdict,
+        says=_says(search, evidence, verdict, outliers, column),
+        split=split,
+        where=tuple(_places(search, outliers, verdict)),
+        candidates=tuple(candidates),
+        classes=tuple(tuple(group) for group in classes),
+        next_experiment=experiment,
+        notes=tuple(sentences),
+        evidence=_chances(search, evidence),
+        parameters=printed(search.base),
+        leading=tuple(leading),
+        one_test=one_test,
+    )
+    return _with_factors(diagnosis, search, evidence, library)
+
+
+def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, library: Sequence[Effect]) -> Diagnosis:
+    """The same, where nothing is named and a factor at each level of a condition takes the error to the noise."""
+    if diagnosis.verdict != "unexplained" or diagnosis.leading or evidence.search is not search:
+        return diagnosis
+    unknown = explaining_unknown(search)
+    if unknown is None or not unknown.gain_of:
+        return diagnosis
+    factors = with_factors(search, library, unknown.gain_of)
+    if factors is None:
+        return diagnosis
+    left = times(factors.refit.relative_rms / factors.refit.floor)
+    (name,) = factors.names
+    # Named all the same, and first: so a user can go on, and knows that it is no law.
+    gains = f"a gain of its own at each {unknown.gain_of}, which no law joins"
+    return replace(diagnosis, says=f"{diagnosis.says}; {name} takes it to {left}: {gains}", leading=factors.names)
+
+
+def _says(
+    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], column: Column | None
+) -> str:
+    """The sentence of the verdict, with what was seen beside any material and in the force's harmonics."""
+    says = sentence(search, evidence, verdict, outliers, column)
+    if evidence.search is not search:
+        says = f"{says}{BESIDE_MATERIAL[verdict]}"
+    if unexplained_harmonics(evidence.search, verdict):
+        says = f"{says}{HARMONICS}"
+    return says
+
+
+def _chances(search: Search, evidence: Evidence) -> dict[str, float]:
+    """The chances on which the verdict rests."""
+    return {
+        "p_library": search.scan.p_value,
+        "p_structure": search.structure.p_value,
+        "p_left": evidence.search.left.p_value,
+        "p_repeats": search.repeats.p_value,
+        "nothing": evidence.nothing,
+        "unknown": evidence.unknown + evidence.narrow + evidence.other_shape,
+    }
+
+
+def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> Iterator[Where]:
+    """Single points first, then bands, then what only a period shows."""
+    yield from (outlier.place for outlier in outliers)
+    bands = []
+    if verdict != "adequate":
+        bands = where(search.frame)
+    yield from bands
+    # A ripple of which no band is off to one side would else leave "unexplained" without a place.
+    if not bands and verdict == "unexplained" and search.structure.parts["ripple"] < VERDICT.structure_alarm:
+        yield periodic(search.frame)
+
+
+def _next_experiment(
+    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], leading: Sequence[str]
+) -> NextExperiment | None:
+    """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
+    # Whatever else is open: first the frequency and the amplitude must be told from each other.
+    names = [grown.names[0] for grown in evidence.search.confounded]
+    if evidence.moved:
+        names = [name for name in evidence.classes[0] if name in evidence.moved]
+    if names and verdict != "adequate":
+        return experiment_on_confounded(evidence.search.base.fit.measurement, names)
+    if only_points(search, outliers):
+        return experiment_on_points(outliers)
+    # The cheapest question of all, and no other measurement answers it.
+    if evidence.drift is not None:
+        return experiment_on_unknown(search.base.data.raw)
+    # Effects that nobody believes in are not worth a measurement that tells them apart.
+    experiment = None
+    if verdict != "unexplained" or leading:
+        experiment = _between_effects(evidence)
+    # Where repeats drift, the very question has been answered.
+    if experiment is None and verdict in OPEN and not drifted(search):
+        experiment = experiment_on_unknown(search.base.data.raw)
+    return experiment
+
+
+def _between_effects(evidence: Evidence) -> NextExperiment | None:
+    """What would settle the more open of two questions: which effect leads, and which one stands beside it."""
+    if not evidence.explanations:
+        return None
+    chances, fits = evidence.rivals, evidence.likeliest_with()
+    if _openness(evidence.partners) > _openness(chances):
+        chances = evidence.partners
+        fits = {name: grown.refit for name, grown in evidence.grown_beside(chances).items()}
+    if _openness(chances) < EXPERIMENT.rival:
+        return None
+    if sorted(chances.values())[-2] < EXPERIMENT.believed:
+        return None
+    # Two, not all rivals: a measurement that separates the leading ones can be promised in one sentence.
+    first, second = sorted(chances, key=lambda name: -chances[name])[:2]
+    return next_experiment(fits[first], fits[second], (first, second), (chances[first], chances[second]))
+
+
+def _openness(chances: Mapping[str, float]) -> float:
+    """Odds of the second likeliest answer against the likeliest."""
+    most = sorted(chances.values())[-2:]
+    if len(most) < 2 or most[1] <= 0.0:
+        return 0.0
+    return most[0] / most[1]
