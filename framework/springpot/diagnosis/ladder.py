@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
-from springpot.identification import require_conditions
+from springpot.identification import EDGE, require_conditions
 from springpot.measurement import Measurement
-from springpot.misfit.refit import refit
+from springpot.misfit.refit import Refit, refit
 from springpot.misfit.unseen import prediction_gain
 from springpot.misfit.values import Value, printed
 from springpot.policy import SEARCH, VERDICT
@@ -220,7 +220,20 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
+    if _at_its_limit(case.evidence.likeliest_with()[candidates[0].effect], candidates[0].physics):
+        return None
     return candidates[0].physics
+
+
+def _at_its_limit(fitted: Refit, effect: Effect) -> bool:
+    """Whether the size of an effect rests on a bound at which it does not vanish: more of it than physics knows.
+
+    What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
+    """
+    size = effect.element.parameters[0]
+    value = float(fitted.theta[fitted.model.names.index(f"{effect.name}.{size.name}")])
+    ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
+    return any(abs(value - end) <= EDGE * abs(end) for end in ends)
 
 
 def _explained(steps: list[Step]) -> list[Step]:
