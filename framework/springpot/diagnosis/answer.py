@@ -18,7 +18,6 @@ from springpot.rheology import Effect
 from .candidates import candidates_of
 from .evidence import Evidence
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
-from .marginal import explaining_unknown
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Diagnosis, NextExperiment, Verdict
 from .search import Search, with_factors
@@ -108,17 +107,17 @@ def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, libr
     """The same, where nothing is named and a factor at each level of a condition takes the error to the noise."""
     if diagnosis.verdict != "unexplained" or diagnosis.leading or evidence.search is not search:
         return diagnosis
-    unknown = explaining_unknown(search)
-    if unknown is None or not unknown.gain_of:
-        return diagnosis
-    factors = with_factors(search, library, unknown.gain_of)
+    factors = with_factors(search, library)
     if factors is None:
         return diagnosis
     left = times(factors.refit.relative_rms / factors.refit.floor)
-    (name,) = factors.names
+    (effect,) = factors.effects
+    (column,) = effect.needs
     # Named all the same, and first: so a user can go on, and knows that it is no law.
-    gains = f"a gain of its own at each {unknown.gain_of}, which no law joins"
-    return replace(diagnosis, says=f"{diagnosis.says}; {name} takes it to {left}: {gains}", leading=factors.names)
+    what = f"a factor of its own at each {column}, which no law joins"
+    return replace(
+        diagnosis, says=f"{diagnosis.says}; {effect.name} takes it to {left}: {what}", leading=factors.names
+    )
 
 
 def _says(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from typing import TypeAlias
 
@@ -71,14 +71,11 @@ class Unknown:
         Drop of the whitened residual sum of squares, at each place at which the shape was tried.
     shapes : int
         How many shapes follow the residual.
-    gain_of : str
-        The condition of which each level has a gain of its own, if that is what it is.
     """
 
     says: str
     drops: Real
     shapes: int
-    gain_of: str = ""
 
     @property
     def drop(self) -> float:
@@ -108,7 +105,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
     for name in CONDITIONS:
         curves = _own_levels(frame, name)
         if len(curves):
-            yield replace(_family(frame, curves, f"a gain of its own at each {name}"), gain_of=name)
+            yield _family(frame, curves, f"a gain of its own at each {name}")
             yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
     yield from _step(frame, log_omega)
 

@@ -9,13 +9,13 @@ from math import inf
 import numpy as np
 
 from springpot.identification import EDGE, Effort, within_material
-from springpot.measurement import moved_along
+from springpot.measurement import CONDITIONS, moved_along, telling
 from springpot.misfit.battery import Battery, battery
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
-from springpot.policy import EVIDENCE, SEARCH
+from springpot.policy import EVIDENCE, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
@@ -159,10 +159,10 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
     return search
 
 
-def with_factors(search: Search, library: Sequence[Effect], column: str) -> Grown | None:
-    """The model with a factor of its own at each level of a column, where that takes the error to the noise.
+def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
+    """The model with a factor of its own at each level of a condition, where that takes the error down; else None.
 
-    It is no law, and is sought only where a gain of its own at each level is what the misfit looks like.
+    Such factors are no law, and are sought only where no effect with a law is found.
 
     Parameters
     ----------
@@ -170,18 +170,25 @@ def with_factors(search: Search, library: Sequence[Effect], column: str) -> Grow
         A finished search.
     library : sequence of Effect
         Effects, those with a factor for each level among them.
-    column : str
-        A condition.
     """
-    base = search.base
-    present = {effect.name for effect in base.model.effects}
+    base, measurement = search.base, search.base.fit.measurement
+    levels = {name: len(np.unique(measurement.levels(name))) for name in telling(measurement) & set(CONDITIONS)}
+    shifted = any(effect.plane == "shift" for effect in base.model.effects)
+    best: Grown | None = None
     for effect in library:
-        gains = effect.by_levels and effect.plane == "log-complex" and effect.needs == {column}
-        if gains and effect.name not in present and enough_for(base, base.model + effect):
-            grown = refit(base.model + effect, base.data, base.noise, [], starts=2)
-            clear = grown.log_evidence > base.log_evidence + 0.5 * SEARCH.decisive
-            if clear and not beyond_floor(grown):
-                return Grown((effect,), grown, grown.rss)
+        several = effect.by_levels and all(levels.get(name, 0) >= EVIDENCE.fewest_levels for name in effect.needs)
+        # A law and free factors of the same times are one too many.
+        again = effect in base.model.effects or (shifted and effect.plane == "shift")
+        if not several or again or not enough_for(base, base.model + effect):
+            continue
+        grown = Grown((effect,), refit(base.model + effect, base.data, base.noise, [], starts=2), 0.0)
+        if best is None or grown.refit.log_evidence > best.refit.log_evidence:
+            best = grown
+    if best is None or best.refit.log_evidence < base.log_evidence + 0.5 * SEARCH.decisive:
+        return None
+    takes_most = best.refit.relative_rms <= VERDICT.takes_most * base.relative_rms
+    if takes_most or not beyond_floor(best.refit):
+        return best
     return None
 
 
