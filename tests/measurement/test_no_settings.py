@@ -1,0 +1,63 @@
+"""Columns beside a measurement: which set something, and which only name or repeat what is known."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.measurement import settings_of, tests_together
+
+CELSIUS = np.repeat(np.linspace(-50.0, 100.0, 21), 10)
+OMEGA = 2.0 * np.pi * np.tile(np.geomspace(0.1, 100.0, 10), 21)
+NUMBER = np.repeat(np.arange(21.0), 10)
+
+
+def table(conditions=(), labels=()):
+    stiffness = 1e6 * (1j * OMEGA) ** 0.3
+    return springpot.Measurement(OMEGA, stiffness, conditions=dict(conditions), labels=dict(labels))
+
+
+@pytest.mark.parametrize("name", ["set", "step", "Segment"])
+def test_a_number_of_each_temperature_is_no_setting(name):
+    data = table({"temperature": CELSIUS, name: NUMBER})
+    assert settings_of(data) == {}
+    assert tests_together(data) == []
+
+
+def test_nor_is_a_word_for_each():
+    words = np.array([f"segment {number:.0f}" for number in NUMBER])
+    data = table({"temperature": CELSIUS}, {"step": words})
+    assert settings_of(data) == {}
+    assert tests_together(data) == []
+
+
+def test_a_number_that_is_not_one_of_each_temperature_is_a_setting():
+    """Two specimens, each at every temperature."""
+    specimen = np.tile(np.repeat([1.0, 2.0], 5), 21)
+    data = table({"temperature": CELSIUS, "specimen": specimen})
+    assert list(settings_of(data)) == ["specimen"]
+
+
+@pytest.mark.parametrize("pair", [(0.400, 0.401), (19.98, 20.02), (-0.401, -0.400)])
+def test_what_was_held_within_its_rounding_is_no_setting(pair):
+    held = np.random.default_rng(1).choice(np.array(pair), len(OMEGA))
+    assert settings_of(table({"displacement": held})) == {}
+
+
+@pytest.mark.parametrize("pair", [(1001.0, 1002.0), (0.40, 0.44), (0.0, 0.5)])
+def test_numbers_of_specimens_and_values_that_differ_are_settings(pair):
+    chosen = np.random.default_rng(1).choice(np.array(pair), len(OMEGA))
+    assert list(settings_of(table({"specimen": chosen}))) == ["specimen"]
+
+
+@pytest.mark.parametrize(("name", "told"), [("step", False), ("specimen", True)])
+def test_a_file_with_a_numbered_temperature_is_one_test(tmp_path, name, told):
+    """The note is written where the file is read: of a step's number none, of two specimens one."""
+    number = NUMBER
+    if told:
+        number = np.tile(np.repeat([1.0, 2.0], 5), 21)
+    rows = np.column_stack([OMEGA / (2.0 * np.pi), 100.0 + OMEGA**0.3, OMEGA**0.3, CELSIUS, number])
+    path = tmp_path / "sweeps.csv"
+    header = f"frequency [Hz],storage [kN/m],loss [kN/m],temperature [degC],{name}"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.9g")
+    notes = " ".join(str(note) for note in springpot.read(path).provenance.values())
+    assert ("rows of several tests" in notes) == told
