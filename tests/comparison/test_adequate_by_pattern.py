@@ -6,19 +6,19 @@ import pytest
 import springpot
 
 
-def sweep(rng, count, drift=0.0):
-    """A fractional Zener element, 0.05 % noise; its gain may grow along the sweep."""
+def sweep(rng, count, ripple=0.0):
+    """A fractional Zener element, 0.05 % noise; its gain may go up and down along the sweep."""
     omega = 2.0 * np.pi * np.geomspace(0.1, 50.0, count)
     power = (1j * omega * 0.03) ** 0.62
-    gain = 1.0 + drift * np.linspace(0.0, 1.0, count)
+    gain = 1.0 + ripple * np.sin(12.0 * np.linspace(0.0, 1.0, count))
     real, imaginary = 5e-4 * rng.normal(size=(2, count))
     stiffness = gain * (120.0 + 440.0 * power / (1.0 + power)) * (1.0 + real + 1j * imaginary)
     return springpot.Measurement(omega, stiffness, units=springpot.Units("kN/m", "mm"))
 
 
-@pytest.fixture(scope="module", params=[0, 3], ids="seed {}".format)
-def whole(request):
-    data = sweep(np.random.default_rng(request.param), 11)
+@pytest.fixture(scope="module")
+def whole():
+    data = sweep(np.random.default_rng(3), 11)
     return data, springpot.compare(data)
 
 
@@ -35,7 +35,7 @@ def test_none_whose_residual_has_a_pattern_is_adequate(whole):
         assert not one.fails
 
 
-def test_nor_where_a_gain_that_drifted_is_within_the_noise_by_size():
-    """The errors of these fits are no larger than noise makes them; their residuals go slowly along the sweep."""
-    ranking = springpot.compare(sweep(np.random.default_rng(1), 12, drift=0.004))
+def test_nor_where_a_ripple_is_within_the_noise_by_size():
+    """The errors of these fits are no larger than noise makes them; their residuals go up and down."""
+    ranking = springpot.compare(sweep(np.random.default_rng(1), 12, ripple=0.0015))
     assert not [one.model.name for one in ranking.adequate if one.fails]

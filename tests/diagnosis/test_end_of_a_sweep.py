@@ -12,7 +12,9 @@ EFFECTS = ("inertia", "time-delay", "series-spring")
 def judged(omega, stiffness, noise, rng):
     """What is missing from any material, by the effects that could be at an end."""
     real, imaginary = noise * rng.normal(size=(2, len(omega)))
-    data = springpot.Measurement(omega, stiffness * (1.0 + real + 1j * imaginary), units=springpot.Units("kN/m", "mm"))
+    data = springpot.Measurement(
+        omega, stiffness * (1.0 + real + 1j * imaginary), units=springpot.Units("kN/m", "mm")
+    )
     effects = [springpot.plugins().effect(name) for name in EFFECTS]
     return diagnose(data, springpot.parse_model("material"), effects, np.random.default_rng(0))
 

@@ -5,8 +5,10 @@ import pytest
 
 import springpot
 from springpot.cli.diagnose import _next_command
+from springpot.diagnosis import diagnose
 
 MODEL = "material + wlf-shift"
+EFFECTS = ("free-shift", "free-vertical-shift", "vertical-shift", "arrhenius-dashpot", "time-delay", "inertia")
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +22,8 @@ def found():
     data = springpot.Measurement(
         2.0 * np.pi * hertz, stiffness, conditions={"temperature": celsius}, units=springpot.Units("kN/m", "mm")
     )
-    return springpot.diagnose(data, MODEL)
+    effects = [springpot.plugins().effect(name) for name in EFFECTS]
+    return diagnose(data, springpot.parse_model(MODEL), effects, np.random.default_rng(0))
 
 
 def test_no_law_explains_it_and_a_factor_at_each_takes_it_to_the_noise(found):

@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
-from wide_sweeps import C1, C2, NOISE, spectrum
 
 import springpot
+from springpot.diagnosis import diagnose
+from wide_sweeps import C1, C2, NOISE, spectrum
+
+EFFECTS = ("wlf-shift", "arrhenius-shift", "vertical-shift", "time-delay", "inertia", "specimen-inertia-fixed")
 
 
 @pytest.fixture(scope="module")
 def found():
-    return springpot.diagnose(spectrum(np.random.default_rng(1), force_held=True))
+    effects = [springpot.plugins().effect(name) for name in EFFECTS]
+    data = spectrum(np.random.default_rng(1), force_held=True)
+    return diagnose(data, springpot.parse_model("material"), effects, np.random.default_rng(0))
 
 
 def test_the_shift_alone_is_named(found):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from wide_sweeps import C1, C2, NOISE, spectrum
 
 import springpot
+from wide_sweeps import C1, C2, NOISE, spectrum
 
 MODEL = "material + wlf-shift"
 SHIFT = {"wlf-shift.C1": C1, "wlf-shift.C2": C2}

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from wide_sweeps import CELSIUS, HERTZ, spectrum
 
 from springpot.measurement import sweeps_of
+from wide_sweeps import CELSIUS, HERTZ, spectrum
 
 
 @pytest.mark.parametrize("force_held", [False, True])

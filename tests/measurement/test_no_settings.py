@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.measurement import settings_of, tests_together
+from springpot.measurement import settings_of
+from springpot.measurement import tests_together as several_tests
 
 CELSIUS = np.repeat(np.linspace(-50.0, 100.0, 21), 10)
 OMEGA = 2.0 * np.pi * np.tile(np.geomspace(0.1, 100.0, 10), 21)
 NUMBER = np.repeat(np.arange(21.0), 10)
+TWO_AT_EACH = np.tile(np.repeat([1.0, 2.0], 5), 21)
 
 
 def table(conditions=(), labels=()):
@@ -20,20 +22,19 @@ def table(conditions=(), labels=()):
 def test_a_number_of_each_temperature_is_no_setting(name):
     data = table({"temperature": CELSIUS, name: NUMBER})
     assert settings_of(data) == {}
-    assert tests_together(data) == []
+    assert several_tests(data) == []
 
 
 def test_nor_is_a_word_for_each():
     words = np.array([f"segment {number:.0f}" for number in NUMBER])
     data = table({"temperature": CELSIUS}, {"step": words})
     assert settings_of(data) == {}
-    assert tests_together(data) == []
+    assert several_tests(data) == []
 
 
 def test_a_number_that_is_not_one_of_each_temperature_is_a_setting():
     """Two specimens, each at every temperature."""
-    specimen = np.tile(np.repeat([1.0, 2.0], 5), 21)
-    data = table({"temperature": CELSIUS, "specimen": specimen})
+    data = table({"temperature": CELSIUS, "specimen": TWO_AT_EACH})
     assert list(settings_of(data)) == ["specimen"]
 
 
@@ -49,15 +50,14 @@ def test_numbers_of_specimens_and_values_that_differ_are_settings(pair):
     assert list(settings_of(table({"specimen": chosen}))) == ["specimen"]
 
 
-@pytest.mark.parametrize(("name", "told"), [("step", False), ("specimen", True)])
-def test_a_file_with_a_numbered_temperature_is_one_test(tmp_path, name, told):
-    """The note is written where the file is read: of a step's number none, of two specimens one."""
-    number = NUMBER
-    if told:
-        number = np.tile(np.repeat([1.0, 2.0], 5), 21)
+@pytest.mark.parametrize(
+    ("number", "told"), [(NUMBER, False), (TWO_AT_EACH, True)], ids=["of temperatures", "of two"]
+)
+def test_only_a_file_of_several_tests_is_said_to_hold_them(tmp_path, number, told):
+    """The note is written where the file is read."""
     rows = np.column_stack([OMEGA / (2.0 * np.pi), 100.0 + OMEGA**0.3, OMEGA**0.3, CELSIUS, number])
     path = tmp_path / "sweeps.csv"
-    header = f"frequency [Hz],storage [kN/m],loss [kN/m],temperature [degC],{name}"
+    header = "frequency [Hz],storage [kN/m],loss [kN/m],temperature [degC],set"
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.9g")
     notes = " ".join(str(note) for note in springpot.read(path).provenance.values())
     assert ("rows of several tests" in notes) == told

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from wide_sweeps import NOISE, spectrum
 
 from springpot.misfit import any_material
 from springpot.misfit.floor import fitted_to_floor
 from springpot.misfit.material import material_floor
 from springpot.registry import parse_model
+from wide_sweeps import NOISE, spectrum
 
 ADEQUATE = "havriliak-negami + wlf-shift"
 
