@@ -30,7 +30,7 @@ def test_no_law_explains_it_and_a_factor_at_each_takes_it_to_the_noise(found):
     assert found.verdict == "unexplained"
     assert found.leading == ("free-vertical-shift",)
     assert "free-vertical-shift takes it to" in found.says
-    assert "a gain of its own at each temperature, which no law joins" in found.says
+    assert "a factor of its own at each temperature, which no law joins" in found.says
 
 
 def test_the_next_command_accepts_it(found):

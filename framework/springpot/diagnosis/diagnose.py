@@ -188,7 +188,7 @@ def examine(
     if verdict == "effect-missing":
         evidence = evidence.without_unknown().beside_drift()
     elif verdict == "unexplained":
-        evidence = evidence.doubted(naming.left.p_value)
+        evidence = evidence.doubted(naming.left.p_value).beside_drift()
     diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library)
     return Case(search, naming, floor, evidence, tuple(outliers), diagnosis)
 

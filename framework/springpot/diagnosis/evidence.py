@@ -189,6 +189,7 @@ class Evidence:
         return self._with_unknown(0.0)
 
     def _with_unknown(self, unknown: float) -> Evidence:
+        unknown = float(unknown)
         share = (1.0 - unknown) / max(1.0 - self.unknown, 1e-300)
         # All by one factor: what the unknown takes says nothing of which known explanation is right.
         scaled = tuple(replace(one, probability=one.probability * share) for one in self.explanations)

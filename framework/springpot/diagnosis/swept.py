@@ -65,7 +65,8 @@ def drift_in_place(search: Search) -> SweepDrift | None:
     best = grown[0]
     as_good = best.refit.rss + 2.0 * EVIDENCE.as_good
     found: tuple[float, SweepDrift] | None = None
-    for effect in best.effects:
+    # A drift is slow: what is narrow is nothing that it could stand for.
+    for effect in [effect for effect in best.effects if not effect.narrow]:
         share, rss = _drifting(_without(search, effect.name))
         # As many parameters as an effect of one; one of more would have to explain more to be preferred.
         if rss <= as_good and abs(share) > LEAST_WORTH and (found is None or rss < found[0]):

@@ -294,7 +294,9 @@ def sentence(
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
         missing = f"{names} takes it to {left}, and something is missing beside it that no effect explains"
         # "to 1 x, and something is missing beside it" would be a riddle.
-        if most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
+        if evidence.drift is not None and evidence.drift.effect == most[0].names[0]:
+            missing = f"{names} takes it to {left}, and so does {evidence.drift.says}"
+        elif most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
             missing = f"{names} takes it to {left}, but what has no name in the library explains it better"
     elif moved := _by_confounded(evidence.search):
         missing = moved
