@@ -16,6 +16,9 @@ from .result import Candidate, EffectVerdict, Verdict
 from .scan import Score
 from .search import Grown, Search
 
+BELIEVED = 0.1
+"""Probability from which an effect's interval is worth the time of a profile."""
+
 
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     """All scanned effects as candidates, the likeliest first; none is missing where the verdict is another."""
@@ -49,7 +52,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
             grown = beside[name]
             if leader in alone:
                 before = alone[leader].refit
-        row = _candidate(before, score, grown)
+        row = _candidate(before, score, grown, chance > BELIEVED)
         if name in beside:
             row = replace(row, says=f"beside {leader}: {row.says}")
         rows.append(replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word))
@@ -58,7 +61,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
     return rows
 
 
-def _candidate(before: Refit, score: Score, grown: Grown | None) -> Candidate:
+def _candidate(before: Refit, score: Score, grown: Grown | None, believed: bool) -> Candidate:
     """What one effect does when it joins a fitted model: the user's alone, or that with the leading effect."""
     effect = score.influence.effect
     row = Candidate(
@@ -81,7 +84,7 @@ def _candidate(before: Refit, score: Score, grown: Grown | None) -> Candidate:
         delta_bic=2.0 * (grown.refit.log_evidence - before.log_evidence),
         predicted_error=_predicted(before, grown.predicted),
         error_after=grown.refit.relative_rms,
-        parameters=_parameters(grown.refit, effect),
+        parameters=_parameters(grown.refit, effect, believed),
     )
 
 
@@ -103,10 +106,10 @@ def _effect_verdict(search: Search, score: Score, best: Refit | None, missing: b
     return "cannot-tell"
 
 
-def _parameters(refit: Refit, effect: Effect) -> dict[str, Value]:
+def _parameters(refit: Refit, effect: Effect, by_profile: bool) -> dict[str, Value]:
     """The effect's own parameters in printed units, without the prefix of its name."""
     own = {}
-    for name, value in printed(refit).items():
+    for name, value in printed(refit, by_profile).items():
         prefix, _, short = name.rpartition(".")
         if prefix.partition("#")[0] == effect.name:
             own[short] = value

@@ -19,7 +19,7 @@ from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .simulated import bootstrap
 from .space import SearchSpace, box_of, paper_box, require_conditions
-from .uncertainty import Uncertainty, held_costs, profile
+from .uncertainty import Uncertainty, held_costs, intervals_beside_material, profile
 from .value import Value, kept_interval
 
 __all__ = [
@@ -55,6 +55,7 @@ __all__ = [
     "fit",
     "fit_batch",
     "identify",
+    "intervals_beside_material",
     "is_material",
     "kept_interval",
     "own_parameters",

@@ -23,7 +23,7 @@ from .result import Identification
 from .run import Run
 from .simulated import bootstrap
 from .space import require_conditions
-from .uncertainty import Uncertainty, profile
+from .uncertainty import Uncertainty, intervals_beside_material, profile
 
 NATIVE = "native"
 BUDGET = 8000
@@ -304,4 +304,4 @@ def _interval(known: Uncertainty, kind: str, seed: int) -> tuple[Real, Real]:
         low = np.where(known.at_bound < 0, bounds[0], np.minimum(low, known.fit.theta))
         high = np.where(known.at_bound > 0, bounds[1], np.maximum(high, known.fit.theta))
         return low, high
-    return known.interval()
+    return intervals_beside_material(known)

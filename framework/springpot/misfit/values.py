@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from springpot.identification import Uncertainty
+from springpot.identification import Uncertainty, intervals_beside_material
 from springpot.policy import VERDICT
 
 from .refit import Refit
@@ -20,14 +20,25 @@ class Value:
     unit: str
 
 
-def printed(refit: Refit) -> dict[str, Value]:
+def printed(refit: Refit, by_profile: bool = True) -> dict[str, Value]:
     """All parameters with their 95 % intervals, in the units in which they are printed.
 
     Where a model does not fit, its misfit and not the noise sets how uncertain they are.
+
+    Parameters
+    ----------
+    refit : Refit
+        A fit.
+    by_profile : bool
+        Whether wide intervals beside a free spectrum are taken by profile, which takes some 50 ms each.
     """
     units = refit.fit.measurement.units
     fits = refit.fit.dof <= 0 or refit.relative_rms < VERDICT.misfit * refit.floor
-    low, high = Uncertainty(refit.fit, absolute=fits).interval()
+    known = Uncertainty(refit.fit, absolute=fits)
+    if by_profile:
+        low, high = intervals_beside_material(known)
+    else:
+        low, high = known.interval()
     rows = {}
     for i, parameter in enumerate(refit.model.parameters):
         # The lines of a free spectrum are told as a whole, as a spectrum.
