@@ -2,6 +2,7 @@
 
 from .batch import fit_batch
 from .bounded import BoundedDescent, minima_in_box
+from .held_material import intervals_beside_material
 from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
@@ -19,7 +20,7 @@ from .run import Run, run, run_batch
 from .settings import EDGE, Window, settings, shown
 from .simulated import bootstrap
 from .space import SearchSpace, box_of, paper_box, require_conditions
-from .uncertainty import Uncertainty, held_costs, intervals_beside_material, profile
+from .uncertainty import Uncertainty, held_costs, profile
 from .value import Value, kept_interval
 
 __all__ = [

@@ -13,6 +13,7 @@ from springpot.measurement import Measurement
 from springpot.rheology import Levels, Model, Real
 
 from .guard import guarded
+from .held_material import intervals_beside_material
 from .material import is_material
 from .native import Fit, fit, require_enough
 from .notes import notes_on
@@ -23,7 +24,7 @@ from .result import Identification
 from .run import Run
 from .simulated import bootstrap
 from .space import require_conditions
-from .uncertainty import Uncertainty, intervals_beside_material, profile
+from .uncertainty import Uncertainty, profile
 
 NATIVE = "native"
 BUDGET = 8000

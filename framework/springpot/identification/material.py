@@ -142,7 +142,7 @@ class _Probe(Node):
 
 
 @dataclass(frozen=True, eq=False)
-class _Trial:
+class Trial:
     """The best spectrum at given parameters of the effects."""
 
     u: Real
@@ -151,7 +151,7 @@ class _Trial:
     cost: float
 
 
-class _Search:
+class SpectrumSearch:
     """Variable projection for one model and one set of data."""
 
     def __init__(
@@ -178,6 +178,30 @@ class _Search:
         self._with_lines: dict[bytes, Model] = {}
         self._probe = _Probe([])
         self._probed = replace(model, material=self._probe)
+
+    @classmethod
+    def of(
+        cls, model: Model, measurement: Measurement, objective: Objective, expected: Real | None = None
+    ) -> SpectrumSearch:
+        """The search in units of an objective, a logarithmic one by its weights relative to |K|."""
+        weights = objective.weights(measurement)
+        if objective.logarithmic:
+            weights = weights / measurement.magnitude
+        return cls(model, measurement, np.asarray(weights, dtype=np.complex128), expected)
+
+    def held(self, best: Trial, place: int, coordinate: float) -> Trial:
+        """The best spectrum with one of the effects' coordinates held there, and the others refitted."""
+        u = best.u.copy()
+        u[place] = coordinate
+        trial = self.solve(u)
+        if len(self.own) == 1:
+            return trial
+        # Bounds that meet hold a coordinate in its place.
+        low, high = self.low, self.high
+        self.low, self.high = (np.where(np.arange(len(u)) == place, coordinate, bound) for bound in (low, high))
+        trial, _ = self.descend(trial, QUICK)
+        self.low, self.high = low, high
+        return trial
 
     def theta_of(self, u: Real) -> Real:
         """The effects' parameters (q,) within their bounds."""
@@ -217,14 +241,14 @@ class _Search:
         # On multiples of the step, so that spectra of neighbouring settings have their lines in common.
         return STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1.0)
 
-    def respond(self, trial: _Trial) -> Response:
+    def respond(self, trial: Trial) -> Response:
         """K of a trial and its derivative."""
         self.evaluations += 1
         theta = np.concatenate([trial.weights, self.theta_of(trial.u)])
         with np.errstate(all="ignore"):
             return self.with_lines(trial.log_rates).network.respond(theta, self.points, GRADIENT)
 
-    def solve(self, u: Real, log_rates: Real | None = None) -> _Trial:
+    def solve(self, u: Real, log_rates: Real | None = None) -> Trial:
         """The best spectrum for the effects' parameters `u`; of infinite cost where K is no number."""
         if log_rates is None:
             log_rates = self.lattice(self.theta_of(u))
@@ -234,7 +258,7 @@ class _Search:
         start = np.zeros(count)
         if not self.linear:
             start = np.full(count, self.scale / count)
-        best = trial = _Trial(u, log_rates, start, np.inf)
+        best = trial = Trial(u, log_rates, start, np.inf)
         foretold = np.inf
         surprise = self.surprise(self.theta_of(u))
         beside = float(surprise @ surprise)
@@ -262,8 +286,8 @@ class _Search:
         return best
 
     def descend(
-        self, trial: _Trial, iterations: int = ITERATIONS, still: float = STILL, hopeless: float = np.inf
-    ) -> tuple[_Trial, bool]:
+        self, trial: Trial, iterations: int = ITERATIONS, still: float = STILL, hopeless: float = np.inf
+    ) -> tuple[Trial, bool]:
         """Levenberg-Marquardt on the effects' parameters, and whether it came to rest; ended where it is hopeless."""
         if not len(trial.u) or not np.isfinite(trial.cost):
             return trial, True
@@ -287,7 +311,7 @@ class _Search:
             slopes = self._slopes(trial)
         return trial, False
 
-    def _slopes(self, trial: _Trial) -> tuple[Real, Real]:
+    def _slopes(self, trial: Trial) -> tuple[Real, Real]:
         """Residual (m,) and its fall (m, q) with u where the lines that carry weight follow; 0 at a bound."""
         response, own = self.respond(trial), self.theta_of(trial.u)
         count = len(trial.weights)
@@ -307,7 +331,7 @@ class _Search:
         resting = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))
         return residual, np.where(resting, 0.0, slopes)
 
-    def refined(self, trial: _Trial) -> _Trial:
+    def refined(self, trial: Trial) -> Trial:
         """The same with lines between those that carry weight, ever closer, as long as that explains more."""
         spacing = STEP
         for _ in range(REFINEMENTS):
@@ -321,7 +345,7 @@ class _Search:
             trial = finer
         return trial
 
-    def affordable(self, trial: _Trial) -> _Trial:
+    def affordable(self, trial: Trial) -> Trial:
         """The same with fewer lines, where those that carry weight are more than the data can bear."""
         most = max(1, 2 * len(self.data) - SPARE - 2 - len(self.own))
         if np.sum(trial.weights[2:] > 0.0) <= most:
@@ -330,7 +354,7 @@ class _Search:
         coarse = self._strongest(self.solve(trial.u), most)
         return min(self._strongest(trial, most), coarse, key=lambda each: each.cost)
 
-    def _strongest(self, trial: _Trial, most: int) -> _Trial:
+    def _strongest(self, trial: Trial, most: int) -> Trial:
         """The same with the strongest lines alone, so many at most."""
         while (count := int(np.sum(trial.weights[2:] > 0.0))) > most:
             columns = weighted(self.respond(trial).by_theta[2 : len(trial.weights)], self.weights)
@@ -340,7 +364,7 @@ class _Search:
             trial = self.solve(trial.u, np.sort(trial.log_rates[strongest]))
         return trial
 
-    def result(self, trial: _Trial, converged: bool) -> Spectral:
+    def result(self, trial: Trial, converged: bool) -> Spectral:
         """The fitted model with the lines that carry weight."""
         trial = self.affordable(trial)
         # Lines without weight are no parameters: they would have intervals, and cost degrees of freedom.
@@ -419,11 +443,7 @@ def fit_spectrum(
         What is known of the effects' q parameters beforehand: the squares of these rows times their logarithms are
         added to the objective (Tikhonov's regularisation).
     """
-    weights = objective.weights(measurement)
-    if objective.logarithmic:
-        weights = weights / measurement.magnitude
-    weights = np.asarray(weights, dtype=np.complex128)
-    search = coarse = _Search(model, measurement, weights, expected)
+    search = coarse = SpectrumSearch.of(model, measurement, objective, expected)
     # A material alone is a convex problem: nothing is searched but its lines.
     if not search.own:
         return search.result(search.refined(search.solve(np.zeros(0))), True)
@@ -433,7 +453,7 @@ def fit_spectrum(
         if expected is not None:
             # What is expected weighs against the points: of fewer points as much less.
             expected = np.sqrt(part) * expected
-        coarse = _Search(model, measurement.subset(rows), weights[rows], expected)
+        coarse = SpectrumSearch(model, measurement.subset(rows), search.weights[rows], expected)
     count = len(search.own)
     seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
     if starts and not seeds:
@@ -449,7 +469,7 @@ def fit_spectrum(
     return search.result(search.refined(best), converged)
 
 
-def _settings(search: _Search, measurement: Measurement) -> Real:
+def _settings(search: SpectrumSearch, measurement: Measurement) -> Real:
     """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
     known: dict[str, float] = {}
     if any(effect.by_levels for effect in search.model.effects):

@@ -13,7 +13,6 @@ from springpot.rheology import Real
 
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
-from .material import is_material, own_parameters
 from .native import Fit
 from .task import Task
 
@@ -25,8 +24,6 @@ PART = 1e-3
 """Part in such a direction from which a parameter is lost with it: rounding mixes directions by 1e-16 / RANK."""
 TRACELESS = 1e-6
 """Change of the data, over their size, by a factor e of a parameter that has left no trace: no instrument sees it."""
-MOST_PROFILED = 6
-"""Parameters around a free spectrum of which profiles are taken, some 50 ms each; factors of many levels are not."""
 PROFILED = 1e-4
 """Relative error of the ends of a profile's interval: below the four digits that are printed."""
 
@@ -303,35 +300,9 @@ def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, floa
     >>> bool(low < best.theta[best.model.names.index("alpha")] < high)
     True
     """
-    return _profiled(Uncertainty.of(fit, level), fit.model.names.index(parameter))
-
-
-def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
-    """Ends (p,) of the intervals of all parameters, those of effects around a free spectrum by profile where wide.
-
-    The weights of a spectrum may not fall below zero. The slopes do not know that: a mass that they leave open
-    between nothing and ten times its value is often known to a tenth.
-
-    Parameters
-    ----------
-    known : Uncertainty
-        Of a fit; of a model with a name its own intervals are given.
-    """
-    fit = known.fit
-    low, high = known.interval()
-    if not is_material(fit.model) or len(own_parameters(fit.model)) > MOST_PROFILED:
-        return low, high
-    for i in own_parameters(fit.model):
-        # Where the slopes determine a parameter well they are as good as the profile.
-        narrow = high[i] - low[i] < abs(fit.theta[i])
-        if known.at_bound[i] == 0 and not narrow:
-            low[i], high[i] = _profiled(known, i)
-    return low, high
-
-
-def _profiled(known: Uncertainty, i: int) -> tuple[float, float]:
-    """Ends of the profile's interval of parameter i."""
-    fit, allowed = known.fit, _allowed_cost(known)
+    known = Uncertainty.of(fit, level)
+    i = fit.model.names.index(parameter)
+    allowed = allowed_cost(known)
     path = _Path.of(fit, i)
     step = _first_step(known, i, path.coordinates)
     low, high = (path.crossing(sign, step, allowed) for sign in (-1.0, 1.0))
@@ -344,7 +315,7 @@ def _profiled(known: Uncertainty, i: int) -> tuple[float, float]:
     return lower, upper
 
 
-def _allowed_cost(known: Uncertainty) -> float:
+def allowed_cost(known: Uncertainty) -> float:
     """The objective at the ends of a profile's interval."""
     fit = known.fit
     if known.absolute:

@@ -1,0 +1,58 @@
+"""Intervals of effects around any material: as narrow as the data allow, and true."""
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.identification import Uncertainty, fit, intervals_beside_material
+
+MASS = 1.8e-3
+"""In N s^2/mm, as K is in N/mm: 1.8 kg."""
+HEAVY = springpot.parse_model("material + inertia")
+
+
+def heavy(seed: int, noise: float = 0.014) -> springpot.Measurement:
+    """A specimen of 150 to 1050 N/mm with a mass, 20 points from 5 to 100 Hz."""
+    omega = 2 * np.pi * np.geomspace(5.0, 100.0, 20)
+    stiffness = 1 / (1 / 900 + 1 / (150 + 12 * (1j * omega) ** 0.5)) - MASS * omega**2
+    real, imaginary = noise * np.random.default_rng(seed).normal(size=(2, 20))
+    return springpot.Measurement(omega, stiffness * (1 + real + 1j * imaginary), units=springpot.Units("N/mm", "mm"))
+
+
+def test_a_mass_beside_any_material_is_known_to_a_part_of_its_size():
+    inside = 0
+    for seed in range(12):
+        known = Uncertainty.of(fit(HEAVY, heavy(seed)))
+        low, high = (float(end[-1]) for end in intervals_beside_material(known))
+        inside += low <= MASS <= high
+        assert low < known.fit.theta[-1] < high < 1.15 * low
+    # 95 % intervals: of twelve three or more miss once in fifty such tests.
+    assert inside >= 10
+
+
+def test_more_noise_makes_the_interval_wider():
+    ends = [intervals_beside_material(Uncertainty.of(fit(HEAVY, heavy(1, noise)))) for noise in (0.003, 0.03)]
+    quiet, noisy = (float(high[-1] - low[-1]) for low, high in ends)
+    assert noisy > 3 * quiet
+
+
+def test_two_effects_each_have_their_own_interval():
+    both = springpot.parse_model("material + inertia + time-delay")
+    known = Uncertainty.of(fit(both, heavy(2)))
+    low, high = intervals_beside_material(known)
+    for name, truth in (("inertia.m", MASS), ("time-delay.tau", 0.0)):
+        i = both.names.index(name) - len(both.names)
+        assert low[i] <= truth <= high[i]
+
+
+def test_a_model_with_a_name_keeps_its_own_intervals():
+    known = Uncertainty.of(fit(springpot.parse_model("fractional-kelvin + inertia"), heavy(3)))
+    for ours, own in zip(intervals_beside_material(known), known.interval(), strict=True):
+        np.testing.assert_array_equal(ours, own)
+
+
+def test_what_is_printed_is_the_profile():
+    value = springpot.identify(heavy(4), "material + inertia").parameters["inertia.m"]
+    assert value.unit == "kg"
+    assert value.high < 1.15 * value.low
+    assert value.low == pytest.approx(1e3 * MASS, rel=0.15)
