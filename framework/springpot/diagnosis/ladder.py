@@ -220,6 +220,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
+    # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most of the error.
+    little = candidates[0].error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
+    if verdicts[-1] == "unexplained" and little:
+        return None
     if _at_its_limit(case.evidence.likeliest_with()[candidates[0].effect], candidates[0].physics):
         return None
     return candidates[0].physics
