@@ -296,12 +296,12 @@ def at_noise(found: Refit, error: Error) -> bool:
     error : Error
         Its error.
     """
-    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
-    if error.relative_rms < VERDICT.arithmetic:
-        return True
     # Of so few numbers neither the error nor the floor is known.
     if found.fit.dof < VERDICT.fewest_spare:
         return False
+    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
+    if error.relative_rms < VERDICT.arithmetic:
+        return True
     return not beyond_floor(found) and not error.is_hardly_noise
 
 

@@ -247,9 +247,9 @@ def _fits(
 
 def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: np.random.Generator) -> _Order:
     """The fits judged and sorted out, beside any material with the accepted effects."""
-    alone = [found for found in fits if not found.model.effects]
-    # That with the accepted effects is known already.
-    floors = material_floors(alone, rng) | {effects_of(floor): lowest}
+    # That with the accepted effects is known already; a model of a plugin may bring effects of its own.
+    unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
+    floors = material_floors(unlike, rng) | {effects_of(floor): lowest}
     # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]

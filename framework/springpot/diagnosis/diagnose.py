@@ -116,6 +116,8 @@ class Case:
         for grown in self.search.grown:
             if grown.names == (effect.name,):
                 return GrownBy(grown.refit.model, grown.refit.theta, True)
+        if not effect.element.parameters:
+            raise ModelError(f"{effect.name} has no parameter, and nothing of it can be fitted")
         if effect.by_levels:
             raise ModelError(f"{effect.name} has a factor for each level, which only a fit can tell")
         require_conditions(base.model + effect, base.fit.measurement)

@@ -21,6 +21,7 @@ from springpot.rheology import Effect, Model, Real
 from .diagnose import Case, Progress, examine, silent, within
 from .result import Diagnosis, Verdict
 from .scan import scan_effects
+from .search import size_of
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
@@ -234,8 +235,7 @@ def _at_its_limit(fitted: Refit, effect: Effect) -> bool:
 
     What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
     """
-    size = effect.element.parameters[0]
-    value = float(fitted.theta[fitted.model.names.index(f"{effect.name}.{size.name}")])
+    size, value = effect.element.parameters[0], size_of(fitted, effect)
     ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
     return any(abs(value - end) <= EDGE * abs(end) for end in ends)
 

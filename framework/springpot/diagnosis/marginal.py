@@ -127,7 +127,7 @@ def _family(frame: Frame, curves: Real | Complex, says: str) -> Unknown:
 def _own_levels(frame: Frame, name: str) -> Real:
     """Shapes (m, n) that are one at one level of a condition and zero elsewhere, for all but the first of them.
 
-    None where there are fewer than three levels, or so few points at each that they could follow anything.
+    No shapes where there are fewer than three levels, or so few points at each that they could follow anything.
     """
     column = frame.measurement.conditions.get(name)
     if column is None:
@@ -142,7 +142,7 @@ def _own_levels(frame: Frame, name: str) -> Real:
 
 
 def _creep(along: Real) -> Real:
-    """Polynomials without their constant, shape (CREEP, n)."""
+    """Polynomials without their constant, shape (DRIFT_DEGREE, n)."""
     x = 2.0 * (along - along.min()) / np.ptp(along) - 1.0
     curves: Real = np.polynomial.legendre.legvander(x, DRIFT_DEGREE).T[1:]
     return curves

@@ -103,7 +103,7 @@ def notes(
 def _beyond_physics(search: Search) -> Iterator[str]:
     """That an effect which fits best would have to be larger than any specimen makes it."""
     units = search.base.fit.measurement.units
-    for effect in {effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics}:
+    for effect in dict.fromkeys(effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics):
         _, unit = units.of(effect.element.parameters[0].unit)
         yield (
             f"{effect.name} would explain much, but only beyond {plain(effect.largest_of_modulus)} {unit}, which no "

@@ -250,7 +250,9 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
     Factors without a law are left out: they can imitate every law.
     """
     columns = telling(measurement)
-    return [effect for effect in library if effect.needs <= columns and not effect.by_levels]
+    # One without parameters has no size to be found.
+    sized = [effect for effect in library if effect.element.parameters]
+    return [effect for effect in sized if effect.needs <= columns and not effect.by_levels]
 
 
 def shifted_twice(model: Model, effect: Effect) -> bool:

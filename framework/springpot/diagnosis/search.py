@@ -45,12 +45,10 @@ class Grown:
         units = self.refit.fit.measurement.units
         if not units.is_modulus:
             return []
-        values = dict(zip(self.refit.model.names, self.refit.theta, strict=True))
         beyond = []
         for effect in self.effects:
-            size = effect.element.parameters[0]
-            factor, _ = units.of(size.unit)
-            if factor * values.get(f"{effect.name}.{size.name}", 0.0) > effect.largest_of_modulus:
+            factor, _ = units.of(effect.element.parameters[0].unit)
+            if factor * size_of(self.refit, effect) > effect.largest_of_modulus:
                 beyond.append(effect)
         return beyond
 
@@ -58,6 +56,17 @@ class Grown:
     def names(self) -> tuple[str, ...]:
         """Names of the effects added."""
         return tuple(effect.name for effect in self.effects)
+
+
+def size_of(fitted: Refit, effect: Effect) -> float:
+    """The size of an effect in a fitted model; of one that was added twice, that of the second."""
+    size = effect.element.parameters[0].name
+    value = 0.0
+    for name, number in zip(fitted.model.names, fitted.theta.tolist(), strict=True):
+        owner, _, short = name.rpartition(".")
+        if owner.partition("#")[0] == effect.name and short == size:
+            value = number
+    return value
 
 
 @dataclass(eq=False)
@@ -173,13 +182,17 @@ def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:
     """
     base, measurement = search.base, search.base.fit.measurement
     levels = {name: len(np.unique(measurement.levels(name))) for name in telling(measurement) & set(CONDITIONS)}
+    present = {effect.name for effect in base.model.effects}
     shifted = any(effect.plane == "shift" for effect in base.model.effects)
+    # At the noise, and with structure all the same: more freedom is no answer to that.
+    if base.relative_rms < VERDICT.noisy * base.floor:
+        return None
     best: Grown | None = None
     for effect in library:
         several = effect.by_levels and all(levels.get(name, 0) >= EVIDENCE.fewest_levels for name in effect.needs)
         # A law and free factors of the same times are one too many.
-        again = effect in base.model.effects or (shifted and effect.plane == "shift")
-        if not several or again or not enough_for(base, base.model + effect):
+        again = effect.name in present or (shifted and effect.plane == "shift")
+        if not several or again or not enough_for(base, (base.model + effect).bound_to(measurement.points)):
             continue
         grown = Grown((effect,), refit(base.model + effect, base.data, base.noise, [], starts=2), 0.0)
         if best is None or grown.refit.log_evidence > best.refit.log_evidence:

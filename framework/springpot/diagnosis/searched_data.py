@@ -104,14 +104,16 @@ def _may_be_effects(reduced: Search, measurement: Measurement, rows: NDArray[np.
     if len(ends) == 0:
         return False
     # What is named must be seen without the end: else it rests on the row beside the one that was set aside.
-    inner = reduced_by(np.union1d(rows, ends))
+    try:
+        inner = reduced_by(np.union1d(rows, ends))
+    except DataError:
+        return True  # too few rows are left to see anything
     if not _sees_something(inner):
         return True
     # One of its rivals may fit the inner points a little better: that does not take it back.
     least = inner.best.log_evidence - EVIDENCE.rivals
-    return not any(
-        grown.names == reduced.grown[0].names and grown.refit.log_evidence > least for grown in inner.grown
-    )
+    named = sorted(reduced.grown[0].names)
+    return not any(sorted(grown.names) == named and grown.refit.log_evidence > least for grown in inner.grown)
 
 
 def _sees_something(search: Search) -> bool:

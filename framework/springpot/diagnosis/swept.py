@@ -63,7 +63,7 @@ def drift_in_place(search: Search) -> SweepDrift | None:
     if not grown or not is_material(search.base.model) or not one_way or len(sweeps_of(data)) > 1:
         return None
     best = grown[0]
-    as_good = best.refit.rss + 2.0 * EVIDENCE.as_good
+    as_good = best.refit.fair_rss + 2.0 * EVIDENCE.as_good
     found: tuple[float, SweepDrift] | None = None
     # A drift is slow: what is narrow is nothing that it could stand for.
     for effect in [effect for effect in best.effects if not effect.narrow]:
@@ -93,7 +93,7 @@ def _drifting(before: Refit) -> tuple[float, float]:
     def left(drift: float) -> float:
         undone = replace(mean, stiffness=mean.stiffness * np.exp(-drift * time))
         data = replace(before.data, raw=undone, mean=undone)
-        return refit(before.model, data, before.noise, [before.theta], starts=0).rss
+        return refit(before.model, data, before.noise, [before.theta], starts=0).fair_rss
 
     best = minimize_scalar(left, bounds=(-LARGEST, LARGEST), method="bounded", options={"xatol": FINE})
     return float(np.expm1(best.x)), float(best.fun)

@@ -112,7 +112,7 @@ class Rule(NamedTuple):
 
 RULES = (
     # Before the alarms: the residual of computed data has a pattern, but no scatter by which to judge it.
-    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
+    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers and not f.few, "adequate"),
     # First without an alarm: a point set aside may be an interference, so that nothing below may call it adequate.
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
     # Before all that weighs the size of an error: of so few numbers neither it nor the floor is known.
@@ -193,11 +193,6 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         below=search.base.noise.source == "estimated"
         and search.base.relative_rms < VERDICT.below * search.base.floor,
     )
-
-
-def _below_noise(base: Refit) -> bool:
-    """Whether the error is below a noise that was told by these very data."""
-    return base.noise.source == "estimated" and base.relative_rms < VERDICT.below * base.floor
 
 
 def _stand_out_together(base: Refit) -> bool:
@@ -292,12 +287,15 @@ def sentence(
     if most := _most_of_it(own):
         names = " or ".join(grown.names[0] for grown in most)
         left = times(most[0].refit.relative_rms / most[0].refit.floor)
-        missing = f"{names} takes it to {left}, and something is missing beside it that no effect explains"
+        instead = ""
+        # Only of an effect by itself, and in the user's own model, was it asked whether a drift does as well.
+        if evidence.drift is not None and evidence.search is own and own.grown[0].names == (names,):
+            instead = f", and so does {evidence.drift.says}"
+        missing = f"{names} takes it to {left}{instead}, and something is missing beside it that no effect explains"
         # "to 1 x, and something is missing beside it" would be a riddle.
-        if evidence.drift is not None and evidence.drift.effect == most[0].names[0]:
-            missing = f"{names} takes it to {left}, and so does {evidence.drift.says}"
-        elif most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
-            missing = f"{names} takes it to {left}, but what has no name in the library explains it better"
+        if most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
+            rest = instead or ", but what has no name in the library explains it better"
+            missing = f"{names} takes it to {left}{rest}"
     elif moved := _by_confounded(evidence.search):
         missing = moved
     if column is not None:

@@ -1,6 +1,6 @@
 """How far a model is off: the noise floor, the material floor, where it fails, and what noise alone would do.
 
-Nothing here knows of effects: `springpot.diagnosis` names them, `springpot.comparison` lays models side by side.
+Nothing here names an effect: `springpot.diagnosis` does, and `springpot.comparison` lays models side by side.
 """
 
 from .battery import Finding

@@ -345,8 +345,7 @@ def _ripple(frame: Frame, scatter: Trimmed) -> float:
     power = spectrum(frame.measurement, left[None])[0]
     lines = 2 * len(sweeps_of(frame.measurement))
     longest = len(power) - 1
-    # Slow waves are structure, and told of elsewhere.
-    # The spectrum counts in half waves along a sweep.
+    # Slow waves are structure, and told of elsewhere. The spectrum counts in half waves along a sweep.
     first = min(int(np.ceil(2.0 * longest / SLOWEST_RIPPLE)), 2 * SLOW_WAVES)
     if first + 1 >= len(power):
         return 0.0

@@ -73,7 +73,8 @@ class Apart(NamedTuple):
     curves : float
         Share that a gain, a slope and a bend of each run explain, as of replicates of several specimens.
     one_curve : bool
-        Whether the one slow curve leaves about as little as the curves of all runs: else it is no drift.
+        Whether the one slow curve leaves about as little as the curves of all runs, and rows of several runs do not
+        alternate: else it is no drift.
     """
 
     drift: float
@@ -105,6 +106,7 @@ def sets_apart(data: Averaged) -> Apart:
     one_curve = left_of_drift < VERDICT.one_curve * left_of_each
     by_curves = 1.0 - left / size
     # In a table that stands by frequency the runs alternate, and what sets specimens apart goes on from row to row.
-    if data.raw.repeat is not None and np.any(np.diff(data.raw.repeat) < 0) and by_curves > VERDICT.own_curves:
+    alternate = any(np.ptp(rows) >= len(rows) for rows in lines)
+    if alternate and by_curves > VERDICT.own_curves:
         one_curve = False
     return Apart(by_drift / size, by_curves, one_curve)

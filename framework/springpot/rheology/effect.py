@@ -143,7 +143,7 @@ class Effect:
             If it is not by levels.
         """
         if not isinstance(self.element, Levels):
-            raise ModelError(f"'{self.name}:{column}: only effects with a factor for each level take a column")
+            raise ModelError(f"'{self.name}:{column}': only effects with a factor for each level take a column")
         if column == self.element.column:
             return self
         # An alias means the effect of the usual column: this one is another.
