@@ -16,7 +16,7 @@ from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
-from springpot.rheology import Effect, Model, Real
+from springpot.rheology import Complex, Effect, Model, Real
 
 from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
 
@@ -243,8 +243,9 @@ def _resolved(search: Search, grown: Grown) -> bool:
     others = {effect.name for effect in grown.effects if not effect.narrow}
     without = [one.refit for one in search.grown if others and {effect.name for effect in one.effects} == others]
     before = [*without, search.base][0]
-    change = search.frame.whiten(grown.refit.stiffness - before.stiffness)
-    size = np.hypot(*change.reshape(2, -1))
+    # Against the fit without it, and against the same fit with it taken out: the first spreads by what the others
+    # then follow, and a resonance as narrow as one point would seem to be seen at four.
+    seen = min(_spread(search, grown.refit.stiffness - other) for other in (before.stiffness, _taken_out(grown)))
     at_end = any(
         parameter.scale == "linear"
         and parameter.name not in search.base.model.names
@@ -252,7 +253,24 @@ def _resolved(search: Search, grown: Grown) -> bool:
         for parameter, value in zip(grown.refit.model.parameters, grown.refit.theta, strict=True)
         if np.isfinite(parameter.upper - parameter.lower)
     )
-    return float(np.sum(size)) ** 2 >= SEARCH.resolved * float(np.sum(size**2)) and not at_end
+    return seen >= SEARCH.resolved and not at_end
+
+
+def _spread(search: Search, change: Complex) -> float:
+    """Over how many points a change of K is spread: all of them where it is the same everywhere, one for a spike."""
+    size = np.hypot(*search.frame.whiten(change).reshape(2, -1))
+    return float(np.sum(size)) ** 2 / max(float(np.sum(size**2)), 1e-300)
+
+
+def _taken_out(grown: Grown) -> Complex:
+    """K of a grown model without its narrow effects, all else as it was fitted with them."""
+    model = grown.refit.model
+    for effect in grown.effects:
+        if effect.narrow:
+            model = model - effect.name
+    known = dict(zip(grown.refit.model.names, grown.refit.theta, strict=True))
+    theta = np.array([known[name] for name in model.names])
+    return model.stiffness(theta, grown.refit.fit.measurement.points)
 
 
 def _strained(search: Search) -> bool:

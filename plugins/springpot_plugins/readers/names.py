@@ -282,6 +282,7 @@ NAMES: dict[str, tuple[str, ...]] = {
             "gamma",
             "%strain",
             "strainγ",
+            "ga",  # RheoWin writes Greek letters as two Latin ones
         ),
         *("amplitudededeformation", "deformationdecisaillement", "deformation", "scherdeformation"),
         *("deformationsamplitude", "dehnung", "dehnungsamplitude", "wegamplitude", "amplituddedeformacion"),
