@@ -111,9 +111,11 @@ def identify(
     >>> springpot.identify(data, "fractional-maxwell").theta.round(6)
     array([400. , 150. ,   0.6])
     """
+    # Before the data are opened: a mistyped word is told at once.
     if intervals not in INTERVALS:
         raise OptionError(f"intervals are {', '.join(INTERVALS)}, not '{intervals}'")
     data = excluded(_measurement(measurement), exclude)
+    # Values come as they are printed: the units of the data must be known to read them.
     judged = constrained(_model(model), data.units, fix, bounds)
     fit = identify_objects(
         data,
@@ -229,6 +231,7 @@ def discover(
     """
     data = excluded(_measurement(measurement), exclude)
     known, start = library(effects), constrained(_judged(model), data.units, fix, bounds)
+    # None lets the evidence decide; an empty list accepts nothing.
     wanted = None
     if accept is not None:
         wanted = [_effect(effect, known) for effect in _listed(accept)]
@@ -236,7 +239,8 @@ def discover(
     # Grown as it will be: an effect may be refused because of one accepted before it.
     for effect in wanted or ():
         grown = grown.taking(effect)
-    require_conditions(grown, data)  # what cannot be accepted is told before the first fit, not after it
+    # What cannot be accepted is told before the first fit, not after it.
+    require_conditions(grown, data)
     return discover_objects(data, start, known, np.random.default_rng(seed), wanted, progress, reached=reached)
 
 
@@ -318,6 +322,7 @@ def mastercurve(
     >>> [round(level.a, 2) for level in curve.levels]
     [1.63, 1.27, 1.0, 0.8, 0.66, 0.54]
     """
+    # Words first: a mistyped one is told before a large file is read.
     if isinstance(reference, str):
         reference = level_of(reference, column)
     how = _objective(objective)
@@ -357,6 +362,7 @@ def _effect(effect: Effect | str, among: Sequence[Effect]) -> Effect:
         return effect
     if not isinstance(effect, str):
         raise ModelError(f"an effect is an Effect or its name, not {_shown(effect)}")
+    # What the user brings goes before what is installed under the same name.
     for known in among:
         if known.name == effect:
             return known
@@ -376,6 +382,7 @@ def _opened(spec: str | Path) -> Measurement:
     try:
         return open_measurement(spec)
     except DataError as error:
+        # Asked only now: most files are sweeps, and need not be read a second time.
         if not _holds_tests_in_time(spec, isinstance(error, OpenQuestion)):
             raise
         how = "open it by springpot.open_in_time, fit it by springpot.timetests.identify"
@@ -387,6 +394,7 @@ def _holds_tests_in_time(spec: str | Path, asked: bool) -> bool:
     try:
         return bool(open_in_time(spec))
     except DataError:
+        # The question of the sweep's reader can be answered; what stops the other reader would hide it.
         if asked:
             return False
         raise
@@ -417,7 +425,9 @@ def _judged(model: Model | str | None) -> Model:
 
 def _shown(thing: object) -> str:
     """Something that was given in place of something else, in few characters."""
-    return f"{' '.join(repr(thing).split()):.40} ({type(thing).__name__})"
+    # An array prints itself over many lines, and an error is one.
+    line = " ".join(repr(thing).split())
+    return f"{line:.40} ({type(thing).__name__})"
 
 
 def _objective(objective: Objective | str | None) -> Objective | None:

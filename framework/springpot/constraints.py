@@ -45,14 +45,15 @@ def constrained(
     OptionError
         If these are no mappings, or what they hold are no numbers.
     """
-    held = own_values(model, units, fix, "fix")
-    room: dict[str, Bounds] = {}
+    fixed = own_values(model, units, fix, "fix")
+    own_bounds: dict[str, Bounds] = {}
     for name, ends in by_name(bounds, "bounds", '{"k": (0, 200)}').items():
+        # Text is a sequence too: "05" would pass for the ends 0 and 5.
         if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
             raise OptionError(f"bounds of {name} are a lower and an upper end, such as (0, 200), not {ends!r:.40}")
         low, high = ends
-        room[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
-    return model.holding(held, room)
+        own_bounds[name] = (own_value(model, units, name, low), own_value(model, units, name, high))
+    return model.holding(fixed, own_bounds)
 
 
 def own_values(model: Model, units: Units, given: Mapping[str, float] | None, option: str) -> dict[str, float]:
@@ -128,7 +129,11 @@ def values_of(texts: Iterable[str]) -> dict[str, float]:
     OptionError
         If one is none.
     """
-    return {name: _number(value, text) for text in texts for name, value in [_pair(text, "alpha=0.5")]}
+    numbers = {}
+    for text in texts:
+        name, value = _pair(text, "alpha=0.5")
+        numbers[name] = _number(value, text)
+    return numbers
 
 
 def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
@@ -139,7 +144,7 @@ def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
     OptionError
         If one is none.
     """
-    found = {}
+    bounds = {}
     for text in texts:
         name, ends = _pair(text, "k1=0:200")
         low, colon, high = ends.partition(":")
@@ -151,8 +156,8 @@ def bounds_of(texts: Iterable[str]) -> dict[str, Bounds]:
             least = _number(low, text)
         if high.strip():
             most = _number(high, text)
-        found[name] = (least, most)
-    return found
+        bounds[name] = (least, most)
+    return bounds
 
 
 def optimiser_of(text: str) -> Optimiser:
@@ -167,7 +172,13 @@ def optimiser_of(text: str) -> Optimiser:
     """
     name, _, options = text.partition(":")
     kind: type[Optimiser] = plugins().find("optimiser", name.strip())
-    return kind(**dict(_option(kind, name, part) for part in options.split(",") if part.strip()))
+    chosen = {}
+    for part in options.split(","):
+        # A comma at the end is no option; nor is nothing behind the colon.
+        if part.strip():
+            option, value = _option(kind, name, part)
+            chosen[option] = value
+    return kind(**chosen)
 
 
 def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]:
@@ -175,6 +186,7 @@ def _option(kind: type[Optimiser], optimiser: str, text: str) -> tuple[str, Any]
     known = {field.name: field.default for field in fields(kind) if field.init}  # type: ignore[arg-type]
     if name not in known:
         raise OptionError(f"{optimiser} has no option '{name}': it has {', '.join(known) or 'none'}")
+    # The default shows of which kind a value is.
     default = known[name]
     # Before the numbers: in Python true and false are whole numbers too.
     if isinstance(default, bool):

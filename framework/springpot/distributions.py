@@ -44,6 +44,7 @@ def f_log_density(value: ArrayLike, first: float, second: float) -> Chance:
     """Logarithm of the density of that ratio, at values above zero."""
     x = np.asarray(value, dtype=np.float64)
     half, other = 0.5 * first, 0.5 * second
+    # In logarithms from the start: of many degrees of freedom the beta function itself underflows.
     scale = half * np.log(first / second) - betaln(half, other)
     return scale + (half - 1.0) * np.log(x) - (half + other) * np.log1p(first / second * x)
 
@@ -60,4 +61,5 @@ def normal_quantile(chance: ArrayLike) -> Chance:
 
 def normal_sf(value: ArrayLike) -> Chance:
     """Chance that a standard normal number exceeds `value`."""
+    # The other tail, not 1 - ndtr(value): that is nothing but rounding from eight standard deviations on.
     return ndtr(-np.asarray(value))

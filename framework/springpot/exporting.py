@@ -178,6 +178,7 @@ def _refuse_rig(model: Model) -> None:
 
 def _printed(known: Known, unit: str) -> dict[str, str]:
     """Parameters with their units, those included that were held; the lines of a spectrum are left to the series."""
+    # Held parameters are none of the model's own: only the model that is released has them all.
     values = dict(zip(known.model.names, known.theta.tolist(), strict=True)) | known.model.held
     shown = {}
     for parameter in known.model.released().parameters:
@@ -210,6 +211,7 @@ def _band(text: str) -> tuple[float, float]:
 
 
 def _share(tolerance: str | float | None) -> float | None:
+    # None is left to the series, which has a usual tolerance of its own.
     if tolerance is None or isinstance(tolerance, float):
         return tolerance
     number, percent, _ = tolerance.strip().partition("%")

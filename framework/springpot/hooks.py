@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import pluggy
 
+# For type checkers only: the rooms below need not be loaded to say what a hook is called.
 if TYPE_CHECKING:
     from springpot.identification import Objective, Optimiser, OptimiserFamily
     from springpot.measurement.catalogue import DataSet

@@ -25,11 +25,12 @@ def fitted(path: str | Path) -> Known:
     DataError
         If the file cannot be read or is no fit.
     """
-    found = load(path)
-    if isinstance(found, Identification):
-        return Known.of(found)
-    if isinstance(found, Known):
-        return found
+    answer = load(path)
+    if isinstance(answer, Identification):
+        return Known.of(answer)
+    # A fit of tests in time is kept as one already.
+    if isinstance(answer, Known):
+        return answer
     raise DataError(f"{path} is no fit: give the output of 'springpot identify ... --json'")
 
 
@@ -54,13 +55,17 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
     """
     model = parse_model(expression)
     printed = model.vector(dict(values))
+    # Words such as nan are numbers to Python.
     if not np.all(np.isfinite(printed)):
         raise ModelError(f"a parameter of {model.name} is no finite number")
     units = Units()
     if unit is not None:
         stiffness = known_unit(unit, MODULUS_UNITS, what)
-        units = Units(stiffness, stiffness.partition("/")[2] or "-")
-        printed = printed / np.array([units.of(parameter.unit)[0] for parameter in model.parameters])
+        # Of kN/m amplitudes are in m; a modulus belongs to strains, which have no unit.
+        _, _, length = stiffness.partition("/")
+        units = Units(stiffness, length or "-")
+        factors = [units.of(parameter.unit)[0] for parameter in model.parameters]
+        printed = printed / np.array(factors)
     # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
     return Known(model, printed, exact, units, ROOM, 0.0, 1.0, (0.0, np.inf))

@@ -53,8 +53,9 @@ class KeptTimeFit(Known):
         return dict(self.kept)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} {row.value:.4g} {row.unit}".rstrip(" -") for name, row in self.parameters.items())
-        return f"<KeptTimeFit {self.model.name}: {told}>"
+        # A number without a unit has a hyphen for it, which says nothing in a line.
+        printed = [f"{name} {row.value:.4g} {row.unit}".rstrip(" -") for name, row in self.parameters.items()]
+        return f"<KeptTimeFit {self.model.name}: {', '.join(printed)}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,8 +165,12 @@ class KeptTimeComparison:
 
 def fit_in_time(answer: dict[str, Any]) -> KeptTimeFit:
     """A fit, from what it wrote."""
-    known = Known.read(answer, material_of(parse_timed(str(answer["model"]))))
-    return KeptTimeFit(**{each.name: getattr(known, each.name) for each in fields(known)}, kept=answer)
+    model = parse_timed(str(answer["model"]))
+    # What the test itself did is no part of what another test is predicted from.
+    known = Known.read(answer, material_of(model))
+    # Not by `asdict`, which would make dictionaries of model and units too.
+    own = {each.name: getattr(known, each.name) for each in fields(known)}
+    return KeptTimeFit(**own, kept=answer)
 
 
 def diagnosis_in_time(answer: Mapping[str, Any]) -> KeptTimeDiagnosis:

@@ -202,6 +202,7 @@ def _read(path: Path) -> Any:
         return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    # Nested brackets are read by recursion.
     except (ValueError, RecursionError):
         raise DataError(f"{path} is no JSON: {AGAIN}; data are opened by springpot.read") from None
 
@@ -209,14 +210,27 @@ def _read(path: Path) -> Any:
 def _fit(answer: dict[str, Any]) -> Identification:
     kept, objective = answer["kept"], answer["objective"]
     fit = fit_of(
-        kept, parse_model(answer["model"]), _objective(objective["name"], kept), number(objective["value"]),
-        int(answer["evaluations"]),
-    )  # fmt: skip
-    known, low, high = uncertainty_of(kept, fit)
+        kept,
+        model=parse_model(answer["model"]),
+        objective=_objective(objective["name"], kept),
+        cost=number(objective["value"]),
+        evaluations=int(answer["evaluations"]),
+    )
+    uncertainty, low, high = uncertainty_of(kept, fit)
     return Identification(
-        fit, low, high, known, str(answer["optimiser"]), str(answer["status"]), fit.evaluations,
-        float(answer["seconds"]), tuple(answer["notes"]), int(kept["seed"]), standing_of,
-    )  # fmt: skip
+        fit,
+        low,
+        high,
+        uncertainty,
+        optimiser=str(answer["optimiser"]),
+        status=str(answer["status"]),
+        evaluations=fit.evaluations,
+        seconds=float(answer["seconds"]),
+        notes=tuple(answer["notes"]),
+        seed=int(kept["seed"]),
+        # Floors are found when they are asked for, as those of a fit that was just made.
+        judge=standing_of,
+    )
 
 
 def _objective(name: str, kept: dict[str, Any]) -> Objective:
@@ -231,7 +245,9 @@ def _objective(name: str, kept: dict[str, Any]) -> Objective:
 def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
     advice = answer["next_experiment"]
     if advice is not None:
-        advice = NextExperiment(**{**advice, "separates": tuple(advice["separates"])})
+        # JSON has lists only.
+        separates = tuple(advice["separates"])
+        advice = NextExperiment(**(advice | {"separates": separates}))
     return Diagnosis(
         data=answer["data"],
         model=parse_model(answer["model"]),
@@ -245,7 +261,8 @@ def _diagnosis(answer: dict[str, Any]) -> Diagnosis:
         next_experiment=advice,
         notes=tuple(answer["notes"]),
         evidence=answer["evidence"],
-        parameters=values(answer.get("parameters", {})),  # older files have none of these three
+        # Files of older versions have none of these three.
+        parameters=values(answer.get("parameters", {})),
         leading=tuple(answer.get("leading", ())),
         one_test=answer.get("one_test", ""),
     )
@@ -313,6 +330,7 @@ def _judgement(row: dict[str, Any]) -> KeptJudgement:
     )
 
 
+# At the end, as it holds the functions above. The number is that of the schema: a change of it is another reader.
 _KNOWN: dict[str, Callable[[dict[str, Any]], Loaded]] = {
     "springpot.identification/1": _fit,
     "springpot.diagnosis/1": _diagnosis,

@@ -18,6 +18,7 @@ VOID = frozenset({"br", "img", "meta"})
 
 def html(part: str | int | float) -> Html:
     """`part` as HTML: text is escaped, `Html` stays as it is."""
+    # What was escaped once would be shown with its escapes if it were escaped again.
     if isinstance(part, Html):
         return part
     return Html(escape(str(part)))
@@ -40,7 +41,11 @@ def tag(name: str, /, *children: str, **attributes: str) -> Html:
     **attributes : str
         Values are escaped; an underscore at the end of a name is dropped (``class_``), others become hyphens.
     """
-    given = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
+    given = ""
+    for key, value in attributes.items():
+        attribute = key.rstrip("_").replace("_", "-")
+        # `escape` turns quotation marks too: no value can end its attribute and begin another.
+        given += f' {attribute}="{escape(value)}"'
     end = f"</{name}>"
     if name in VOID:
         end = ""
@@ -60,9 +65,17 @@ def table(headers: Iterable[str], rows: Iterable[Iterable[str]], numbers: Iterab
         Headers of the columns that are set flush right.
     """
     headers, numbers = list(headers), set(numbers)
-    kinds: list[dict[str, str]] = [{"class_": "number"} if header in numbers else {} for header in headers]
+    kinds: list[dict[str, str]] = []
+    for header in headers:
+        kind = {}
+        if header in numbers:
+            kind = {"class_": "number"}
+        kinds.append(kind)
     head = tag("tr", *(tag("th", header, **kind) for header, kind in zip(headers, kinds, strict=True)))
     # Each cell repeats its header, for screens too narrow for columns.
     named = [{**kind, "data_label": header} for header, kind in zip(headers, kinds, strict=True)]
-    body = [tag("tr", *(tag("td", cell, **kind) for cell, kind in zip(row, named, strict=True))) for row in rows]
+    body = []
+    for row in rows:
+        cells = [tag("td", cell, **kind) for cell, kind in zip(row, named, strict=True)]
+        body.append(tag("tr", *cells))
     return tag("table", tag("thead", head), tag("tbody", *body))

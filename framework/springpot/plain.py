@@ -18,12 +18,13 @@ _COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u2
 
 def plain(text: str) -> str:
     r"""`text` with every sign that a terminal would obey written out, as ``\x1b`` for ESC."""
-    return _COMMANDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    return _COMMANDS.sub(lambda sign: sign[0].encode("unicode_escape").decode(), text)
 
 
 def plain_json(text: str) -> str:
     """JSON with the same signs as JSON's own escapes, so that it still means the same."""
-    return _COMMANDS.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    # All of them lie below U+10000, where one escape of four digits is enough.
+    return _COMMANDS.sub(lambda sign: f"\\u{ord(sign[0]):04x}", text)
 
 
 class PlainStream:
@@ -41,6 +42,7 @@ class PlainStream:
     def write(self, text: str) -> int:
         """Write `text`, with its commands shown."""
         self.below.write(plain(text))
+        # The length of what was handed in: whoever asks wants to know whether all of it was written.
         return len(text)
 
     def writelines(self, lines: Iterable[str]) -> None:
@@ -62,6 +64,7 @@ def below(stream: TextIO) -> TextIO:
 @contextmanager
 def plain_streams() -> Iterator[None]:
     """Let nothing that is printed command the terminal."""
+    # From below: a command may run others, and each asks for streams like these.
     had = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (cast(TextIO, PlainStream(below(stream))) for stream in had)
     try:

@@ -41,6 +41,7 @@ def adopt_orphans() -> None:
     A process that leaves its group and its parent, as daemons do, would otherwise be found by nobody.
     """
     with suppress(OSError, AttributeError):
+        # Python has no such call of its own.
         ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0)
 
 
@@ -63,6 +64,7 @@ def end_children(known: Container[int] = ()) -> int:
             if os.waitpid(pid, os.WNOHANG)[0] == 0:
                 running += 1
                 os.kill(pid, signal.SIGKILL)
+                # Collected, or it would be listed as a child for as long as this process runs.
                 os.waitpid(pid, 0)
     return running
 
@@ -81,11 +83,11 @@ def end_group(pid: int) -> None:
 
 def _descendants(pid: int) -> list[int]:
     """Children of a process, their children and so on, where the system lists them."""
-    found = []
+    descendants = []
     for listing in Path(f"/proc/{pid}/task").glob("*/children"):
         for child in children_of(listing):
-            found += [child, *_descendants(child)]
-    return found
+            descendants += [child, *_descendants(child)]
+    return descendants
 
 
 def settings() -> tuple[object, ...]:

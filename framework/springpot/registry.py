@@ -103,6 +103,7 @@ class Registry:
         self.faults.append(Fault(owner.plugin, owner.distribution, line))
 
     def _report_slips(self) -> None:
+        # pluggy passes over a function whose name it does not know: its author would wait for it in vain.
         known = [name for name in dir(hooks) if name.startswith(PREFIX)]
         for name, plugin in self.manager.list_name_plugin():
             # A plugin may be any object, whose attributes may raise when they are only looked at.
@@ -114,6 +115,7 @@ class Registry:
 
     def _fill(self, kind: Kind[T]) -> Shelf[T]:
         shelf: Shelf[T] = Shelf(kind)
+        # One by one, not all by pluggy in one call: that would end at the first that raises.
         for impl in getattr(self.manager.hook, kind.hook).get_hookimpls():
             owner = self._owners[impl.plugin_name]
             with self._guarded(owner):
@@ -121,6 +123,7 @@ class Registry:
                 for item in _sequence(impl.function(), kind):
                     with self._guarded(owner):
                         shelf.put(_accepted(item, kind), owner)
+        # Once all is there: an alias may be the name of what a later plugin offers.
         for owner, says in shelf.disputes():
             self._fault(owner, says)
         return shelf
@@ -172,6 +175,7 @@ class Registry:
 
     def distributions(self) -> list[str]:
         """The installed distributions whose plugins are used, springpot's own first."""
+        # A dictionary keeps the order, which a set would lose.
         return list(dict.fromkeys(owner.distribution for owner in self._owners.values()))
 
     def model(self, name: str) -> Model:
@@ -218,6 +222,7 @@ def _distribution(point: EntryPoint) -> str:
 
 def _order(point: EntryPoint) -> tuple[bool, str]:
     name = _distribution(point)
+    # False comes before True.
     return name != hooks.GROUP, name
 
 
@@ -232,6 +237,7 @@ def _slip(attribute: str, value: object, known: list[str]) -> str:
         if near:
             hint = f"did you mean {PREFIX}{near[0]}?"
         return f"there is no hook {attribute}: {hint}"
+    # Hooks themselves, which a plugin may have imported to look at, are no slips.
     if attribute in known and callable(value) and not marked and not hasattr(value, f"{PREFIX}spec"):
         return f"{attribute} is not marked with @hookimpl and does nothing"
     return ""
@@ -247,6 +253,7 @@ def _sequence(offered: object, kind: Kind[Any]) -> Iterable[object]:
 def _accepted(item: Any, kind: Kind[T]) -> T:
     if not kind.accepts(item):
         hint = ""
+        # All other things are offered as objects, so that an object is the likely slip.
         if kind.word == "optimiser":
             hint = " (offer the class itself, with minimise written)"
         raise PluginError(f"{kind.hook} offers {item!r:.80}, which is no {kind.word}{hint}")
@@ -256,7 +263,14 @@ def _accepted(item: Any, kind: Kind[T]) -> T:
 
 @cache
 def plugins() -> Registry:
-    """The plugins installed here, loaded once."""
+    """The plugins installed here, loaded once.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> "inertia" in springpot.plugins().names("effect")
+    True
+    """
     registry = Registry(entry_points(group=hooks.GROUP))
     # Models below this room name effects too: they are given the way to look them up, as they cannot import it.
     use_finder(registry.effect)
@@ -270,6 +284,12 @@ def parse_model(expression: str) -> Model:
     ------
     ModelError
         If a part of it is unknown or empty, or the same effect stands twice where two are no more than one.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> springpot.parse_model("fractional-maxwell + inertia").names
+    ('k', 'c', 'alpha', 'inertia.m')
     """
     parts = [part.strip() for part in expression.split("+")]
     if not all(parts):
@@ -278,6 +298,7 @@ def parse_model(expression: str) -> Model:
     try:
         model = registry.model(parts[0])
     except ModelError:
+        # That an effect is no known model would be true, and help nobody.
         if parts[0] not in {effect.name for effect in registry.items("effect")}:
             raise
         raise ModelError(f"'{parts[0]}' is an effect: write MODEL + {parts[0]}") from None
@@ -351,18 +372,33 @@ def open_measurement(spec: str | Path) -> Measurement:
     ------
     DataError
         If there is no such thing, it cannot be read, or no row has the conditions.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> springpot.open_measurement("artificial-hidden@frequency=1..10")
+    <Measurement artificial-hidden@frequency=1..10: 17 points, 1.13 to 9.93 Hz>
     """
     registry = plugins()
     return opening.open_measurement(spec, registry.items("data set"), registry.items("reader"))
 
 
 def open_in_time(spec: str | Path) -> tuple[TimeTest, ...]:
-    """The tests in time in the file that a user names; none for sweeps, data sets and whatever else.
+    r"""The tests in time in the file that a user names; none for sweeps, data sets and whatever else.
 
     Raises
     ------
     DataError
         If the file holds tests in time that cannot be used.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> rows = [f"{0.1 * 1.5**i},{400.0 * 1.5 ** (-0.3 * i)}" for i in range(18)]
+    >>> with open("pad.csv", "w") as file:
+    ...     _ = file.write("\n".join(["time [s],relaxation [kPa]", *rows]))
+    >>> springpot.open_in_time("pad.csv")
+    (<TimeTest pad: relaxation, 18 samples, 0.1 to 98.5 s>,)
     """
     return in_time_by(spec, plugins().items("time reader"))
 
@@ -386,7 +422,19 @@ def signals_to_measurement(
     window: tuple[float, float] | None = None,
     name: str | None = None,
 ) -> Measurement:
-    """Files of displacement and force against time, one test each, as one measurement; see `harmonics_of`."""
+    """Files of displacement and force against time, one test each, as one measurement; see `harmonics_of`.
+
+    Examples
+    --------
+    >>> import numpy as np, springpot
+    >>> time = np.linspace(0.0, 2.0, 1001)
+    >>> phase = 2.0 * np.pi * 2.0 * time  # 2 Hz; the force leads by half a radian
+    >>> columns = np.column_stack([time, np.sin(phase), 3.0 * np.sin(phase + 0.5)])
+    >>> np.savetxt("test.csv", columns, delimiter=",", header="time [s],displacement [mm],force [N]", comments="")
+    >>> data = springpot.signals_to_measurement(["test.csv"])
+    >>> np.abs(data.stiffness).round(3), np.angle(data.stiffness).round(3)
+    (array([3.]), array([0.5]))
+    """
     return opening.signals_to_measurement(
         paths, plugins().items("reader"), omega=omega, n_harmonics=n_harmonics, window=window, name=name
     )
@@ -399,8 +447,17 @@ def write_measurement(measurement: Measurement, path: str | Path) -> Path:
     ------
     OutputError
         If it cannot be written there.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> data = springpot.read("artificial-hidden@frequency=1..10")
+    >>> path = springpot.write_measurement(data, "part.csv")
+    >>> bool((springpot.read(path).stiffness == data.stiffness).all())
+    True
     """
     for reader in plugins().items("reader"):
+        # Most readers only read; springpot's own come first, and their table opens again as the same bits.
         if reader.text is not None:
             return write_text(path, reader.text(measurement))
     raise OutputError(f"cannot write {path}: no plugin offers a format to write measurements in")

@@ -101,6 +101,7 @@ class Shelf(Generic[T]):
             If it has no name, or one that is taken, or its aliases are no names.
         """
         name = self.kind.title(item)
+        # Asked for its refusal alone: an item whose aliases are no names must not be entered by half.
         self.kind.aliases(item)
         if not isinstance(name, str) or not name.strip():
             raise PluginError(f"{self.kind.hook} offers a {self.kind.word} without a name")
@@ -125,13 +126,13 @@ class Shelf(Generic[T]):
                     yield self._from[name], says
         for family in [item for item in self.items.values() if isinstance(item, Family)]:
             for name in [*self.items, *self._by_alias]:
-                if family.number(name) is not None:
-                    owner = self._from[self._by_alias.get(name, name)]
-                    other = f"the family {family.name} of {self._from[family.name]}"
-                    self.clashes[name] = (
-                        f"{self.kind.word} '{name}' of {owner} is also a member of {other}: rename it"
-                    )
-                    yield owner, self.clashes[name]
+                if family.number(name) is None:
+                    continue
+                # One name for two things, though no plugin offers the member by itself.
+                owner = self._from[self._by_alias.get(name, name)]
+                other = f"the family {family.name} of {self._from[family.name]}"
+                self.clashes[name] = f"{self.kind.word} '{name}' of {owner} is also a member of {other}: rename it"
+                yield owner, self.clashes[name]
 
     def _enter(self, alias: str, name: str) -> str:
         """Let `alias` mean `name`; what is wrong with that, or nothing."""
@@ -159,6 +160,7 @@ class Shelf(Generic[T]):
         PluginError
             If two claim it.
         """
+        # Told here, not at the start: a name in dispute is no trouble to who never asks for it.
         if name in self.clashes:
             raise PluginError(self.clashes[name])
         return self.items.get(self._by_alias.get(name, name))
@@ -174,6 +176,7 @@ class Shelf(Generic[T]):
 
 
 def _is_optimiser(item: object) -> bool:
+    # An abstract class has no minimise of its own, and fails only when it is run.
     return isinstance(item, type) and issubclass(item, Optimiser) and not isabstract(item)
 
 

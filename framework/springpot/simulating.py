@@ -51,17 +51,20 @@ def read_structure(path: str | Path) -> Frame:
         raise DataError(f"{path}: each damper is a [[damper]]")
     try:
         storeys = int(frame.get("storeys", 1))
-        mass, stiffness = (_column(frame, name, storeys, path) for name in ("mass", "stiffness"))
+        mass = _column(frame, "mass", storeys, path)
+        stiffness = _column(frame, "stiffness", storeys, path)
         dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
         return Frame(mass, stiffness, float(frame.get("damping", 0.0)), dampers)
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
+    # TOML gives what was written, a word or a list too where a number belongs.
     except (TypeError, ValueError) as error:
         raise DataError(f"{path}: something is no number: {error}") from None
 
 
 def _toml(path: Path) -> dict[str, Any]:
     try:
+        # Before it is read: a wrong file may be larger than the memory.
         if path.stat().st_size > LARGEST:
             raise DataError(f"{path} is too large for the description of a structure")
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -90,14 +93,17 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
 def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     where = f"damper {number}"
     _only(entry, DAMPER_KEYS, path, where)
+    # Both would leave it open which of them counts.
     if ("fit" in entry) == ("model" in entry):
         raise DataError(f"{path}: {where} has a fit = 'FIT.json', or a model with parameters and unit")
     if "fit" in entry:
+        # A path is meant from the description, wherever the command is run.
         known = fitted(path.parent / str(entry["fit"]))
     else:
         values = _flat(dict(entry.get("parameters", {})))
         known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
     without = entry.get("without", [])
+    # A single name need not stand in a list.
     if isinstance(without, str):
         without = [without]
     known = lesser(known, map(str, without))
@@ -160,6 +166,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
             raise DataError(f"'{spec}': write artificial:3.0 with the peak in m/s^2") from None
     path = Path(spec)
     try:
+        # Before it is read, as above.
         if path.stat().st_size > LONGEST:
             raise DataError(f"{path} is too large for a record: {LONGEST >> 20} MiB at most")
         # Spreadsheets put a byte order mark before the first title.
@@ -169,9 +176,17 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     except UnicodeDecodeError:
         raise DataError(f"{path} is no text in UTF-8") from None
     rows = [line for line in lines if line.strip() and not line.startswith("#")]
-    factor = _acceleration_unit(next(iter(rows), ""), path)
+    header = ""
+    if rows:
+        header = rows[0]
+    factor = _acceleration_unit(header, path)
+    samples = []
     try:
-        values = np.array([[float(cell) for cell in row.split(",")[:2]] for row in rows[1:]], dtype=float)
+        for row in rows[1:]:
+            # What stands in further columns is not asked about.
+            first_two = row.split(",")[:2]
+            samples.append([float(cell) for cell in first_two])
+        values = np.array(samples, dtype=float)
     except ValueError as error:
         raise DataError(f"{path}: {error}") from None
     if values.ndim != 2 or values.shape[1:] != (2,):

@@ -17,26 +17,30 @@ SHORT = 1.5
 where both ended at the best, they agree to several digits."""
 
 
-def standing_of(found: Identification) -> Standing | None:
+def standing_of(identified: Identification) -> Standing | None:
     """How the error of a fit stands against noise and any material; None where the data are too few to tell.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         The fit. The floors are those of `compare`, which fits the same model to the same data.
     """
-    if found.fit.dof < FEWEST_SPARE:
+    if identified.fit.dof < FEWEST_SPARE:
         return None
     try:
-        [judged] = compare(found.measurement, [found.model], np.random.default_rng(found.seed)).judgements
+        # With the seed of the fit: asked twice, its standing is the same.
+        rng = np.random.default_rng(identified.seed)
+        [judged] = compare(identified.measurement, [identified.model], rng).judgements
     except DataError:
         # Rows that repeat a point are one point to a comparison: where too few are left, it refuses what was fitted.
         return None
-    error, good, says = judged.error, not (judged.fails or judged.unclear), judged.says
+    error, says = judged.error, judged.says
+    good = not (judged.fails or judged.unclear)
     # Another objective weighs the points otherwise: its error may be larger though its search ended at its best.
-    alike = found.fit.objective.name == default_objective(found.measurement).name
+    alike = identified.fit.objective.name == default_objective(identified.measurement).name
     best = max(error.relative_rms, error.noise_floor)
-    if good and alike and found.relative_rms > SHORT * best:
+    # Where the model itself fails, a longer search mends nothing.
+    if good and alike and identified.relative_rms > SHORT * best:
         good = False
         says = (
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on these data: "

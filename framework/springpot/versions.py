@@ -19,11 +19,11 @@ def versions(further: Iterable[str] = ()) -> dict[str, str]:
     further : iterable of str
         Names of distributions.
     """
-    found = {}
+    by_name = {}
     for name in dict.fromkeys((*LIBRARIES, *plugins().distributions(), *further)):
         try:
-            found[name] = version(name)
+            by_name[name] = version(name)
         # An extra that is not installed had no part in the result.
         except PackageNotFoundError:
             continue
-    return found
+    return by_name
