@@ -176,7 +176,7 @@ class Shelf(Generic[T]):
 
 
 def _is_optimiser(item: object) -> bool:
-    # An abstract class has no minimise of its own, and fails only when it is run.
+    # An abstract class lacks what it should have written, and would fail only when somebody uses it.
     return isinstance(item, type) and issubclass(item, Optimiser) and not isabstract(item)
 
 

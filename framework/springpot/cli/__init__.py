@@ -38,6 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     _open_streams()
+    # Before anything is imported: it is imports that Ctrl-C meets in the first second.
     ctrl_c = CtrlC()
     signal.signal(signal.SIGINT, ctrl_c)
     try:
@@ -47,7 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         if not ctrl_c.pressed:
             raise
         sys.exit(130)
-    sys.exit(exit_code(lambda: run(sys.argv[1:] if arguments is None else list(arguments))))
+    if arguments is None:
+        arguments = sys.argv[1:]
+    given = list(arguments)
+    sys.exit(exit_code(lambda: run(given)))
 
 
 def _open_streams() -> None:

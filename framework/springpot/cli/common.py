@@ -38,6 +38,7 @@ def json_option(command: F) -> F:
 def _json_alone(context: click.Context, parameter: click.Parameter, wanted: bool) -> bool:
     """Let what anybody else prints, such as a plugin that is being tried, go to standard error."""
     if wanted:
+        # Kept before it is turned away: `print_json` has to find it again.
         context.meta[OUTPUT] = sys.stdout
         context.with_resource(redirect_stdout(sys.stderr))
     return wanted
@@ -109,6 +110,7 @@ def note_to_stderr(name: str, note: str) -> None:
     from springpot.report.text import wrapped
 
     line = f"note: {name}: {note}"
+    # Programs that search a log want each note in one line.
     if sys.stderr.isatty():
         line = wrapped(line, window())
     print(line, file=sys.stderr)
@@ -116,6 +118,7 @@ def note_to_stderr(name: str, note: str) -> None:
 
 def known_options(command: F) -> F:
     """Add what a user knows beforehand: ``--fix``, ``--bounds`` and ``--exclude``."""
+    # A decorator that is applied last is listed first: hence the last option of the help stands first.
     for option in (
         click.option("--exclude", multiple=True, metavar="WHERE", help="Leave out rows: frequency=40..60, row=3."),
         click.option("--bounds", multiple=True, metavar="NAME=LOW:HIGH", help="Keep a parameter within: k1=0:200."),
@@ -168,6 +171,7 @@ def with_rows(named: str, chosen: str) -> str:
 @contextmanager
 def own_stdout(quiet: bool = False) -> Iterator[None]:
     """Let whatever foreign code prints go to standard error, or nowhere: standard output is the command's own."""
+    # What was printed before belongs to the command, and is written while that is where it goes.
     sys.stdout.flush()
     # Compiled code writes to the file descriptor, past `sys.stdout`.
     kept = os.dup(1)
@@ -179,6 +183,7 @@ def own_stdout(quiet: bool = False) -> Iterator[None]:
     try:
         with ExitStack() as stack:
             if quiet:
+                # `sys.stdout` need not write to the descriptor: the demonstration, for one, keeps what is printed.
                 stack.enter_context(redirect_stdout(stack.enter_context(open(os.devnull, "w"))))
             yield
     finally:

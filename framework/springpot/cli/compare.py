@@ -63,6 +63,7 @@ def command(
         return
     comparison = _compared(opened(data, geometry), [for_sweeps(each) for each in expressions], seed or 0)
     if figure is not None:
+        # Only where a picture is wanted: text needs none of its modules.
         from springpot.report.residuals import figure_compared
 
         figure_compared(comparison, figure)
@@ -98,6 +99,7 @@ def _next_command(found: Comparison, data: str, models: Sequence[str]) -> str:
         if not found.adequate and found.near:
             return f"diagnose {quoted(data)}"
         not_enough = not found.adequate
+    # Of a model that holds the parameters are worth having; of another what is missing from it.
     command = "identify"
     if not_enough or best.fails or best.unclear:
         command = "diagnose"

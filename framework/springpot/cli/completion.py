@@ -41,6 +41,7 @@ def data(context: click.Context, parameter: click.Parameter, incomplete: str) ->
 
 
 def _names(word: str) -> list[str]:
+    # Only when TAB is pressed: every command imports this module.
     from springpot.registry import plugins
 
     return plugins().names(word)

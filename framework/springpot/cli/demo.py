@@ -54,6 +54,7 @@ def command(out: Path, as_json: bool) -> int:
         if not as_json:
             print(text, end="", flush=True)
         story.append(f"{heading}\n{'=' * len(heading)}\n{text}")
+        # A chapter without a full answer does not end the story, but its exit code is not lost.
         worst = max(worst, code)
     write_text(out / "story.txt", "\n".join(story))
     files = sorted(str(path) for path in out.rglob("*") if path.is_file())
@@ -67,6 +68,7 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
         return _run(chapter.race, out), 0
     from .group import run
 
+    # The folder is put into each word by itself, so that a blank in its name parts no words.
     arguments = [part.replace("{out}", str(out)) for part in chapter.command]
     typed = f"$ springpot {shlex.join(arguments)}\n"
     if chapter.left_to_user:

@@ -73,12 +73,14 @@ def command(
     for i, name in enumerate(data):
         if i and not as_json:
             print()
+        # Opened within `exit_code`: data that cannot be used end their own answer, not the others'.
         opener = partial(opened, name, geometry)
         shown: Shown = partial(_text, verbose=verbose, named=name, model=model)
         if as_json:
             shown = partial(_json, line=len(data) > 1)
         code = exit_code(partial(_answer, opener, arguments, shown))
-        if code not in (0, BAD_INPUT, FAULT):  # interrupted, or nobody reads on
+        # Interrupted, or nobody reads on: the next answer is not wanted either.
+        if code not in (0, BAD_INPUT, FAULT):
             return code
         worst = max(worst, code)
     return worst

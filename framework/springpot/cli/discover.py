@@ -79,12 +79,14 @@ def command(
     from springpot.report.html import write_report
     from springpot.report.ladder import figure_ladder
 
-    accept = (*accept, *more)  # as in: --accept inertia time-delay
+    # As in: --accept inertia time-delay.
+    accept = (*accept, *more)
     _require_one_choice(auto, accept)
     _check_paths(report, figure)
     expression = judged = None
     if model is not None:
         expression = parse_timed(model)
+    # Whether the data are tests in time is not known yet: names of either kind are understood.
     effects = _accepted(accept, auto, effect_in_time)
     tests = timetests.named_tests([data], geometry)
     if tests is not None:
@@ -104,7 +106,8 @@ def command(
     if report is not None:
         write_report(ladder, measurement, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
-    if not as_json:  # a program that reads the JSON reads nothing else
+    # A program that reads the JSON reads nothing else.
+    if not as_json:
         _tell_written(figure, report)
         print(f"\nnext: {_next(ladder, data, model)}")
     return code
@@ -170,6 +173,7 @@ def _climbed(measurement: Measurement, model: Model | None, **arguments: Any) ->
     from springpot.api import discover
     from springpot.diagnosis import within
 
+    # Ladders as far as they came, so that Ctrl-C costs the step that was under way and no more.
     reached: list[Ladder] = []
     with Waiting() as waiting:
         progress = within(measurement.name, waiting.told)
@@ -198,7 +202,8 @@ def again_with(
         again += ["--model", model]
     if auto:
         again.append("--auto")
-    for name in accept:  # empty with --auto
+    # There are none with --auto.
+    for name in accept:
         again += ["--accept", name]
     for name in ("fix", "bounds", "exclude"):
         for text in options[name]:

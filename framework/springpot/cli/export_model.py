@@ -38,24 +38,25 @@ def command(
     from springpot.exporting import exported
     from springpot.files import write_text, write_with
 
-    found = exported(source, format_name, tolerance=tolerance, **options)
-    if found.data is not None:
+    handed = exported(source, format_name, tolerance=tolerance, **options)
+    data = handed.data
+    if data is not None:
+        # Bytes on a terminal are unreadable, and may command it.
         if output is None:
-            raise OptionError(f"{found.writer.name} is no text: name its file, -o damper{found.writer.suffix}")
-        data = found.data
+            raise OptionError(f"{handed.writer.name} is no text: name its file, -o damper{handed.writer.suffix}")
         write_with(output, lambda file: file.write(data))
     elif output is not None:
-        write_text(output, found.text)
-    result = {
-        "schema": "springpot.export-model/1",
-        **found.to_dict(),
-        "file": None if output is None else str(output),
-    }
-    emit(result, as_json, lambda: _show(found.text, result, output))
+        write_text(output, handed.text)
+    path = None
+    if output is not None:
+        path = str(output)
+    result = {"schema": "springpot.export-model/1", **handed.to_dict(), "file": path}
+    emit(result, as_json, lambda: _show(handed.text, result, output))
 
 
 def _show(text: str, result: dict[str, Any], output: Path | None) -> None:
     if output is None:
+        # The file as it is and nothing else, so that it can be redirected.
         print(text, end="")
         return
     error = f"{100 * result['error']:.2g} %"

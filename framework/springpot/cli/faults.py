@@ -53,11 +53,13 @@ def _exit_code(action: Callable[[], int]) -> int:
         # The reader has gone; without this, Python complains when it flushes stdout on its way out.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return BROKEN_PIPE
+    # The last net: a user sees a line, never a traceback.
     except Exception as error:
         return _fault(error)
 
 
 def _say(text: str, code: int) -> int:
+    # A message of many lines, such as a library's, becomes one.
     print(f"springpot: {' '.join(text.split())}", file=sys.stderr)
     return code
 
@@ -75,8 +77,10 @@ def _usage(error: click.UsageError) -> str:
 
 def _fault(error: Exception) -> int:
     if _was_interrupted():
-        return INTERRUPTED  # what a half-imported library makes of Ctrl-C is no fault to be reported
+        # What a half-imported library makes of Ctrl-C is no fault to be reported.
+        return INTERRUPTED
     if os.environ.get(TRACEBACK):
+        # Only for who asks: users see one line.
         import traceback
 
         traceback.print_exception(error)

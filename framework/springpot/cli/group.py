@@ -42,6 +42,7 @@ class LazyGroup(click.Group):
         click.UsageError
             If there is none, with the nearest.
         """
+        # Told as every unknown name is, with the nearest that there is.
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             hint = f"known are {', '.join(COMMANDS)}"
             near = get_close_matches(args[0], COMMANDS, n=1)
@@ -69,11 +70,13 @@ def springpot() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run the command that `arguments` name; its exit code."""
-    if "_SPRINGPOT_COMPLETE" in os.environ:  # click's own shell completion
+    # The shell asks what fits: click's own machinery answers and ends the process.
+    if "_SPRINGPOT_COMPLETE" in os.environ:
         springpot.main(arguments, "springpot")
     try:
         with springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
             answer: Any = springpot.invoke(context)
+    # ``--help`` and ``--version`` end by an exception.
     except click.exceptions.Exit as leave:
         return leave.exit_code
     # Most commands return nothing: they are done, or have raised.

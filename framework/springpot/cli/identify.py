@@ -96,6 +96,7 @@ def command(
     if tests is not None:
         for name in ("fix", "bounds", "exclude", "start"):
             if options.pop(name):
+                # Refused, not passed over: a fit that ignores what was held would look as if it had heeded it.
                 raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
         timetests.identify(tests, data, model, figure, as_json, options)
         return 0
@@ -116,6 +117,7 @@ def command(
     if as_csv:
         from springpot.report.fits import many_csv
 
+        # One row, in the columns that several files would have.
         print(many_csv([fit]), end="")
     else:
         emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
@@ -135,6 +137,7 @@ def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identific
         fit = identify(measured, model, **arguments)
     with Waiting() as waiting:
         waiting.told(f"judging {model.name} of {measured.name}")
+        # Asked for here, while somebody says what is waited for: the text asks again at no cost.
         _ = fit.standing
     return fit
 
@@ -150,25 +153,26 @@ def _each(
     """A row for each file that can be used; what is there is printed even where the rest is interrupted."""
     from springpot.report.fits import many_csv, many_text
 
-    found: list[Identification] = []
+    fits: list[Identification] = []
     worst = 0
     for name in data:
-
+        # Bound now: a closure would see the last name of the loop.
         def answer(name: str = name) -> int:
-            found.append(_fitted(opened(name, geometry), model, arguments))
+            fits.append(_fitted(opened(name, geometry), model, arguments))
+            # With --json each is printed when it is there; a table needs all of them for its widths.
             if as_json:
-                print_json(found[-1], indent=None)
+                print_json(fits[-1], indent=None)
             return 0
 
         code = exit_code(answer)
         worst = max(worst, code)
         if code not in (0, BAD_INPUT, FAULT):
-            print(f"interrupted: {len(found)} of {len(data)} are done", file=sys.stderr)
+            print(f"interrupted: {len(fits)} of {len(data)} are done", file=sys.stderr)
             break
-    if found and as_csv:
-        print(many_csv(found), end="")
-    elif found and not as_json:  # with --json each was printed when it was there
-        print(many_text(found))
+    if fits and as_csv:
+        print(many_csv(fits), end="")
+    elif fits and not as_json:
+        print(many_text(fits))
     return worst
 
 

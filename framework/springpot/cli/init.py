@@ -45,7 +45,8 @@ def command(kind: str, folder: Path, as_json: bool) -> None:
         raise OutputError(f"{', '.join(there)}: exists already and is not replaced: choose another --folder")
     for name, path in paths.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, (files(__package__) / "templates" / f"{name}.txt").read_text(encoding="utf-8"))
+        template = files(__package__) / "templates" / f"{name}.txt"
+        write_text(path, template.read_text(encoding="utf-8"))
     written = [str(path) for path in paths.values()]
     emit({"schema": "springpot.files/1", "files": written}, as_json, lambda: _show(kind, written))
 

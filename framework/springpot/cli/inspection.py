@@ -30,9 +30,11 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
     from springpot.registry import open_in_time, parts_of
     from springpot.report.inspection import inspected_text, parts_text
 
+    # First: a reader of sweeps would ask what a column of time is.
     if in_time := open_in_time(data):
         timetests.inspect(in_time, data, as_json)
         return
+    # Listed before the data are opened: where that fails, they show what could be opened instead.
     parts = parts_of(data)
     try:
         # Its notes are part of the answer.
@@ -96,6 +98,7 @@ def _listed(parts: Sequence[Part]) -> list[dict[str, Any]]:
 def _range(column: Real, unit: str) -> dict[str, Any]:
     import numpy as np
 
+    # A table may leave a condition open in some of its rows.
     known = column[np.isfinite(column)]
     lowest = highest = float("nan")
     if len(known):

@@ -34,6 +34,7 @@ def command(kind: str, names: Sequence[str], verbose: bool, as_json: bool) -> No
     families: dict[str, Any] = {}
     if kind == "optimisers":
         families = {family.name: family for family in installed.items("optimiser family")}
+    # The name of a library stands for all that it has, and only here is it imported.
     if len(names) == 1 and names[0] in families:
         items = list(families[names[0]].members().values())
     elif names:
@@ -59,9 +60,11 @@ def _show(kind: str, result: dict[str, Any], whole: bool) -> None:
         print("\n\n".join(cards.card(item) for item in result["items"]))
     elif result["items"]:
         columns = cards.KINDS[kind].columns
+        headers = [column.replace("_", " ") for column in columns]
         rows = [[cards.cell(item[column]) for column in columns] for item in result["items"]]
-        Table([column.replace("_", " ") for column in columns], rows, frozenset({"size", "points"})).show()
+        Table(headers, rows, frozenset({"size", "points"})).show()
     else:
         print(f"no {kind} are installed")
+    # Below every list: what somebody misses there may be what could not be loaded.
     for fault in result["unavailable"]:
         print(f"unavailable: plugin '{fault['plugin']}' of {fault['distribution']}: {fault['reason']}")

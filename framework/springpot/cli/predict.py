@@ -56,6 +56,7 @@ def command(
     if figure is not None:
         # A path that cannot be written is told before anything is worked out.
         check_figure_path(figure)
+    # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
     if [frequency, omega, history].count(None) != 2:
         advice = "give --frequency (Hz) or --omega (rad/s), or a --history"
         raise click.UsageError(advice, click.get_current_context())
@@ -138,6 +139,8 @@ def table_text(predicted: Prediction) -> str:
     names += [f"{part}_{end} [-]" for part in ("storage", "loss") for end in ("low", "high")]
     lines = [",".join(names)]
     for row in predicted.rows():
-        kept = (row[0], *row[2:])  # the angular frequency beside the frequency would be one column too many
+        # The angular frequency beside the frequency would be one column too many.
+        kept = (row[0], *row[2:])
+        # `repr` keeps every digit: the table opens again as the same numbers.
         lines.append(",".join(repr(cell) for cell in kept))
     return "\n".join(lines) + "\n"

@@ -71,10 +71,12 @@ def _check(
     passed = all(gate.passed for gate in gates)
     result = {"schema": "springpot.regression/1", "passed": passed, "gates": [asdict(gate) for gate in gates]}
     emit(result, as_json, lambda: _show(gates))
+    # The exit code is what a pipeline of CI sees.
     return int(not passed)
 
 
 def _require_one(studies: tuple[Path, ...], baseline: Path | None) -> None:
+    # One file cannot be the baseline of several studies.
     if baseline is not None and len(studies) != 1:
         raise click.UsageError("--baseline needs exactly one study", click.get_current_context())
 

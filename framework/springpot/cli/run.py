@@ -54,6 +54,7 @@ def _show(result: dict[str, Any]) -> None:
         failed = f", {result['failed']} of them failed"
     print(f"{result['trials']} trials, {result['ran']} run now{failed}; kept in {result['store']}")
     files = [Path(path) for path in result["tables"]]
+    # Each table comes in several formats: told once, in the order in which they were written.
     tables = dict.fromkeys(path.stem for path in files)
     formats = dict.fromkeys(path.suffix for path in files)
     for folder in dict.fromkeys(path.parent for path in files):

@@ -71,10 +71,13 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
         columns["amplitude"] = measured.conditions["amplitude"].tolist()
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     units = {"frequency": "Hz", "stiffness": measured.units.stiffness, "amplitude": measured.units.amplitude}
+    path = None
+    if output is not None:
+        path = str(output)
     return {
         "schema": "springpot.signals/1",
         "files": list(files),
-        "output": None if output is None else str(output),
+        "output": path,
         "units": units,
         "rows": rows,
         "provenance": dict(measured.provenance),
@@ -97,7 +100,10 @@ def _show(result: dict[str, Any]) -> None:
     keys = ("frequency", "amplitude", "storage", "storage_sd", "loss", "loss_sd")
     # Of a deviation two digits mean something.
     digits = {"storage_sd": 2, "loss_sd": 2}
-    rows = [[*(number(row[key], digits.get(key, 5)) for key in keys), row["file"]] for row in result["rows"]]
+    rows = []
+    for row in result["rows"]:
+        numbers = [number(row[key], digits.get(key, 5)) for key in keys]
+        rows.append([*numbers, row["file"]])
     Table((*headers, "file"), rows, frozenset(headers)).show()
     for key, value in result["provenance"].items():
         if "note" in key:

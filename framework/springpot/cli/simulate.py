@@ -101,7 +101,8 @@ def _show_steady(found: Steady, figure: Path | None) -> None:
     rows = []
     for point in described_steady(found)["points"]:
         cells = [point["frequency"], *(1e3 * drift for drift in point["drift"])]
-        cells += [*(1e-3 * force for force in point["force"]), *(1e-3 * energy for energy in point["energy"])]
+        cells += [1e-3 * force for force in point["force"]]
+        cells += [1e-3 * energy for energy in point["energy"]]
         rows.append([number(cell) for cell in cells])
     print("amplitudes at 1 m/s^2 of the ground, and what each kind of damper takes in a cycle\n")
     Table(tuple(headers), rows, frozenset(headers)).show()

@@ -53,6 +53,7 @@ def command(
     from springpot.benchmark import write_tables
     from springpot.benchmark.paper import captioned, for_paper
 
+    # Files are whole tables: columns and rows are chosen for what is printed into a paper.
     if write or report:
         paths = []
         if write:

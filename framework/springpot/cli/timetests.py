@@ -60,9 +60,11 @@ def identify(
     for name, usual in (("objective", None), ("intervals", "jacobian")):
         if options[name] != usual:
             raise OptionError(f"--{name} is for sweeps: residuals of tests in time are counted in their noise")
-    named = options["optimiser"]
+    optimiser = None
+    if options["optimiser"]:
+        optimiser = optimiser_of(options["optimiser"])
     search = {name: options[name] for name in ("budget", "restarts", "seed")}
-    fit = identify_in_time(tests, parse_timed(expression), optimiser=named and optimiser_of(named), **search)
+    fit = identify_in_time(tests, parse_timed(expression), optimiser=optimiser, **search)
     if figure is not None:
         from springpot.report.timetests import figure_tests
 
@@ -92,6 +94,7 @@ def compare(tests: Sequence[Test], models: Sequence[Model | Timed], figure: Path
 
     from .waiting import Waiting
 
+    # A family such as prony-N has no size of its own, and cannot be fitted before one is chosen.
     chosen = models or [item for item in plugins().items("model") if isinstance(item, Model)]
     with Waiting() as waiting:
         comparison = compare_in_time(tests, chosen, waiting.told)
@@ -252,6 +255,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     mark = "?"
     if mark in spec:
         mark = ","
+    # What is only planned has no answer yet, which a reader would else ask for.
     in_time = open_in_time(f"{spec}{mark}answer=none")
     if not in_time:
         return opened(spec)
@@ -259,6 +263,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
         raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
     if temperature is None:
         return in_time[0]
+    # At one temperature: that which the file has from sample to sample would go before it.
     return replace(in_time[0], temperature=temperature, warmth=None)
 
 

@@ -19,6 +19,7 @@ class Waiting:
     """Tells stages of a long answer: in place and with seconds on a terminal, else each kind of stage in a line."""
 
     def __init__(self) -> None:
+        # A daemon, so that it never keeps a process alive that wants to end.
         self._thread = Thread(target=self._tick, daemon=True)
         self._lock, self._over = Lock(), Event()
         self._began, self._begun, self._stage, self._kind = monotonic(), False, "", ""
@@ -32,10 +33,12 @@ class Waiting:
     ) -> None:
         self._over.set()
         with self._lock:
+            # Written over by blanks: the answer must not begin behind what is left of the last stage.
             if self._begun and sys.stderr.isatty():
                 print(f"\r{' ' * WIDTH}\r", end="", file=below(sys.stderr), flush=True)
             self._begun, self._stage = False, ""
-        self._thread.join()  # where it still ran, an optimiser would not be protected in a process of its own
+        # Where it still ran, an optimiser would not be protected in a process of its own.
+        self._thread.join()
 
     def told(self, stage: str) -> None:
         """What is being done now."""
@@ -60,7 +63,8 @@ class Waiting:
             # Only this return is for the terminal; names in the stage come from strangers.
             print(f"\r{line:{WIDTH}.{WIDTH}}", end="", file=below(sys.stderr), flush=True)
             return
-        kind = self._stage.split()[0]  # one line for all the models that are fitted, not one for each
+        # One line for all the models that are fitted, not one for each.
+        kind = self._stage.split()[0]
         if kind != self._kind:
             print(self._stage, file=sys.stderr, flush=True)
         self._kind = kind

@@ -18,10 +18,12 @@ def command(data: str | None, model: str | None, port: int, no_browser: bool, as
 
     The address is printed first; Ctrl-C ends it. Nothing leaves this machine.
     """
+    # Only when it runs: ``--help`` need not wait for the modules of a server.
     from springpot.web import Workbench, serve
 
     def tell(bench: Workbench) -> None:
         if as_json:
+            # One line: who started it reads the address by line while the server runs.
             print_json({"schema": "springpot.address/1", "address": bench.address}, indent=None)
         else:
             click.echo(f"springpot workbench: {bench.address}")

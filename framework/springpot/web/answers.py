@@ -26,6 +26,7 @@ def ladder_of(state: State, measurement: Measurement, told: Told = silent) -> La
         If a name is unknown, or if model and data do not fit each other.
     """
     used = kept(measurement, state.excluded)
+    # A list, though it may be empty: without one the evidence would accept effects by itself.
     return discover(used, state.model or None, accept=list(state.accepted), seed=state.seed, progress=told)
 
 

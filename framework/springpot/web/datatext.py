@@ -30,6 +30,7 @@ def safe_name(name: str) -> str:
     >>> safe_name("../../etc/passwd"), safe_name("C:\\\\data\\\\my damper.csv"), safe_name("-rf?x=1")
     ('passwd', 'my damper.csv', '_rf_x_1')
     """
+    # Both slashes: the browser may run on another system than this.
     last = re.split(r"[/\\]", name)[-1]
     # The end is kept, where the suffix stands.
     plain = UNSAFE.sub("_", last)[-LONGEST:].strip()
@@ -47,10 +48,12 @@ def as_file(name: str, content: bytes) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
         os.chdir(folder)
         try:
+            # Relative, within the new folder: no name can lead out of it.
             path = Path(safe_name(name))
             path.write_bytes(content)
             yield path
         finally:
+            # Before the folder is removed: no process may stay in what is gone.
             os.chdir(here)
 
 
@@ -88,6 +91,7 @@ def opened(spec: str) -> Measurement:
     try:
         return open_measurement(spec)
     except DataError:
+        # Asked only where it did not open: nearly all that is dropped are sweeps.
         if not _in_time(spec):
             raise
     raise DataError(
@@ -151,6 +155,7 @@ def _copied(both: Measurement, count: int) -> bool:
     A file that is added to itself by mistake would be a repeat without any scatter, and the noise floor nothing.
     """
     rows = np.column_stack([both.omega, both.storage, both.loss, *both.conditions.values()])
+    # By their bytes: two numbers that were measured agree in a few digits, never in all.
     there = {row.tobytes() for row in rows[:count]}
     return all(row.tobytes() in there for row in rows[count:])
 
@@ -168,13 +173,17 @@ def joined(one: Measurement, other: Measurement) -> Measurement:
     if _copied(both, len(one)):
         raise DataError(f"{other.name}: all of its points stand in the open data already; nothing was added")
     # Only what was measured twice is a repeat: files of one frequency each are one sweep.
-    again = one.repeat is not None or other.repeat is not None or bool(np.intersect1d(one.omega, other.omega).size)
+    known = one.repeat is not None or other.repeat is not None
+    again = known or bool(np.intersect1d(one.omega, other.omega).size)
+    repeat = None
+    if again:
+        repeat = both.repeat
     return Measurement(
         both.omega,
         both.stiffness,
         sd=both.sd,
         conditions=both.conditions,
-        repeat=both.repeat if again else None,
+        repeat=repeat,
         units=both.units,
         name=both.name,
         provenance={**one.provenance, "joined with": other.name},

@@ -32,10 +32,12 @@ class Worker:
         """Start the process; it imports what it needs while it waits."""
         self._process = await asyncio.create_subprocess_exec(
             sys.executable,
+            # With the path of the server, so that both import the same.
             "-c",
             f"import sys; sys.path[:] = {sys.path!r}; {PROGRAM}",
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
+            # A pipe that nobody reads would fill, and stop the worker.
             stderr=asyncio.subprocess.DEVNULL,
             env=os.environ | dict.fromkeys(THREADS, "1"),
             limit=LONGEST_LINE,
@@ -57,6 +59,7 @@ class Worker:
             process.stdin.write(json.dumps({"task": task, "arguments": arguments}).encode() + b"\n")
             await process.stdin.drain()
             while line := await process.stdout.readline():
+                # By its first word: an answer of megabytes need not be parsed to be passed on.
                 if line.startswith((b'{"result"', b'{"error"')):
                     done = True
                     return line
@@ -76,6 +79,7 @@ class Worker:
 
     def end(self) -> None:
         """End the process; the next task gets a new one."""
+        # Forgotten first: whoever asks meanwhile starts a new one.
         process, self._process = self._process, None
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
@@ -134,6 +138,7 @@ class Desk:
 
     async def close(self) -> None:
         """End all workers."""
+        # First, or each task that is cancelled would start a worker for the next.
         self._closing = True
         for running in self._running.values():
             if running.work is not None:
@@ -179,6 +184,7 @@ class Desk:
                 if not line.startswith(b'{"stage"'):
                     return
         finally:
+            # Here ends the wait of a browser that has gone, too.
             running.listeners.remove(mine)
             if not running.listeners and running.work is not None:
                 running.work.cancel()
@@ -195,11 +201,14 @@ class Desk:
                 line = await worker.perform(task, arguments, running.told)
             finally:
                 if not worker.alive and not self._closing:
-                    await worker.start()  # so that the next one need not wait for its imports
+                    # At once, so that the next task need not wait for its imports.
+                    await worker.start()
                 self._free[lane].put_nowait(worker)
+            # Errors are not kept: what failed may do better when it is asked again.
             if key and line.startswith(b'{"result"'):
                 self._keep(key, line)
         finally:
+            # Another may stand under this name already, begun after this one was left.
             if self._running.get(name) is running:
                 del self._running[name]
             # Whoever waits hears an end, of what was cancelled too.

@@ -69,15 +69,18 @@ class Guard:
     async def __call__(self, scope: MutableMapping[str, Any], receive: Receive, send: Send) -> None:
         """Answer one request."""
         if scope["type"] != "http":
-            return  # neither web sockets nor anything else
+            # Web sockets are no part of the page.
+            return
 
         async def sealed(message: Message) -> None:
             if message["type"] == "http.response.start":
+                # On every answer, refusals among them: none may be framed, sniffed or kept.
                 message["headers"] = [*message.get("headers", ()), *HEADERS]
             await send(message)
 
         try:
             headers = _headers_of(scope)
+            # Before a byte of the body is taken.
             self._check(scope, headers)
             limited = _limited(receive, self._largest, headers)
             await self._app(scope, limited, sealed)
@@ -85,9 +88,11 @@ class Guard:
             await _refuse(sealed, refusal)
 
     def _check(self, scope: MutableMapping[str, Any], headers: dict[bytes, bytes]) -> None:
+        # By DNS rebinding a foreign name comes to mean this machine, and the browser names it here.
         host = headers.get(b"host", b"").decode("latin-1")
         if host.rpartition(":")[0] not in OWN_NAMES and host not in OWN_NAMES:
             raise Refusal(400, "this server answers only to 127.0.0.1 and localhost")
+        # A browser tells here whose script asks; an address that was typed has none.
         origin = headers.get(b"origin")
         if origin is not None and origin != b"http://" + headers[b"host"]:
             raise Refusal(403, "this server answers only to its own page")
@@ -112,6 +117,7 @@ def _headers_of(scope: MutableMapping[str, Any]) -> dict[bytes, bytes]:
 def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Receive:
     """`receive`, which ends when a body is too large, or too slow."""
     stated = headers.get(b"content-length", b"0")
+    # What is told to be too large is refused before it is sent; what grows beyond, below.
     if not stated.isdigit() or int(stated) > largest:
         raise Refusal(413, f"more than {largest >> 20} MiB at once are not taken: leave out what is not needed")
     begun = asyncio.get_running_loop().time()
@@ -120,7 +126,9 @@ def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Rec
     async def limited() -> Message:
         nonlocal taken, whole
         if whole:
-            return await receive()  # now it tells when the browser goes
+            # Now it tells when the browser goes, for which one waits as long as a fit takes.
+            return await receive()
+        # Two clocks: one who sends a byte now and then would never be silent for long.
         left = min(PATIENCE, begun + LONGEST - asyncio.get_running_loop().time())
         try:
             async with asyncio.timeout(left):
@@ -138,6 +146,7 @@ def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Rec
 
 async def _refuse(send: Send, refusal: Refusal) -> None:
     body = (str(refusal) + "\n").encode()
+    # Plain text, closed at once: what is left of the body is not read as the next request.
     headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close")]
     await send({"type": "http.response.start", "status": refusal.status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

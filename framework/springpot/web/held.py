@@ -44,6 +44,7 @@ def hand_of(model: Model, given: object) -> Hand:
     if isinstance(given, Mapping):
         entries = given
     for name in model.names:
+        # By the model's names, never by those of the page: what it sends beside them is dropped.
         entry = entries.get(name)
         if not isinstance(entry, Mapping):
             raise ModelError(f"{model.name}: the parameter {name} has no value")
@@ -69,7 +70,12 @@ def theta_of(model: Model, measurement: Measurement, hand: Hand) -> Real:
     ModelError
         If one is outside what the model allows.
     """
-    theta = np.array([hand.values[p.name] / measurement.units.of(p.unit)[0] for p in model.parameters])
+    own = []
+    for parameter in model.parameters:
+        factor, _ = measurement.units.of(parameter.unit)
+        own.append(hand.values[parameter.name] / factor)
+    theta = np.array(own)
+    # A hand may set wider ends than there is a model for.
     for parameter, value in zip(model.parameters, theta, strict=True):
         if not parameter.lower <= value <= parameter.upper:
             ends = f"{parameter.lower:.4g} to {parameter.upper:.4g}"

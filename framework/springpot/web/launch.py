@@ -48,6 +48,7 @@ class Workbench:
             from .server import Server
         except ImportError as error:
             raise OutputError(f"the workbench needs {error.name}: pip install 'springpot[workbench]'") from None
+        # Loaded here: importing springpot.web must not load a server.
         from .desk import Desk
 
         # First: a port that is taken is told before anything is started.
@@ -60,14 +61,18 @@ class Workbench:
         config = uvicorn.Config(
             app,
             http="h11",
+            # Nothing that the page does not use.
             ws="none",
             lifespan="off",
+            # The terminal is the command's: uvicorn writes nothing on it.
             log_config=None,
             access_log=False,
             server_header=False,
             date_header=False,
+            # No proxy stands before it, and a header that claims one could name any client.
             proxy_headers=False,
             timeout_keep_alive=20,
+            # Ctrl-C need not wait for a fit that a browser still listens to.
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)
@@ -118,9 +123,11 @@ class Workbench:
         """End the server and its workers."""
         self._server.should_exit = True
         if self._thread is not None:
+            # Not for ever: a worker that hangs must not hold the caller's program.
             self._thread.join(10.0)
 
     async def _serve(self, ready: Callable[[], object] | None) -> None:
+        # The workers first: they check the data, and import what they need while the browser opens.
         await self._desk.open()
         try:
             if ready is not None:
@@ -222,8 +229,10 @@ def workbench(
     """
     data: Any = None
     if measurement is not None and isinstance(measurement, str | Path):
+        # Opened by a worker, as what the command line names.
         data = str(measurement)
     elif measurement is not None:
+        # A measurement that is no file crosses to the workers as the text of one.
         from .datatext import text_of
 
         content = base64.b64encode(text_of(measurement).encode()).decode()

@@ -31,6 +31,7 @@ def source_of(source: str, state: State, joined: bool) -> str:
 
     A registered data set stays its name.
     """
+    # No command line names joined files, nor hundreds of rows.
     if joined or len(excluded_rows(state)) > MOST_RANGES:
         return f"{PurePath(safe_name(source)).stem}-used.csv"
     return source
@@ -48,6 +49,7 @@ def excluded_rows(state: State) -> list[str]:
     """
     ranges: list[tuple[int, int]] = []
     for row in state.excluded:
+        # Rows count from 0 here and from 1 for users: the end of a range is the number of the next row.
         if ranges and ranges[-1][1] == row:
             ranges[-1] = ranges[-1][0], row + 1
         else:
@@ -88,6 +90,7 @@ def command(state: State, source: str) -> str:
     verb = "diagnose"
     if state.accepted:
         verb = "discover"
+    # As a list, quoted at the end: a name with a blank or a quote stays one word of the shell.
     words = ["springpot", verb, source]
     if state.model:
         words += ["--model", state.model]
@@ -103,6 +106,7 @@ def script(state: State, source: str) -> str:
     # Names come from outside: a line break in one would end the comment and begin a statement.
     title = " ".join(plain(f"{state.expression} of {source}, as the workbench showed it").split())
     on_command_line = " ".join(plain(command(state, source)).split())
+    # By `repr`, as all that is set into the program: a name stays a text, whatever stands in it.
     model, exclude = repr(state.model or None), _exclude_argument(state)
     return f"""# {title}
 # On the command line: {on_command_line}
@@ -132,18 +136,21 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base, unit = case.search.base, measurement.units.stiffness
     fits = [("model", base.model, base.theta)]
+    # Only what was refitted: where a scan puts an effect is no fit, and would be read as one.
     fits += [(f"with {one.effect}", one.model, one.theta) for one in grown_by_each(case) if one.refitted]
     # Frequency has columns of its own already.
     along = []
     if scene.axis.column != "frequency":
         along = [scene.axis.label]
     header = ["kind", "sweep", *along, "frequency [Hz]", "omega [rad/s]"]
-    for name in ("data", *(name for name, _, _ in fits)):
+    names = ["data", *(name for name, _, _ in fits)]
+    for name in names:
         header += [f"{name} storage [{unit}]", f"{name} loss [{unit}]"]
     table: list[Sequence[Any]] = [header]
     numbers = np.zeros(len(measurement), dtype=int)
     for number, sweep in enumerate(scene.sweeps):
         numbers[sweep.rows] = number
+    # A grown model may have no value at some points; these are left as nan.
     with np.errstate(all="ignore"):
         at_points = [model.stiffness(theta, scene.points) for _, model, theta in fits]
         for i, row in enumerate(scene.rows):
@@ -156,6 +163,7 @@ def curves_csv(ladder: Ladder, measurement: Measurement) -> str:
             for i, place in enumerate(places):
                 x = [float(place)] * len(along)
                 values = [k[i] for k in curves]
+                # Between the points nothing was measured: the columns of the data stay empty.
                 table.append(["curve", sweep.label, *x, *_frequencies(points.omega[i]), "", "", *_flat(values)])
     return _csv(table)
 

@@ -19,4 +19,5 @@ def page_files() -> dict[str, tuple[bytes, str]]:
     """Content and media type of each file of the page, by name, with the modules that reports have too."""
     files = modules() | assets_in("springpot.web", "page")
     kinds = {name: KINDS.get(name[name.rfind(".") :]) for name in files}
+    # A file of no known kind is no part of the page, such as one that an editor left behind.
     return {name: (files[name], kind) for name, kind in kinds.items() if kind is not None}

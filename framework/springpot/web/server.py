@@ -39,7 +39,9 @@ class Streamed(Response):
     async def __call__(self, scope: MutableMapping[str, Any], receive: Receive, send: Send) -> None:
         """Send them."""
         headers = [(b"content-type", b"application/x-ndjson")]
+        # Sent before there is an answer: stages are to be seen while it is computed.
         await send({"type": "http.response.start", "status": 200, "headers": headers})
+        # A browser that closes the page ends what nobody waits for any more.
         gone = asyncio.create_task(_gone(receive))
         stream = self._lines()
         step: asyncio.Task[Line] | None = None
@@ -50,6 +52,7 @@ class Streamed(Response):
                 await asyncio.wait({step, gone}, timeout=BEAT, return_when=asyncio.FIRST_COMPLETED)
                 if gone.done():
                     return
+                # While nothing is told the line shows the page that the server lives.
                 body = b'{"beat": true}\n'
                 if step.done():
                     try:
@@ -64,6 +67,7 @@ class Streamed(Response):
                 step.cancel()
                 with suppress(asyncio.CancelledError, StopAsyncIteration):
                     await step
+            # So that the desk hears at once that this listener has left.
             await stream.aclose()  # type: ignore[attr-defined]
 
 
@@ -98,6 +102,7 @@ class Server:
             Route("/api/start", self._begin, methods=["GET"]),
             Route("/api/library", lambda request: self._stream("library", {}, key="library"), methods=["GET"]),
             Route("/api/data", self._data, methods=["POST"]),
+            # Last: it would take the others' addresses too.
             Route("/api/{task}", self._ask, methods=["POST"]),
         ]
         return Starlette(routes=routes, exception_handlers={DataError: _bad, Refusal: _refused})
@@ -148,6 +153,7 @@ class Server:
             "choice": asked.get("choice", "")[:2000],
             "content": base64.b64encode(body).decode(),
         }
+        # By digest: the page need not send again what is here.
         onto = self._texts.get(asked.get("onto", ""))
         if onto is not None:
             arguments |= {"onto": onto["text"], "onto_name": onto["source"]}
@@ -165,6 +171,7 @@ class Server:
         if task == "race":
             asked = {"name": str(given.get("name", ""))[:200], "report": given.get("report") is True}
             return self._stream("race", asked)
+        # Only what is listed: no address can name another function.
         if task not in LANES:
             return Response("there is no such task\n", 404, media_type="text/plain")
         state = State.of(given.get("state") or {})
@@ -200,6 +207,7 @@ class Server:
         async for line in lines:
             if line.startswith(b'{"result"'):
                 result = json.loads(line)["result"]
+                # A question of a reader comes without data.
                 if "digest" in result:
                     known = {key: result[key] for key in ("text", "source", "joined")}
                     self._texts[result["digest"]] = known

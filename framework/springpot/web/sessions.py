@@ -25,6 +25,7 @@ MOST_VIEW = 40
 
 def is_session(content: bytes) -> bool:
     """Whether a file looks like one, by its first bytes."""
+    # Not by its name, which a browser or a mail program may have changed.
     return content[:HEAD].lstrip()[:1] == b"{" and SCHEMA.encode() in content[:HEAD]
 
 
@@ -49,6 +50,7 @@ def session_of(content: bytes) -> dict[str, Any]:
         branches = [_branch(branch, digest) for branch in list(given["branches"])[:MOST_BRANCHES]]
         if not branches:
             raise ValueError("it has no branch")
+        # Which branch lay open may be any number in a strange file: it is kept within those that there are.
         at = int(given.get("branch", 0))
         return {
             "schema": SCHEMA,
@@ -76,6 +78,7 @@ def _branch(branch: Mapping[str, Any], digest: str) -> dict[str, Any]:
 
 def _view(view: Mapping[str, Any]) -> dict[str, Any]:
     """Words, numbers and switches only."""
+    # The page sets what it knows and passes over the rest; neither may be of any size.
     few = list(view.items())[:MOST_VIEW]
     return {
         str(key)[:LONGEST_KEY]: value

@@ -81,6 +81,7 @@ def _plain(table: Table) -> dict[str, Any]:
 
 
 def _cell(entry: Any) -> str:
+    # Only intervals have ends; which class they are of need not be known here.
     if hasattr(entry, "low"):
         return f"{entry.value:.4g} [{entry.low:.4g}, {entry.high:.4g}]"
     if isinstance(entry, float):

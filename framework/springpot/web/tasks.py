@@ -50,6 +50,7 @@ def _measured(text: str) -> Measurement:
 
 
 def _ladder(state: State, text: str, told: Told) -> Ladder:
+    # What one leaves with is asked after the answer: its ladder need not be climbed twice.
     if state.key not in _ladders:
         _ladders[state.key] = ladder_of(state, _measured(text), told)
         while len(_ladders) > LADDERS:
@@ -67,7 +68,8 @@ def library(told: Told) -> dict[str, Any]:
         "datasets": [
             {"name": item.name, "summary": item.summary, "kind": item.kind, "unavailable": item.unavailable}
             for item in installed.items("data set")
-            if not item.remote  # nothing that the page asks for may leave the machine
+            # Nothing that the page asks for may leave the machine.
+            if not item.remote
         ],
         "faults": [str(fault) for fault in installed.faults],
     }
@@ -79,7 +81,8 @@ def _model(item: Model | Family) -> dict[str, Any]:
         shown = item.build(EXAMPLE_MEMBER)
     else:
         shown = item
-    card = {key: model_card(item)[key] for key in ("name", "aliases", "summary", "citation", "needs")}
+    whole = model_card(item)
+    card = {key: whole[key] for key in ("name", "aliases", "summary", "citation", "needs")}
     return {**card, "parameters": list(shown.names), "svg": network_svg(shown.network)}
 
 
@@ -122,18 +125,21 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
     SpringpotError
         If one of them cannot be used.
     """
+    # A model that is mistyped is told before data are read.
     if model:
         parse_model(model)
     if not spec:
         return {}
     path = Path(spec)
+    # Before it is opened as data: some tables are JSON too.
     if path.suffix == ".json" and path.is_file() and is_session(path.read_bytes()[:400]):
         content = base64.b64encode(path.read_bytes()).decode()
         return understand(told, path.name, content)
     try:
         return _understood(opened(spec), _relative(spec), parts_of(spec))
     except OpenQuestion as error:
-        if not path.is_file():  # something is said behind its name already: the page cannot say more
+        # Something is said behind its name already: the page cannot say more.
+        if not path.is_file():
             raise
         content = base64.b64encode(path.read_bytes()).decode()
         return {"question": _asked(error) | {"name": path.name, "content": content}}
@@ -167,6 +173,7 @@ def dataset(told: Told, name: str) -> dict[str, Any]:
         If it is none.
     """
     bare = name.partition("@")[0]
+    # Looked up first, as a name that is none would be opened as a file.
     known = [item for item in plugins().items("data set") if bare in (item.name, *item.aliases) and not item.remote]
     if not known:
         raise DataError(f"'{name[:80]}' is no registered data set; see 'springpot list datasets'")
@@ -227,6 +234,7 @@ def answered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """See `springpot.web.answers.answer`; its ladder is kept for what one leaves with."""
     asked = State.of(state)
     ladder = _ladder(asked, text, told)
+    # Told, as the previews of a large library take a while themselves.
     told("drawing what each effect would change")
     return answer(asked, ladder, _measured(text))
 
@@ -274,6 +282,7 @@ def mastered(told: Told, state: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The master curve of the data with its shift factors."""
     asked = State.of(state)
     used = kept(_measured(text), asked.excluded)
+    # Temperatures shift by laws that are known; amplitudes are tried where there are none.
     column = "amplitude"
     if "temperature" in used.conditions:
         column = "temperature"
@@ -293,6 +302,7 @@ def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: st
         return {"name": f"{stem}.py", "text": leaving.script(asked, shown)}
     if kind == "data":
         return {"name": f"{stem}-used.csv", "text": text_of(kept(measurement, asked.excluded))}
+    # What comes below needs the fits; command, script and data do not, and come at once.
     ladder = _ladder(asked, text, told)
     if kind == "curves":
         return {"name": f"{stem}-curves.csv", "text": leaving.curves_csv(ladder, measurement)}
@@ -304,6 +314,7 @@ def leave(told: Told, kind: str, state: Mapping[str, Any], text: str, source: st
 
 
 def _report(ladder: Ladder, measurement: Measurement, state: State, source: str) -> str:
+    # Pictures are an extra: the page works without them, and says here what is missing.
     from springpot.report.canvas import require_matplotlib
     from springpot.report.html import report_html
 

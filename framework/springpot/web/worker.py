@@ -11,9 +11,12 @@ from typing import Any
 
 def main() -> None:
     """Answer until the other end of standard input is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends its workers itself
+    # Ctrl-C is for the server, which ends its workers itself.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A descriptor of its own for answers, since the usual one is given away below.
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what foreign code prints is no answer
+    # What foreign code prints is no answer.
+    os.dup2(2, 1)
 
     from springpot.registry import plugins
     from springpot.report.jsontext import to_json
@@ -22,6 +25,7 @@ def main() -> None:
 
     def say(line: dict[str, Any]) -> None:
         out.write(to_json(line, None) + "\n")
+        # Line by line: a stage that waits in a buffer is told too late.
         out.flush()
 
     # Before the first task comes: what it needs is imported while nobody waits.
