@@ -76,8 +76,6 @@ def command(
     """
     from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
     from springpot.report.answers import ladder_text
-    from springpot.report.html import write_report
-    from springpot.report.ladder import figure_ladder
 
     # As in: --accept inertia time-delay.
     accept = (*accept, *more)
@@ -101,10 +99,7 @@ def command(
     ladder, code = _climbed(
         measurement, judged, accept=_accepted(accept, auto, plugins().effect), seed=seed or 0, **known_from(options)
     )
-    if figure is not None:
-        figure_ladder(ladder, figure)
-    if report is not None:
-        write_report(ladder, measurement, report, again)
+    _write(ladder, measurement, figure, report, again)
     emit(ladder, as_json, lambda: print(ladder_text(ladder, window(), verbose)))
     # A program that reads the JSON reads nothing else.
     if not as_json:
@@ -119,6 +114,20 @@ def _for_sweeps_only(options: dict[str, Any], report: Path | None) -> list[str]:
     if report is not None:
         given.append("report")
     return given
+
+
+def _write(
+    ladder: Ladder, measurement: Measurement, figure: Path | None, report: Path | None, again: list[str]
+) -> None:
+    """Write the files that were asked for."""
+    if figure is not None:
+        from springpot.report.ladder import figure_ladder
+
+        figure_ladder(ladder, figure)
+    if report is not None:
+        from springpot.report.html import write_report
+
+        write_report(ladder, measurement, report, again)
 
 
 def _tell_written(*paths: Path | None) -> None:

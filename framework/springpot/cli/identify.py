@@ -94,10 +94,7 @@ def command(
     expression = parse_timed(model)
     tests = timetests.named_tests(data, geometry)
     if tests is not None:
-        for name in ("fix", "bounds", "exclude", "start"):
-            if options.pop(name):
-                # Refused, not passed over: a fit that ignores what was held would look as if it had heeded it.
-                raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
+        _refuse_for_tests(options)
         timetests.identify(tests, data, model, figure, as_json, options)
         return 0
     judged = for_sweeps(expression)
@@ -122,6 +119,14 @@ def command(
     else:
         emit(fit, as_json, lambda: _show(fit, data, model, figure, verbose))
     return 0
+
+
+def _refuse_for_tests(options: dict[str, Any]) -> None:
+    """Take out the options that tests in time do not know, none of which may have been given."""
+    for name in ("fix", "bounds", "exclude", "start"):
+        # Refused, not passed over: a fit that ignores what was held would look as if it had heeded it.
+        if options.pop(name):
+            raise OptionError(f"--{name} is for sweeps: tests in time are identified with all parameters free")
 
 
 def _fitted(measured: Any, model: Model, arguments: dict[str, Any]) -> Identification:

@@ -30,24 +30,30 @@ def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = ()) -> lis
         Aspects that are left out.
     """
     unknown = sorted(set(skip) - set(aspects))
+    # A skip that is misspelt would leave its author in the belief that it is one.
     if unknown:
         return [f"skip: there is no aspect '{unknown[0]}': known are {', '.join(aspects)}"]
     wanted = {name: aspect for name, aspect in aspects.items() if name not in skip}
+    # Nothing wrong, because nothing was looked at, must not pass.
     if not wanted:
         return ["skip: every aspect is left out, so nothing was checked"]
-    return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
+    sentences = []
+    for name, aspect in wanted.items():
+        sentences += [f"{name}: {says}" for says in _run(aspect)]
+    return sentences
 
 
 def _run(aspect: Aspect) -> list[str]:
-    found: list[str] = []
+    sentences: list[str] = []
     with kept_random_state() as touched, np.errstate(all="ignore"):
         try:
-            found.extend(aspect())
+            sentences.extend(aspect())
         except (Exception, SystemExit) as error:
-            found.append(f"raises {type(error).__name__}: {' '.join(str(error).split())}")
+            # What was said before it stays said; a plugin may also call sys.exit.
+            sentences.append(f"raises {type(error).__name__}: {' '.join(str(error).split())}")
         if touched():
-            found.append("changes the process-wide random state: draw only from the generator that is handed in")
-    return found
+            sentences.append("changes the process-wide random state: draw only from the generator that is handed in")
+    return sentences
 
 
 @contextmanager
@@ -57,6 +63,7 @@ def kept_random_state() -> Iterator[Callable[[], bool]]:
 
     def touched() -> bool:
         now = np.random.get_state(legacy=False)  # noqa: NPY002
+        # As text: the states hold arrays, which have no single answer to whether they are equal.
         return repr(now) != repr(before) or random.getstate() != own
 
     try:

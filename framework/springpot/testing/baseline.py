@@ -91,7 +91,10 @@ class Baseline:
         """JSON with sorted keys and a line for each cell."""
         head = {"schema": SCHEMA, "study": self.study, "script": self.script, "settings": self.settings}
         goals = {key: vars(goal) for key, goal in self.goals.items()}
-        cells = {key: {s.measure: [_plain(v) for v in s.values]} for key, s in self.samples.items()}
+        cells = {}
+        for key, sample in self.samples.items():
+            cells[key] = {sample.measure: [_plain(value) for value in sample.values]}
+        # Put together here, for a line to each cell: a comparison of two versions shows which changed.
         lines = [f'  "{key}": {json.dumps(value, sort_keys=True)},' for key, value in head.items()]
         lines += ['  "problems": {', *_entries(goals), "  },", '  "cells": {', *_entries(cells), "  }"]
         return "\n".join(["{", *lines, "}"]) + "\n"
@@ -148,6 +151,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def _sample(cell: dict[str, list[float | None]]) -> Sample:
+    # A cell has one measure: more would leave it open which of them is compared.
     [(measure, values)] = cell.items()
     return Sample(measure, tuple(_number(value) for value in values))
 
@@ -167,6 +171,7 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
     goals: dict[str, Goal] = {}
     samples: dict[str, Sample] = {}
     for number, rows in store.trials():
+        # A store may hold trials of cells that its study no longer has.
         if number not in cells:
             continue
         problem = cells[number].problem
@@ -230,6 +235,7 @@ def _hit(row: TrialRow, goal: Goal) -> float:
 def _error(row: TrialRow, goal: Goal) -> float:
     if row.best is None:
         return inf
+    # Not below rounding: costs are compared by their logarithms.
     return max((row.best - goal.best) / (goal.reference - goal.best), ROUNDING)
 
 

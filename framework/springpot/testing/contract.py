@@ -64,6 +64,7 @@ class Plugin:
             value = self.source
         else:
             value = self.source.__name__
+        # By itself: what other plugins offer must neither hide its faults nor dispute its names.
         return Registry([EntryPoint(value, value, GROUP)])
 
     def offers(self) -> list[tuple[str, str]]:
@@ -72,21 +73,27 @@ class Plugin:
 
     def faults(self) -> list[str]:
         """What the host has against it."""
-        found = [fault.reason for fault in self.registry.faults]
+        faults = [fault.reason for fault in self.registry.faults]
         if not self.offers():
-            found.append(
+            faults.append(
                 "it offers nothing that can be checked: write a hook such as springpot_models, marked with @hookimpl"
             )
         names = {name for _, name in self.offers()}
-        return found + [f"'{name}' is to be skipped but not offered" for name in {*self.skip, *self.samples} - names]
+        # A name that is misspelt here would leave a test out in silence, or a sample unread.
+        unknown = {*self.skip, *self.samples} - names
+        return faults + [f"'{name}' is to be skipped but not offered" for name in unknown]
 
     def unavailable(self, word: str, name: str) -> str:
         """Why a data set cannot be loaded here, or nothing."""
-        found = self.registry.find(word, name)
-        remote = getattr(found, "remote", "")
-        return str(
-            getattr(found, "unavailable", "") or (remote and f"it is downloaded from {remote} when it is used")
-        )
+        offered = self.registry.find(word, name)
+        unavailable = getattr(offered, "unavailable", "")
+        if unavailable:
+            return str(unavailable)
+        remote = getattr(offered, "remote", "")
+        # A test must not reach for the network.
+        if remote:
+            return f"it is downloaded from {remote} when it is used"
+        return ""
 
     def check(self, word: str, name: str) -> list[str]:
         """What is wrong with one thing that it offers."""
@@ -94,6 +101,7 @@ class Plugin:
         if word == "model":
             more = {"passive": self.passive}
         elif word == "data set":
+            # A data set may name a model of its own plugin, which need not be installed.
             own = [model for model in self.registry.items("model") if isinstance(model, Model)]
             more = {"models": {model.base: model for model in own}}
         elif word == "reader":
@@ -117,8 +125,10 @@ def check_plugin(
         Each sentence preceded by the thing that it is about; empty if nothing is wrong.
     """
     whole = Plugin(plugin, samples or {}, skip or {}, passive)
-    found = [f"{word} '{name}': {says}" for word, name in whole.offers() for says in whole.check(word, name)]
-    return whole.faults() + found
+    sentences = whole.faults()
+    for word, name in whole.offers():
+        sentences += [f"{word} '{name}': {says}" for says in whole.check(word, name)]
+    return sentences
 
 
 class PluginContract:
@@ -149,6 +159,7 @@ class PluginContract:
     def pytest_generate_tests(self, metafunc: Any) -> None:
         """Make one test for each thing that is offered."""
         if "offered" in metafunc.fixturenames:
+            # One test for each thing, not one for all: what fails is named, and the rest is still tested.
             offers = self._whole().offers()
             metafunc.parametrize("offered", offers, ids=[f"{word} {name}" for word, name in offers])
 
@@ -164,10 +175,12 @@ class PluginContract:
 
     def test_keeps_its_contract(self, offered: tuple[str, str]) -> None:
         """Whatever is offered does what its kind promises."""
+        # Here, so that `check_plugin` works where pytest is not installed.
         import pytest
 
         whole = self._whole()
-        found = whole.check(*offered)
-        assert not found, "\n".join(found)
+        sentences = whole.check(*offered)
+        assert not sentences, "\n".join(sentences)
+        # Skipped only now: what can be checked without its data has been.
         if reason := whole.unavailable(*offered):
             pytest.skip(reason)

@@ -51,12 +51,14 @@ def check_dataset(
 
 
 def _words(dataset: DataSet) -> Iterator[str]:
+    # Signs with a meaning in FILE#PART?COLUMN=UNIT@CONDITION would part the name.
     if not re.fullmatch(r"[A-Za-z0-9][\w.+-]*", dataset.name):
         yield f"the name '{dataset.name}' cannot be typed: use letters, digits, hyphens and points"
     if len(dataset.summary.split()) < 3 or "\n" in dataset.summary or len(dataset.summary) > LONGEST:
         yield f"the summary must be one sentence of at most {LONGEST} characters, not {dataset.summary!r:.60}"
     if dataset.kind not in KINDS:
         yield f"the kind is '{dataset.kind}', not one of {', '.join(KINDS)}"
+    # What cannot be had here need not be described in full.
     if dataset.unavailable:
         return
     if not dataset.licence.strip():
@@ -70,9 +72,11 @@ def _loads(dataset: DataSet) -> Iterator[str]:
         try:
             dataset.open()
         except DataError as error:
+            # Whoever opens it is to read the reason, not an error of a missing file.
             if dataset.unavailable not in str(error):
                 yield f"it is unavailable, but opening it says: {error}"
         return
+    # A test must not reach for the network.
     if dataset.remote:
         return
     # Twice, as numbers that are drawn must come again.

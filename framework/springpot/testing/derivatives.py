@@ -34,8 +34,10 @@ def sample(parameters: Sequence[Parameter], rng: np.random.Generator, shape: tup
     columns = []
     for parameter in parameters:
         if parameter.scale == "log":
+            # A factor of e to either side, for such sizes are known by their decade.
             drawn = parameter.typical * np.exp(rng.uniform(-1.0, 1.0, shape))
         elif np.isfinite(parameter.upper) and np.isfinite(parameter.lower):
+            # Clear of the ends, where a derivative has one side only.
             drawn = parameter.lower + (parameter.upper - parameter.lower) * rng.uniform(0.3, 0.9, shape)
         else:
             drawn = parameter.typical * rng.uniform(0.3, 0.9, shape)

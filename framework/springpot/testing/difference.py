@@ -58,21 +58,28 @@ def verdicts(pairs: Sequence[tuple[Real, Real]], level: float = LEVEL, factor: f
     # Grown by the factor beforehand, so that a rise which is smaller is none.
     rises = _adjusted(pairs, tested, lambda before, after: chance(before * factor, after))
     falls = _adjusted(pairs, tested, lambda before, after: chance(after * factor, before))
-    found = []
+    judged = []
     for (before, after), test, rise, fall in zip(pairs, tested, rises, falls, strict=True):
         if test:
-            found.append(Verdict(bool(rise < level), bool(fall < level), True, float(min(rise, fall))))
+            judged.append(Verdict(bool(rise < level), bool(fall < level), True, float(min(rise, fall))))
         else:
+            # Bonferroni's share: intervals have no p-values for Holm to order.
             share = level / count
             worse, better = apart(before * factor, after, share), apart(after * factor, before, share)
-            found.append(Verdict(worse, better, False, 1.0))
-    return found
+            judged.append(Verdict(worse, better, False, 1.0))
+    return judged
 
 
 def _adjusted(
     pairs: Sequence[tuple[Real, Real]], tested: Sequence[bool], test: Callable[[Real, Real], float]
 ) -> Real:
-    raw = [test(before, after) if can else 1.0 for (before, after), can in zip(pairs, tested, strict=True)]
+    raw = []
+    for (before, after), can in zip(pairs, tested, strict=True):
+        # A pair that no test could ever tell apart takes its place, but nothing of the level.
+        chance_of_pair = 1.0
+        if can:
+            chance_of_pair = test(before, after)
+        raw.append(chance_of_pair)
     return holm(np.array(raw))
 
 
@@ -88,7 +95,9 @@ def chance(before: Real, after: Real) -> float:
     """
     from scipy.stats import mannwhitneyu, rankdata
 
+    # Of ranks instead of values: an infinite cost has a rank as any other.
     ranks = rankdata(np.concatenate([before, after]))
+    # All alike: the variance that the test divides by would be zero.
     if np.ptp(ranks) == 0:
         return 1.0
     return float(mannwhitneyu(ranks[len(before) :], ranks[: len(before)], alternative="greater").pvalue)
@@ -104,6 +113,7 @@ def interval(values: Real, level: float) -> tuple[float, float]:
 
     With infinite values it is bounded below only, by the finite ones; if all are infinite it is infinity itself.
     """
+    # Here and above: scipy.stats takes most of a second to import.
     from scipy.stats import t
 
     finite = np.log(values[np.isfinite(values)])

@@ -41,6 +41,7 @@ def check_effect(effect: Effect, *, on: Model = SAMPLE, skip: Collection[str] = 
     list of str
         Empty if nothing is wrong.
     """
+    # An effect of the levels of a column has parameters only once it knows these levels.
     effect = effect.bound_to(POINTS)
     grown = on + effect
     aspects = {
@@ -71,10 +72,13 @@ def _vanishes(effect: Effect, on: Model, grown: Model) -> Iterator[str]:
     if not np.max(np.abs(grown.stiffness(theta, POINTS) / alone - 1.0)) > 1e-4:
         yield "at its typical size it changes nothing"
     size, null = effect.element.parameters[0], effect.vanishes_at
+    # A factor at every level: the effect is gone only when all of them are.
     if effect.by_levels:
         theta[:, n:] = null
+    # A size that is zero as a rule gives no scale to come near by.
     typical = abs(size.typical) or 1.0
     if np.isinf(null):
+        # An effect that vanishes at infinity, such as the stiffness of a mounting.
         theta[:, n] = typical / NEARLY
     elif null == 0.0:
         theta[:, n] = NEARLY * typical
@@ -98,6 +102,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
     theta = sample(grown.parameters, np.random.default_rng(SEED))
     for column in sorted(effect.needs - COLUMNS):
         yield f"it needs '{column}', but measurements have only amplitude and temperature beside the frequency"
+    # Used without being asked for, a column that the data lack would be an error within a fit.
     for column in sorted(COLUMNS - grown.needs):
         try:
             bare = grown.stiffness(theta, _without(column))
@@ -106,6 +111,7 @@ def _columns(effect: Effect, grown: Model) -> Iterator[str]:
             continue
         if not np.array_equal(bare, grown.stiffness(theta, POINTS)):
             yield f"it depends on the {column} without saying so: name it in the element's conditions"
+    # Asked for without being used, it would refuse data that lack it for nothing.
     for column in sorted(COLUMNS & effect.needs):
         try:
             grown.stiffness(theta, _without(column))

@@ -58,15 +58,16 @@ def check_model(model: Model | Family, *, passive: bool = False, skip: Collectio
 
 
 def _check_family(family: Family, passive: bool, skip: Collection[str]) -> list[str]:
-    found = complaints({"words": lambda: name_and_summary(family.name, family.summary, family.aliases)})
+    sentences = complaints({"words": lambda: name_and_summary(family.name, family.summary, family.aliases)})
     for number in MEMBERS:
         expected = f"{family.name.removesuffix('-N')}-{number}"
         member = family.member(expected)
+        # A member's name is typed and stored: it must lead back to the same member.
         if member is None or member.base != expected:
-            found.append(f"words: member {number} is called {member and member.base}, not {expected}")
+            sentences.append(f"words: member {number} is called {member and member.base}, not {expected}")
         else:
-            found += [f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)]
-    return found
+            sentences += [f"{expected}: {says}" for says in check_model(member, passive=passive, skip=skip)]
+    return sentences
 
 
 def _check_material(model: Model, skip: Collection[str]) -> list[str]:
@@ -80,11 +81,12 @@ def _spectrum(model: Model) -> Iterator[str]:
     """Any network of springs, springpots and dashpots is one of the materials."""
     data = sample_measurement()
     theta = sample(SAMPLE.parameters, np.random.default_rng(SEED), (1,))[0]
-    found = fit(model, replace(data, stiffness=SAMPLE.stiffness(theta, data.points)))
-    left = np.abs(found.model.stiffness(found.theta, data.points) / SAMPLE.stiffness(theta, data.points) - 1.0)
+    exact = SAMPLE.stiffness(theta, data.points)
+    fitted = fit(model, replace(data, stiffness=exact))
+    left = np.abs(fitted.model.stiffness(fitted.theta, data.points) / exact - 1.0)
     if not left.max() < FOLLOWED:
         yield f"a spring beside a spring in series with a springpot is followed to {left.max():.1e} only"
-    if np.any(found.theta < 0.0):
+    if np.any(fitted.theta < 0.0):
         yield "a weight of the spectrum is negative"
 
 
@@ -106,8 +108,10 @@ def _search(model: Model) -> Iterator[str]:
     if not np.allclose(form.from_elements(form.to_elements(x)), x, rtol=1e-8):
         yield "from_elements does not undo to_elements"
     numeric = np.stack([derivative(form.to_elements, row, 1e-3) for row in x])
+    # Written this way round, a derivative that is no number fails too.
     if not np.max(np.abs(form.jacobian(x) - numeric)) < EXACT * np.max(np.abs(numeric)):
         yield "jacobian is not the derivative of to_elements"
+    # In any order: an optimiser knows nothing of the order, and the form has to mend it.
     free = sample(form.parameters, np.random.default_rng(SEED + 1), (50,))
     theta = form.to_elements(form.repaired(free))
     for parameter, values in zip(model.parameters, theta.T, strict=True):
@@ -124,5 +128,6 @@ def _passive(model: Model) -> Iterator[str]:
             theta[::3, i] = rng.choice([parameter.lower, parameter.upper], len(theta[::3]))
     stiffness = model.stiffness(theta, OMEGA)
     for name, part in (("storage", stiffness.real), ("loss", stiffness.imag)):
+        # A loss of zero, as of a spring, is computed to rounding only.
         if np.any(part < -1e-12 * np.abs(stiffness)):
             yield f"the {name} is negative for lawful parameters"

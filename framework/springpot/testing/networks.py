@@ -50,6 +50,7 @@ def sample_measurement() -> Measurement:
 
 def network_aspects(model: Model) -> dict[str, Aspect]:
     """The contract of a network, that of a grown model included."""
+    # Functions, called one after the other: one that raises is told as a sentence and does not end the rest.
     return {
         "parameters": lambda: _parameters(model.parameters),
         "shapes": lambda: _shapes(model),
@@ -78,6 +79,7 @@ def _parameters(parameters: Sequence[Parameter]) -> Iterator[str]:
             yield f"{name}: a logarithmic scale needs a positive typical size and no negative bound"
         if isinstance(parameter.unit.time, str) and parameter.unit.time not in names:
             yield f"{name}: its unit names the order '{parameter.unit.time}', which is no parameter"
+        # A stiffness with lengths, and a modulus with strains: units are printed differently for each.
         for units in (Units("kN/m", "mm"), Units("Pa", "-")):
             if not units.of(parameter.unit)[1].strip():
                 yield f"{name}: its unit cannot be printed for data in {units.stiffness}"
@@ -91,6 +93,7 @@ def _shapes(model: Model) -> Iterator[str]:
     wrong = [name for name, shape in expected.items() if getattr(whole, name).shape != shape]
     for name in wrong:
         yield f"{name} has the shape {getattr(whole, name).shape}, not {expected[name]}, for theta of (2, 3, {p})"
+    # Only where the shape is right: otherwise the values could not be compared.
     for name in set(expected) - set(wrong):
         rows = [getattr(model.network.respond(row, POINTS, FULL), name) for row in theta.reshape(6, -1)]
         if not np.allclose(np.reshape(rows, expected[name]), getattr(whole, name), rtol=1e-10, atol=1e-13):
@@ -101,6 +104,7 @@ def _derivatives(model: Model) -> Iterator[str]:
     theta = _thetas(model)
     worst = np.max([_by_theta(model, row) for row in theta], axis=0)
     for name, error in zip(model.names, worst, strict=True):
+        # Written this way round, an error that is no number fails too.
         if not error < EXACT:
             yield f"dK/d{name} is not the derivative of K: off by {error:.1e} relative to K/{name}"
     slope = max(_by_log_omega(model, row) for row in theta)
@@ -112,6 +116,7 @@ def _by_theta(model: Model, theta: Real) -> Real:
     """Relative error of dK/dtheta (p,)."""
     response = model.network.respond(theta, POINTS, FULL)
     exact = np.swapaxes(response.by_theta, -1, -2)
+    # Relative to K over the parameter: a derivative that is zero by nature has no size of its own.
     natural = np.abs(response.value)[:, None] / np.maximum(np.abs(theta), 1e-4) + np.abs(exact)
     worst: Real = _error(exact, lambda x: model.network.respond(x, POINTS).value, theta, natural).max(axis=0)
     return worst
@@ -127,7 +132,8 @@ def _by_log_omega(model: Model, theta: Real) -> float:
 
 def _error(exact: Any, function: Callable[[Any], Any], x: Real, natural: Real) -> Real:
     """Relative error of `exact`; none where a kink lies so near that two radii disagree."""
-    near, nearer = (derivative(function, x, reach) for reach in (3e-3, 1e-3))
+    near = derivative(function, x, 3e-3)
+    nearer = derivative(function, x, 1e-3)
     # A derivative that is nothing beside the others is held against them, not against its own roundings.
     natural = np.maximum(natural, 1e-9 * np.max(natural))
     smooth = np.abs(near - nearer) <= 0.1 * EXACT * natural
@@ -171,11 +177,13 @@ def _units(model: Model) -> Iterator[str]:
     """In other units the numbers must change as the parameters' units say."""
     changes = {"stiffness": (1e-3, 1.0, 1.0), "time": (1.0, 1 / 60, 1.0), "amplitude": (1.0, 1.0, 1e3)}
     for what, (stiffness, time, amplitude) in changes.items():
+        # In minutes instead of seconds a frequency has another number, and so has an amplitude in other units.
         at = replace(POINTS.shifted(-np.log(time)), amplitude=POINTS.need("amplitude") * amplitude)
         for theta in _thetas(model):
             other = _of_rates(model, time).stiffness(converted(model, theta, stiffness, time, amplitude), at)
             if not np.allclose(other, stiffness * model.stiffness(theta, POINTS), rtol=1e-8, atol=0.0):
                 yield f"K does not follow a change of the unit of {what}: a parameter's Dimension is wrong"
+                # Once for each unit: the same slip shows at every set of parameters.
                 break
 
 
@@ -190,7 +198,8 @@ def _pure(model: Model) -> Iterator[str]:
     theta = _thetas(model)
     before = theta.copy()
     columns = [POINTS.log_omega.copy(), POINTS.need("amplitude").copy(), POINTS.need("temperature").copy()]
-    first, second = (model.network.respond(theta, POINTS, FULL) for _ in range(2))
+    first = model.network.respond(theta, POINTS, FULL)
+    second = model.network.respond(theta, POINTS, FULL)
     if not all(np.array_equal(a, b) for a, b in zip(first, second, strict=True)):
         yield "two calls with the same arguments differ"
     after = [POINTS.log_omega, POINTS.need("amplitude"), POINTS.need("temperature")]

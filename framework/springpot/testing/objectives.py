@@ -50,10 +50,12 @@ def check_objective(objective: Objective, *, skip: Collection[str] = ()) -> list
 def _data(objective: Objective) -> dict[str, Measurement]:
     """Data with standard deviations, and without them unless the objective says that it cannot do without."""
     plain = sample_measurement()
+    # Different in storage and loss, so that a mix-up of the two shows.
     given: Complex = (0.01 + 0.02j) * plain.stiffness.real.astype(np.complex128)
     data = {"with standard deviations": replace(plain, sd=given)}
     try:
         objective.weights(plain)
+    # It needs standard deviations and says so, as it should.
     except DataError:
         return data
     return {"without standard deviations": plain, **data}
@@ -75,11 +77,11 @@ def _weights(objective: Objective) -> Iterator[str]:
 def _value(objective: Objective) -> Iterator[str]:
     for which, data in _data(objective).items():
         weights = objective.weights(data)
-        found = SAMPLE.stiffness(THETA, data.points)
-        residual = objective.residual(found, data, weights)
+        computed = SAMPLE.stiffness(THETA, data.points)
+        residual = objective.residual(computed, data, weights)
         if residual.shape != (2 * len(data),):
             yield f"{which}: residuals have the shape {residual.shape}, not ({2 * len(data)},)"
-        if not np.allclose(objective.value(found, data, weights), np.sum(residual**2), rtol=1e-12):
+        if not np.allclose(objective.value(computed, data, weights), np.sum(residual**2), rtol=1e-12):
             yield f"{which}: the value is not the sum of the squared residuals"
         if not np.allclose(objective.value(data.stiffness.copy(), data, weights), 0.0, atol=1e-20):
             yield f"{which}: the value of perfect data is not zero"
@@ -92,10 +94,12 @@ def _derivative(objective: Objective) -> Iterator[str]:
         exact = np.swapaxes(objective.derivative(response.by_theta, response.value, weights), -1, -2)
 
         def residual(theta: np.ndarray) -> np.ndarray:
+            # Refused at once: the derivative is then differenced along the real axis.
             if np.iscomplexobj(theta):
                 raise TypeError("residuals are real parts: no analytic functions")
             return objective.residual(SAMPLE.stiffness(theta, data.points), data, weights)  # noqa: B023  used at once
 
         numeric = derivative(residual, THETA)
+        # Times the parameters, for these differ by orders of magnitude.
         if not np.max(np.abs(exact - numeric) * THETA) < EXACT * np.max(np.abs(numeric) * THETA):
             yield f"{which}: derivative is not that of the residuals"

@@ -35,13 +35,15 @@ def accuracy_gate(request: pytest.FixtureRequest) -> Callable[..., Any]:
 
         try:
             if request.config.getoption(UPDATE):
+                # The others say how to compare, which is not done here.
                 shared = {key: options[key] for key in ("out", "workers") if key in options}
                 return update(study, baseline, **shared)
-            found = check(study, baseline, **options)
+            outcome = check(study, baseline, **options)
         except SpringpotError as error:
             pytest.fail(str(error), pytrace=False)
-        if not found.passed:
-            pytest.fail("\n".join(found.regressions), pytrace=False)
-        return found
+        # A sentence for each that got worse says more than a traceback through this file.
+        if not outcome.passed:
+            pytest.fail("\n".join(outcome.regressions), pytrace=False)
+        return outcome
 
     return gate

@@ -57,7 +57,7 @@ def check_reader(reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: 
     list of str
         Empty if nothing is wrong.
     """
-    given = [sample if isinstance(sample, bytes) else Path(sample).read_bytes() for sample in samples]
+    given = [_content(sample) for sample in samples]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "sample.dat"
         aspects = {
@@ -70,11 +70,17 @@ def check_reader(reader: Reader, samples: Sequence[Path | bytes] = (), *, skip: 
         return complaints(aspects, skip)
 
 
+def _content(sample: Path | bytes) -> bytes:
+    if isinstance(sample, bytes):
+        return sample
+    return Path(sample).read_bytes()
+
+
 def _actions(reader: Reader) -> list[tuple[str, type, Callable[[Path, Choice], Any]]]:
-    found: list[tuple[str, type, Callable[[Path, Choice], Any]]] = [("read", Measurement, reader.read)]
+    actions: list[tuple[str, type, Callable[[Path, Choice], Any]]] = [("read", Measurement, reader.read)]
     if reader.signals is not None:
-        found.append(("signals", Signals, reader.signals))
-    return found
+        actions.append(("signals", Signals, reader.signals))
+    return actions
 
 
 def _samples(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
@@ -91,18 +97,21 @@ def _samples(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
                     yield f"{name} of sample {i + 1} gives no {expected.__name__}"
             except SpringpotError as error:
                 refused.append(f"{name}: {error}")
+        # A file of signals is no table, nor the other way round: one of the two is enough.
         if len(refused) == len(_actions(reader)):
             yield f"sample {i + 1} is refused: {'; '.join(refused)}"
 
 
 def _files(samples: list[bytes]) -> Iterator[bytes]:
     rng = np.random.default_rng(SEED)
+    # An empty file, as an export that was interrupted leaves it.
     yield b""
     for _ in range(RANDOM_FILES):
         yield rng.bytes(int(rng.integers(1, 2000)))
         yield b"".join(PIECES[i] for i in rng.integers(0, len(PIECES), 30))
     for sample in [whole[:DAMAGED] for whole in samples if whole]:
         for _ in range(RANDOM_FILES):
+            # Cut off, then with bytes that are wrong: what a broken transfer and a broken disk make of a file.
             yield sample[: rng.integers(0, len(sample))]
             damaged = bytearray(sample)
             for place in rng.integers(0, len(sample), 3):
@@ -112,6 +121,7 @@ def _files(samples: list[bytes]) -> Iterator[bytes]:
 
 def _garbage(reader: Reader, samples: list[bytes], path: Path) -> Iterator[str]:
     samples = samples or [_text(reader, sample_measurement()) or TABLE]
+    # The same fault would be told for dozens of random files.
     seen = set()
     for content in _files(samples):
         path.write_bytes(content)
@@ -133,6 +143,7 @@ def _complaints_about(reader: Reader, content: bytes, path: Path) -> Iterator[st
             if not isinstance(action(path, Choice()), expected):
                 yield f"{name} gives no {expected.__name__}"
         except SpringpotError as error:
+            # The line is all that a user gets to see.
             if "\n" in str(error) or not str(error):
                 yield f"{name} must refuse in one line that says why"
         except Exception as error:
@@ -158,6 +169,7 @@ def _text(reader: Reader, measurement: Measurement) -> bytes:
 
 
 def _bare(measurement: Measurement) -> Measurement:
+    # Conditions are an extra: a format of frequency, storage and loss alone is a format.
     return replace(measurement, conditions={})
 
 
@@ -165,11 +177,13 @@ def _versions() -> Iterator[tuple[str, Measurement]]:
     full, n = sample_measurement(), len(sample_measurement())
     bare, rng = _bare(full), np.random.default_rng(SEED)
     yield "plain data", bare
+    # Up to e^500, and down to its inverse: as text they need all their digits, and an exponent.
     yield "numbers of any size", replace(bare, stiffness=bare.stiffness * np.exp(rng.uniform(-500, 500, n)))
     yield "standard deviations", replace(bare, sd=bare.stiffness / 7)
     yield "amplitude and temperature", full
     yield "repeats", replace(bare, repeat=np.arange(n))
     yield "harmonics", replace(bare, harmonics=(rng.normal(size=(n, 2)) * (1 + 2j)).astype(np.complex128))
+    # With a comma and quotation marks, which part a cell in two where they are not guarded.
     yield "labels", replace(bare, labels={"specimen": np.array([f"{i}, or 'so'" for i in range(n)])})
 
 

@@ -115,6 +115,7 @@ def check(
 def compare(before: Baseline, store: Store, path: Path, level: float = LEVEL, factor: float = FACTOR) -> Gate:
     """Compare a store's trials with a baseline; see `check`."""
     facts = store.facts()
+    # With another budget or target the numbers mean something else, however alike they look.
     for key in ("budget", "target"):
         if float(facts[key]) != before.settings[key]:
             raise StudyError(
@@ -142,12 +143,14 @@ def _notes(before: Baseline, after: dict[str, Sample], judged: dict[str, Verdict
         for key, verdict in judged.items()
         if verdict.better
     ]
+    # Or a gate that can never close would be trusted.
     few = sum(not verdict.tested for verdict in judged.values())
     if few:
         notes.append(
             f"{few} of {len(judged)} comparisons have too few trials for a test to ever tell: they fail only if the "
             "intervals are apart; raise the study's repetitions"
         )
+    # Told, not failed: a new optimiser has nothing that it could have become worse than.
     new = [key for key in baseline_of(store).samples if key not in before.samples]
     return notes + [f"{_who(key)} is not in the baseline: springpot regression update takes it up" for key in new]
 
@@ -202,6 +205,7 @@ def _fresh(study: Study | str | Path, out: Path, workers: int | None, seed: int 
         with Store(store_path(study, out)) as store:
             yield store
         return
+    # Elsewhere: what a user has run stays as it is.
     with TemporaryDirectory(prefix="springpot-") as scratch:
         # Workers load the script as it stands: what differs from it runs here.
         if isinstance(study, Study) or seed is not None:

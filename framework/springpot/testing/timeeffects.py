@@ -32,6 +32,7 @@ GONE = 1e-5
 
 def tests_in_time() -> list[TimeTest]:
     """One test of each kind, in N and mm, with the response of a common material."""
+    # Decades for tests by a step, even steps for what moves all the time, as they are recorded.
     late, even = np.geomspace(0.01, 100.0, 60), np.linspace(0.0, 20.0, 160)
     wave = np.sin(1.3 * even) * (1.0 + 0.3 * np.sin(0.31 * even))
     release = Loading(np.array([0.0, 0.0, 7.0, 7.0, 20.0]), np.array([0.0, 1.0, 1.0, 0.0, 0.0]))
@@ -106,12 +107,13 @@ def _theta(effect: TimeEffect, test: TimeTest) -> Real:
 
 def _shapes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
-        found = recorded(Timed(MODEL, (effect,)), _theta(effect, test), test)
+        record = recorded(Timed(MODEL, (effect,)), _theta(effect, test), test)
         expected = (len(test), len(THETA) + len(effect.parameters))
-        if found.value.shape != expected[:1] or found.by_theta.shape != expected:
-            yield f"in a {test.kind} test shapes are {found.value.shape} and {found.by_theta.shape}, not {expected}"
+        if record.value.shape != expected[:1] or record.by_theta.shape != expected:
+            yield f"in a {test.kind} test shapes are {record.value.shape} and {record.by_theta.shape}, not {expected}"
         # Without the first sample: at the instant of a step the response may be endless.
-        if not (np.all(np.isfinite(found.value[1:])) and np.all(np.isfinite(found.by_theta[1:]))):
+        numbers = np.all(np.isfinite(record.value[1:])) and np.all(np.isfinite(record.by_theta[1:]))
+        if not numbers:
             yield f"in a {test.kind} test something is no number"
 
 
@@ -129,12 +131,14 @@ def _derivatives(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
             off = np.abs(wanted - slopes[:, i])[1:]
             size = float(np.abs(wanted[1:]).max())
             wrong = float(np.mean(off > AGREE * size + 1e-9))
+            # A parameter that does nothing in this kind of test has no derivative to be wrong.
             if size > 0.0 and wrong > APART:
                 where = f"at {100.0 * wrong:.0f} % of the samples"
                 yield f"in a {test.kind} test the derivative by {name} is wrong {where}"
 
 
 def _pure(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
+    # One test is enough: whether arguments are changed does not depend on what was imposed.
     for test in tests[:1]:
         theta = _theta(effect, test)
         before = theta.copy(), test.loading.value.copy(), test.response.copy()
@@ -150,6 +154,7 @@ def _pure(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
 def _vanishes(effect: TimeEffect, tests: list[TimeTest]) -> Iterator[str]:
     for test in tests:
         theta, n = _theta(effect, test), len(THETA)
+        # Without the first sample, as above.
         there = test.response[1:]
         size = float(np.abs(there).max())
         if not np.abs(recorded(Timed(MODEL, (effect,)), theta, test).value[1:] - there).max() > 1e-4 * size:
