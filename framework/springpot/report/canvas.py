@@ -66,6 +66,7 @@ def check_figure_path(path: str | Path) -> Path:
         If matplotlib is missing, the format is unknown or the place cannot be written.
     """
     path = Path(path)
+    # The name first: whoever mistypes it need not install anything to be told.
     if path.suffix.lower() not in SUFFIXES:
         raise OutputError(f"cannot draw {path}: a figure's name must end in {', '.join(SUFFIXES)}")
     require_matplotlib()
@@ -94,6 +95,7 @@ def blank(width: float = 7.2, height: float = 5.4) -> Iterator[Figure]:
 
     from .picture import Picture
 
+    # Only while it is drawn: the style of a user's own figures stays as it is.
     with rc_context(STYLE):
         yield Picture(figsize=(width, height), layout="constrained")
 
@@ -104,12 +106,17 @@ def logarithmic(axes: Axes, direction: Literal["x", "y"]) -> None:
 
     axes.set(**{f"{direction}scale": "log"})
     axis = getattr(axes, f"{direction}axis")
+    # An axis may run from right to left.
     low, high = sorted(map(abs, axis.get_view_interval()))
     if low > 0 and high < NARROW * low:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     plain = PLAIN[0] <= low and high <= PLAIN[1]
     powers = LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(inf, inf))
-    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}") if plain else powers)
+    if plain:
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    else:
+        axis.set_major_formatter(powers)
+    # Otherwise an axis of less than a decade would be labelled twice.
     axis.set_minor_formatter(NullFormatter())
 
 

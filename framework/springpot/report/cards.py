@@ -66,6 +66,7 @@ class KindOfCard:
 
 def model(item: Model | Family) -> dict[str, Any]:
     """Describe a model, or a family by its second member."""
+    # A family has no parameters before its size is chosen.
     if isinstance(item, Family):
         shown = item.build(EXAMPLE_MEMBER)
     else:
@@ -143,6 +144,7 @@ def dataset(item: DataSet) -> dict[str, Any]:
     return {
         "name": item.name,
         "kind": item.kind,
+        # Zero stands for a size that is not known beforehand.
         "points": item.size or None,
         "licence": item.licence,
         "where": item.where,
@@ -202,6 +204,7 @@ def options(of: type[Optimiser]) -> dict[str, Any]:
     """An optimiser's options and their defaults."""
     defaults: dict[str, Any] = {}
     for option in fields(of):  # type: ignore[arg-type]
+        # An option without a default has to be given: it is listed all the same.
         defaults[option.name] = None
         if option.default_factory is not MISSING:
             defaults[option.name] = option.default_factory()
@@ -210,6 +213,7 @@ def options(of: type[Optimiser]) -> dict[str, Any]:
     return defaults
 
 
+# By the words that a user types behind ``springpot list``.
 KINDS = {
     "models": KindOfCard("model", ("name", "parameters", "summary"), model),
     "optimisers": KindOfCard("optimiser", ("name", "global", "gradient", "batched", "summary"), optimiser),
@@ -226,8 +230,11 @@ def cell(value: Any) -> str:
     """A value of a description as one line of text."""
     if value is None or value in ("", [], {}):
         return ""
+    # An empty cell is read as no: a column of `False` would hide the few that are yes.
     if isinstance(value, bool):
-        return "yes" if value else ""
+        if value:
+            return "yes"
+        return ""
     if isinstance(value, dict):
         return ", ".join(f"{key} = {item}" for key, item in value.items())
     if isinstance(value, list):
@@ -248,6 +255,7 @@ def card(description: dict[str, Any]) -> str:
     if description.get("drawing"):
         lines += ["", indented(description["drawing"]), ""]
     for key, value in description.items():
+        # What is not known is not told: half of a card would be empty lines.
         if key in ("name", "summary", "drawing") or value in (None, "", [], {}, False):
             continue
         if key == "parameters":

@@ -97,6 +97,7 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
     A condition that follows the axis is interpolated; one that only scatters about its setting is taken to be held.
     """
     along = axis.values[sweep.rows]
+    # Evenly on the paper, not in the numbers: a curve over decades would be coarse at its lower end.
     place = along
     if axis.logarithmic:
         place = np.log(along)
@@ -108,11 +109,13 @@ def smooth(measurement: Measurement, axis: Axis, sweep: Sweep) -> tuple[Real, Po
 
     def between(column: Real) -> Real:
         here = column[sweep.rows]
+        # Through values that jump to and fro a curve would jump as well, and no model would follow it.
         if travels(along, here):
             return np.full(len(fine), float(np.median(here)))
         return np.interp(fine, known, here[first])
 
     points = measurement.points
+    # In the logarithm, as the models take it.
     log_omega = np.interp(fine, known, points.log_omega[sweep.rows][first])
     there = replace(points.mapped(between), log_omega=log_omega)
     if axis.logarithmic:

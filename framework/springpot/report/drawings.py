@@ -38,6 +38,7 @@ def drawn(result: object, path: str | Path | None = None, axes: Axes | None = No
     OutputError
         If there is no picture of such a thing, matplotlib is missing, or a path and axes are given.
     """
+    # Axes are the caller's, with a figure around them that nobody else may save.
     if axes is None:
         return whole(result, path)
     if path is not None:
@@ -70,6 +71,7 @@ def _measured_onto(result: Measurement, axes: Any) -> None:
 
 @whole.register
 def _fitted(result: Identification, path: Any) -> Any:
+    # The spectrum is what such a fit is made for.
     if is_material(result.model):
         return figure_material(result, path)
     return figure_identification(result.measurement, [Fit(result.model, result.theta)], path)
@@ -117,6 +119,7 @@ def _diagnosed_onto(result: Diagnosis, axes: Any) -> None:
     draw_diagnosis(axes, result)
 
 
+# A ladder that was loaded draws as the one that was saved.
 @whole.register(KeptLadder)
 @whole.register(Ladder)
 def _found(result: Any, path: Any) -> Any:

@@ -80,11 +80,14 @@ def _headline(scene: Scene) -> str:
     drawn = ""
     if scene.drawn:
         drawn = f"; {scene.drawn}"
+    # Data alone have no error to tell.
     if not scene.fits:
         return f"{_cut(data.name)}{drawn}"
+    # Of several models each has its error in the table, and its name in the legend.
     if len(scene.fits) > 1:
         return f"{_cut(data.name)}\npoints measured, lines fitted{drawn}"
     fit = scene.fits[0]
+    # Of all points, those among them that are too many to be drawn.
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
     error = percent(float(np.sqrt(np.mean(share**2))))
     fitted = _cut(f"{fit.name} fitted to {data.name}")
@@ -125,6 +128,7 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
         handlelength=2.6,
     )
     above.get_title().set_color(INK)
+    # Outside of the axes: a dozen sweeps would cover the data.
     if scene.by_sweep:
         figure.legend(handles=sweep_marks(scene), loc="outside right upper", handlelength=1.0)
     elif below is not None and below.by_sweep:
@@ -150,6 +154,7 @@ def marks_of(scene: Scene) -> list[Line2D]:
         _mark("storage", first, marker="o", linestyle=solid),
         _mark("loss", second, marker="o", markerfacecolor="white", linestyle=dashed),
     ]
+    # On a logarithmic axis what is negative can only be drawn by its size, which must be said.
     if np.any(scene.measurement.storage < 0) or np.any(scene.measurement.loss < 0):
         marks.append(_mark("negative: its size", INK, marker="x", linestyle=dotted))
     if scene.measurement.sd is not None and scene.fits:
@@ -167,6 +172,7 @@ def sweep_marks(scene: Scene) -> list[Line2D]:
 
 
 def _mark(label: str, color: str, **style: Any) -> Line2D:
+    # Loaded when something is drawn: text needs no matplotlib.
     from matplotlib.lines import Line2D
 
     return Line2D([], [], color=color, label=_literal(label), **style)

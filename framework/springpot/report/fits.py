@@ -42,6 +42,7 @@ def identification_text(found: Identification, width: int = 120, verbose: bool =
     """
     data = found.measurement
     search = ""
+    # The search form is how the model was searched, not what it is: most need it never.
     if verbose and found.search_parameters:
         search = parameters_text("search form", dict(found.search_parameters))
     parts = [
@@ -67,6 +68,7 @@ def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
         Columns of the window.
     """
     count = f"{sum(test.points for test in found.tests)} points"
+    # A count of one says nothing.
     if len(found.tests) > 1:
         count = f"{len(found.tests)} tests, {count}"
     names = " + ".join(test.name for test in found.tests)
@@ -115,6 +117,7 @@ def climbed_in_time_text(found: TimeLadder, width: int = 120) -> str:
         parameters_text("parameter", {name: _measured(entry) for name, entry in last.parameters.items()}),
         wrapped(found.diagnosis.says, width),
     ]
+    # Below the parameters: whoever takes these must know that the effect may be another.
     for step in found.steps:
         if step.alike:
             rivals = " or ".join(step.alike)
@@ -139,8 +142,8 @@ def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
     physics = [f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing]
     # Which of several absent effects is absent is no news.
     absent = {each.effect for each in found.candidates if each.verdict == "absent"}
-    told = [names for names in found.classes if names[0] not in absent]
-    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in told]
+    open_classes = [names for names in found.classes if names[0] not in absent]
+    physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
     # The table has its own widths; what is told in sentences is broken at words.
     parts = [wrapped(part, width) for part in sentences if part]
     if ranked:
@@ -161,18 +164,22 @@ def _measured(entry: dict[str, Any]) -> Value:
 def _tests(found: TimeIdentification, width: int) -> str:
     """A row for each test; in a narrow window the last columns go, and long names are cut."""
     headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
-    rows = [
-        [t.name, t.kind, str(t.points), percent(t.error), percent(t.floor, 2), number(t.ratio, 2), number(t.alone, 2)]
-        for t in found.tests
-    ]
+    rows = []
+    for test in found.tests:
+        errors = [percent(test.error), percent(test.floor, 2), number(test.ratio, 2), number(test.alone, 2)]
+        rows.append([test.name, test.kind, str(test.points), *errors])
     table = Table(headers, rows, frozenset(headers[2:]))
+    # A single test is fitted alone in any case.
     if len(found.tests) == 1:
         table = table.lacking("alone")
     table = table.without(("alone", "points"), width)
     excess = table.width - width
+    # The last resort: a table that is broken by the window cannot be read, a name that is cut can.
     if excess > 0:
-        most = max(max(len(row[0]) for row in table.rows) - excess, NAME)
-        table = Table(table.headers, [[cut(row[0], most), *row[1:]] for row in table.rows], table.right)
+        longest = max(len(row[0]) for row in table.rows)
+        most = max(longest - excess, NAME)
+        shortened = [[cut(row[0], most), *row[1:]] for row in table.rows]
+        table = Table(table.headers, shortened, table.right)
     text = table.plain()
     # Only then has a narrow window not dropped the column.
     if "alone" in table.headers:
@@ -223,6 +230,7 @@ def _lines(found: Identification, verbose: bool) -> list[str]:
 
 def _reason(found: Identification) -> str:
     assert found.standing is not None
+    # The first half is the error and its floor, which the line above has told.
     return found.standing.says.partition("; ")[2] or found.standing.says
 
 
@@ -250,6 +258,7 @@ def unused(found: Identification) -> list[str]:
     for name in ("temperature", "amplitude"):
         if name not in found.measurement.conditions or name in found.model.needs:
             continue
+        # A temperature that was noted once for all rows is no condition that a model misses.
         levels = int(found.measurement.levels(name).max()) + 1
         if levels > 1:
             notes.append(f"{name} was not used: the data have {levels} levels of it, the model has no effect of it")
@@ -283,6 +292,7 @@ def many_csv(found: Sequence[Identification]) -> str:
                 # `repr` keeps every digit: another program reads them.
                 cells += [repr(value.value), repr(value.low), repr(value.high)]
         floor, good = "", ""
+        # Left empty where the data are too few to tell: any word would be taken for a verdict.
         if fit.standing is not None:
             floor, good = repr(fit.standing.noise_floor), str(fit.standing.good_enough).lower()
         write([fit.measurement.name, fit.model.name, repr(fit.relative_rms), floor, good, *cells])
@@ -290,6 +300,7 @@ def many_csv(found: Sequence[Identification]) -> str:
 
 
 def _columns(found: Sequence[Identification]) -> list[str]:
+    # Of all files: a model of levels may have more parameters in one than in another.
     return list(dict.fromkeys(name for fit in found for name in fit.parameters))
 
 

@@ -28,8 +28,10 @@ def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> 
     after : float
         Room behind the last place.
     """
+    # Half a place to either side of each mark.
     ends = np.arange(len(noise) + 1) - 0.5
     ends[-1] += after
+    # Each place its own level, as wide as its share of the axis: a slope between two would mean nothing.
     edges = np.repeat(ends, 2)[1:-1]
     axes.fill_between(
         edges, np.repeat(noise, 2), 0.0, color="#DDDDDD", linewidth=0.0, label="noise floor", zorder=0.5

@@ -57,6 +57,7 @@ def check_report_path(path: str | Path) -> Path:
     """
     if Path(path).suffix.lower() not in SUFFIXES:
         raise OutputError(f"cannot write the report {path}: its name must end in .html")
+    # Asked before minutes of fitting, like all else that could prevent the report.
     require_matplotlib()
     return require_writable(path)
 
@@ -88,6 +89,7 @@ def report_html(ladder: Ladder, measurement: Measurement, command: Sequence[str]
     scenes = _scenes(ladder, measurement)
     bench = _bench(ladder, measurement)
     body = [
+        # The answer first, then what can be pointed at, then the evidence, and last how to repeat it.
         *_head(ladder),
         tag("h2", "Point at it"),
         tag("p", POINTING, class_="quiet"),
@@ -151,6 +153,7 @@ def excluded_rows(ladder: Ladder, measurement: Measurement) -> list[int]:
 def _scenes(ladder: Ladder, measurement: Measurement) -> dict[str, Scene]:
     """Data with the first and the last model, which are one and the same if nothing was accepted."""
     first, last = ladder.steps[0].case.search.base, ladder.steps[-1].case.search.base
+    # The noise as the last model tells it, for both: two bands would look like two sets of data.
     data = with_noise_of(last.data.mean, last.noise.sd)
     aside = set_aside(measurement, last.data.raw)
     if len(ladder.steps) == 1:
@@ -183,6 +186,7 @@ def _head(ladder: Ladder) -> Iterator[Html]:
         story = f"Accepted: {names}. The error falls from {fall}."
     else:
         story = f"The error is {percent(first.relative_rms)} of {size}; no effect was accepted."
+    # By `tag`, as everywhere: names of data and plugins are escaped, whatever stands in them.
     verdict = tag("div", tag("b", f"{ladder.verdict}: "), f"{ladder.diagnosis.says}.")
     split = [tag("div", f"{_capital(sentence)}.") for sentence in _splits(ladder)]
     yield tag("div", tag("div", story), verdict, *split, class_="verdict")
@@ -297,6 +301,7 @@ def _candidate(row: Candidate, floor: float) -> tuple[str, ...]:
 def _classes(ladder: Ladder) -> Iterator[Html]:
     """What an accepted effect stands for, and which of those still open look alike."""
     yield tag("h2", "What these data cannot tell apart")
+    # The first step is the model that was given: nothing was accepted there.
     doubtful = [step for step in ladder.steps[1:] if len(step.alike) > 1]
     lines = []
     for step in doubtful:
@@ -322,6 +327,7 @@ def _next(ladder: Ladder) -> Iterator[Html]:
     """Advice of the last diagnosis; where nothing is open there, of the last step whose answer was not unique."""
     yield tag("h2", "What to measure next")
     diagnosis = ladder.diagnosis
+    # Where nothing is missing any more, the open question is which of several alike was accepted.
     if ladder.verdict == "adequate":
         pairs = pairwise(ladder.steps)
         doubtful = [before.case.diagnosis for before, step in pairs if len(step.alike) > 1]
@@ -342,6 +348,7 @@ def _models(ladder: Ladder) -> Iterator[Html]:
     steps = {step.model.name: step for step in (ladder.steps[0], ladder.steps[-1])}
     for name, step in steps.items():
         yield tag("h3", name)
+        # Made here with every label escaped, so that it may enter the page as it is.
         yield tag("div", Html(network_svg(step.model.network)), class_="scroll")
         yield tag("div", _parameters(step), class_="scroll")
         yield from _note(reference_note(step.case.search.base.data.raw, [step.model.network], "°C"))
@@ -362,10 +369,12 @@ def _parameters(step: Step) -> Html:
 
 def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) -> Iterator[Html]:
     yield tag("h2", "To repeat this")
+    # Quoted for a shell, as it is to be copied.
     yield tag("pre", shlex.join(command))
     rows = [
         ("data", measurement.name),
         ("points", f"{len(measurement)}, {told_range(measurement)}"),
+        # Of the numbers, not of the file: whoever repeats it may have them in another format.
         ("SHA-256 of the data", digest_of_data(measurement)),
         *((str(key), str(value)) for key, value in measurement.provenance.items()),
         *_versions(),

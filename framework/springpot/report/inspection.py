@@ -43,6 +43,7 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
     """
     sweeps, points = result["sweeps"], result["points"]
     labels = [f"{name}: {_few(words, width)}" for name, words in result["labels"].items() if name != "step"]
+    # Steps that are among the sweeps have a line there; of the others one has to learn why.
     together = {sweep.get("step") for sweep in sweeps}
     others = [part for part in result["parts"] if part["name"] not in together]
     given = "not given"
@@ -63,7 +64,8 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
         sweeps_shown,
         others_shown,
         "\n".join(wrapped(_noted(key, value), width) for key, value in result["provenance"].items()),
-        next_step(result, spec),  # a command that is broken cannot be copied
+        # A command that is broken cannot be copied.
+        next_step(result, spec),
     ]
     return "\n\n".join(part for part in parts if part)
 
@@ -121,13 +123,17 @@ def sweeps_text(sweeps: Sequence[dict[str, Any]], parts: Sequence[dict[str, Any]
     A narrow window goes without the amplitudes, whose range stands above.
     """
     first = sweeps[0]
+    # Only what every sweep has can be a column.
     labels = [name for name in first if name not in PLAIN and all(name in sweep for sweep in sweeps)]
     keys = [*labels, *(key for key in KNOWN if first.get(key) is not None)]
     amplitude = (first["amplitude"] or {}).get("unit")
     unit_of = {"temperature": "degC", "frequency": units.clock, "amplitude": amplitude}
     heads = []
     for key in keys:
-        heads.append(f"{key} [{unit_of[key]}]" if key in unit_of else key)
+        head = key
+        if key in unit_of:
+            head = f"{key} [{unit_of[key]}]"
+        heads.append(head)
     numbers = {part["name"]: f"#{part['number']}" for part in parts}
     rows = []
     for sweep in sweeps[:LONG]:
@@ -176,14 +182,17 @@ def parts_text(parts: Sequence[dict[str, Any]], width: int) -> str:
 def next_step(result: dict[str, Any], spec: str) -> str:
     """The command to go on with: choose a part, then one curve of several temperatures, then a model."""
     together = result["provenance"].get("note together", "")
+    # Several tests in one file come first: whatever else is done with them together is wrong.
     if "choose one by '" in together:
         chosen = together.partition("choose one by '")[2].partition("'")[0]
         # Only the first condition of a selection begins with @; a further one follows a comma.
         if "@" in spec:
             chosen = chosen.replace("@", ",", 1)
         return f"next: springpot inspect {quote(spec + chosen)}"
+    # To a degree: what wanders about one setting is no second temperature.
     temperatures = {round(sweep["temperature"]) for sweep in result["sweeps"] if sweep.get("temperature") is not None}
     swept = any(sweep["frequency"]["to"] > SWEPT * sweep["frequency"]["from"] for sweep in result["sweeps"])
+    # Sweeps at several temperatures: whether they make one curve is asked before any model.
     if len(temperatures) > 1 and swept:
         return f"next: springpot mastercurve {quote(spec)}"
     if "note parts" in result["provenance"] and swept:
@@ -198,13 +207,15 @@ def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, w
     head = f"{result['data']}: {_counted(len(tests), 'test')} in time, {result['points']} points"
     blocks = [_test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)]
     following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
+    # A steady sine is a point of a sweep as well.
     if any(test.kind == HISTORY for test in tests):
         following += f"\nor, if it swings steadily: springpot signals {quote(spec)} -o sweep.csv"
     return "\n\n".join([wrapped(head, width), *blocks, following])
 
 
 def _test_text(result: dict[str, Any], test: TimeTest, width: int) -> str:
-    clock, answer, noise, largest = (result[key] for key in ("time", "response", "noise", "largest"))
+    clock, answer = result["time"], result["response"]
+    noise, largest = result["noise"], result["largest"]
     imposed, answered = test.words
     size = _sized(largest["value"], largest["unit"])
     # A record of any shape has no step, and so no rise.

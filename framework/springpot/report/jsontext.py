@@ -22,14 +22,18 @@ def jsonable(value: Any) -> Any:
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, float):
-        return float(value) if isfinite(value) else None
+        # Neither nan nor infinity is a word of JSON, and half of all readers refuse them.
+        if not isfinite(value):
+            return None
+        return float(value)
     if isinstance(value, complex):
         return [jsonable(value.real), jsonable(value.imag)]
     if isinstance(value, Mapping):
         return {str(key): jsonable(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [jsonable(item) for item in value]
-    if hasattr(value, "tolist"):  # NumPy's arrays and scalars
+    # NumPy's arrays and scalars, without importing NumPy for that.
+    if hasattr(value, "tolist"):
         return jsonable(value.tolist())
     if hasattr(value, "to_dict"):
         return jsonable(value.to_dict())
@@ -42,4 +46,6 @@ def to_json(value: Any, indent: int | None = 2) -> str:
     Lists of numbers stand in one line each, so that people still see the rest.
     """
     text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
-    return plain_json(NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text))
+    in_lines = NUMBERS.sub(lambda numbers: f"[{' '.join(numbers[1].split())}]", text)
+    # Names in it come from strangers, and JSON is printed on terminals too.
+    return plain_json(in_lines)

@@ -61,6 +61,7 @@ def draw_ladder(axes: Axes, ladder: Ladder) -> None:
     _names(axes, steps)
     logarithmic(axes, "y")
     lines = np.concatenate([floor, material, error])
+    # A floor of exact data is zero, which has no place on a logarithmic axis.
     axes.set_ylim(float(lines[lines > 0].min()) / ROOM, float(lines.max()) * ROOM)
     # Again: which numbers stand at the axis depends on its ends.
     logarithmic(axes, "y")
@@ -87,6 +88,7 @@ def _ratio(step: Step) -> str:
 def _forecast(axes: Axes, steps: tuple[Step, ...], error: np.ndarray[tuple[int], np.dtype[np.float64]]) -> None:
     forecasts = [(x, 100.0 * step.predicted_error) for x, step in enumerate(steps) if step.predicted_error]
     for i, (x, predicted) in enumerate(forecasts):
+        # From the step before, where it was made.
         axes.plot([x - 1, x], [error[x - 1], predicted], ":", color=COLOURS[1], linewidth=1.2, zorder=2)
         # A legend names each kind of mark once.
         label: str | None = None
@@ -124,6 +126,7 @@ def _name(step: Step) -> str:
 def broken(name: str) -> str:
     """A long name on several lines, broken behind hyphens."""
     lines = [""]
+    # The hyphen stays at the end of its line.
     for part in name.replace("-", "-\0").split("\0"):
         if lines[-1] and len(lines[-1]) + len(part) > LETTERS:
             lines.append("")

@@ -88,6 +88,7 @@ def _levels(found: MasterCurve) -> Table:
         # Factors at the reference are one by definition: an interval would look like a measurement.
         if level.value == found.reference:
             a, a_between, b, b_between = "1", "reference", "1", ""
+        # An interval that spans all that was tried would be read as a result.
         elif not level.determined:
             a_between, b_between = "not determined", ""
         name = level_text(found.factors.column, level.value).removesuffix(" degC")
@@ -115,6 +116,7 @@ def _laws(found: MasterCurve) -> Table:
         for parameter, value, low, high in parameters:
             middle, between = with_interval(float(value), float(low), float(high))
             words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
+        # Where a law fails most says at which temperature not to trust it.
         most = level_text(found.factors.column, law.worst)
         # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
@@ -136,6 +138,7 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
     with blank(9.6, 7.6) as figure:
+        # Two rows of their own layout: the curve needs more room than factors and errors.
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
         _draw_curve(halves[0], found)
         if found.vertical:
@@ -186,6 +189,7 @@ def _draw_curve(figure: Any, found: MasterCurve) -> None:
     right.set_title(found.simplicity.verdict.replace("-", " "))
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=[left, right], pad=0.01, aspect=30)
     bar.set_label(f"{found.factors.column}{_in_unit(found.unit)}")
+    # Each level by its number, as long as the numbers do not touch.
     if len(levels) <= LEGEND:
         bar.set_ticks(levels.tolist(), labels=[f"{value:.4g}" for value in levels])
     bar.outline.set_visible(False)
@@ -205,6 +209,7 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
     # WLF and VFT are one curve in other parameters: drawn once.
     labels = {"WLF": "WLF = VFT"}
     laws = [law for law in found.laws if law.law.vertical == vertical and law.law.name != "VFT"]
+    # Only between the levels: beyond them a law would be a claim without data.
     fine = np.linspace(x.min(), x.max(), SMOOTH)
     for law, colour in zip(laws, COLOURS, strict=False):
         label = labels.get(law.law.name, law.law.name)
@@ -243,6 +248,7 @@ def _draw_errors(axes: Axes, found: MasterCurve) -> None:
     levels = found.levels
     axes.plot(x, [100 * level.error for level in levels], "o-", color=COLOURS[0], label="on the curve")
     axes.plot(x, [100 * level.alone for level in levels], "s--", color=QUIET, label="each by itself", linewidth=1.0)
+    # A level with too few points has no error of its own, and is left out.
     if max(level.error for level in levels) > DECADE * np.nanmin([level.alone for level in levels]):
         logarithmic(axes, "y")
     else:

@@ -128,6 +128,7 @@ def _leaf_marks(leaf: Leaf, x: float, y: float, width: float, operation: str) ->
     if leaf.kind in SYMBOLS and not operation:
         half, symbol = 22.0, SYMBOLS[leaf.kind](centre, y)
     else:
+        # An element that has no symbol is a box with its name.
         text = operation + leaf.kind
         half = (LETTER * len(text) + 16) / 2
         corners = ((centre - half, y - 13), (centre + half, y - 13), (centre + half, y + 13), (centre - half, y + 13))
@@ -143,6 +144,7 @@ def marks(part: Sketch, x: float, y: float, width: float) -> list[Mark]:
     if isinstance(part, Stack):
         return _stack_marks(part, x, y, width)
     own = size(part)
+    # In the middle of the room that it is given, with its wire drawn out to both sides.
     x, slack = x + (width - own.width) / 2, (width - own.width) / 2
     drawn = _wire(x - slack, x, y) + _wire(x + own.width, x + own.width + slack, y)
     if isinstance(part, Signal):
@@ -158,6 +160,7 @@ def marks(part: Sketch, x: float, y: float, width: float) -> list[Mark]:
 
 def _stack_marks(part: Stack, x: float, y: float, width: float) -> list[Mark]:
     own = size(part)
+    # Around the height of the wire that enters: the picture is even above and below.
     wires = _wires([size(child) for child in part.parts])
     left = x + (width - own.width) / 2 + RAIL / 2
     right = left + own.width - RAIL
@@ -188,6 +191,7 @@ def _svg_line(line: Line) -> str:
 
 
 def _svg_label(label: Label) -> str:
+    # Escaped: names of elements come from plugins.
     return f'<text x="{label.x:.1f}" y="{label.y:.1f}" dy="0.35em">{escape(label.text)}</text>'
 
 
@@ -206,6 +210,7 @@ def network_svg(node: Node) -> str:
     """
     width, height, drawn = _picture(node)
     lines = "\n".join(_svg_line(mark) for mark in drawn if isinstance(mark, Line))
+    # Text instead of outlines: it can be searched, copied and read aloud.
     labels = "\n".join(_svg_label(mark) for mark in drawn if isinstance(mark, Label))
     named = ", ".join(mark.text for mark in drawn if isinstance(mark, Label))
     # Attributes rather than a style sheet, which would reach every other picture on the page.

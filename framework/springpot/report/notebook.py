@@ -22,12 +22,14 @@ NOTES = 5
 @singledispatch
 def shown(result: object) -> Html:
     """A result as HTML; of anything else its short form."""
+    # `html` escapes it: a repr begins with <, and would be taken for an element.
     return html(repr(result))
 
 
 @shown.register
 def _of_diagnosis(diagnosis: Diagnosis) -> Html:
     """Verdict, error against both floors, where it fails, parameters, leading effects, what to do next, and notes."""
+    # From the same dictionary as the JSON, so that the two cannot say different things.
     answer = diagnosis.to_dict()
     error = answer["error"]
     values = []
@@ -65,6 +67,7 @@ def _of_ladder(ladder: Ladder) -> Html:
     answer = ladder.to_dict()
     rows = []
     for step in answer["steps"]:
+        # The first step is the model that was given: nobody predicted it.
         predicted = "-"
         if step["predicted_error"] is not None:
             predicted = percent(step["predicted_error"])
@@ -83,9 +86,12 @@ def _of_ladder(ladder: Ladder) -> Html:
 @shown.register
 def _of_comparison(comparison: Comparison) -> Html:
     """Errors against the floor that the models share, and where each of them fails."""
-    answer = comparison.to_dict() | {"models": [judgement.to_dict() for judgement in comparison.shown]}
+    # Of a ranking only the models that are worth a look; the JSON has all.
+    shown_models = [judgement.to_dict() for judgement in comparison.shown]
+    answer = comparison.to_dict() | {"models": shown_models}
     rows = []
     for one in answer["models"]:
+        # Of a single model "best" would be praise.
         best = one["model"] == answer["best"] and len(answer["models"]) > 1
         error, name = one["error"], one["model"]
         if best:
@@ -102,14 +108,14 @@ def _of_comparison(comparison: Comparison) -> Html:
                 word,
             )
         )
-    told = [f"{one['model']}: {one['says']}" for one in answer["models"]]
-    told += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
+    sentences = [f"{one['model']}: {one['says']}" for one in answer["models"]]
+    sentences += [finding["says"] for finding in answer["harmonics"] if finding["found"]]
     headers = ("model", "error", "noise floor", "material floor", "x floor", "delta BIC", "verdict")
     parts = [tag("p", tag("b", f"models of {answer['data']}"))]
     if comparison.says:
         parts.append(tag("p", comparison.says))
     parts.append(table(headers, rows))
-    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*told, *answer["notes"]))))
+    parts.append(tag("ul", *(tag("li", sentence) for sentence in (*sentences, *answer["notes"]))))
     return tag("div", *parts)
 
 

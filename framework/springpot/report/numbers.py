@@ -25,10 +25,13 @@ MOST_DIGITS = 8
 
 def number(value: float | None, digits: int = DIGITS) -> str:
     """`value` with `digits` significant digits; a hyphen where there is none."""
+    # Only nan differs from itself.
     if value is None or value != value:
         return "-"
     if not isfinite(value):
-        return "inf" if value > 0 else "-inf"
+        if value > 0:
+            return "inf"
+        return "-inf"
     # Nothing has no first digit to count from.
     if value == 0:
         return "0"
@@ -59,17 +62,23 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
     # Neither an open end nor an interval of no width tells how many digits are known.
     if not isfinite(width) or width == 0:
         return number(value), f"[{number(low)}, {number(high)}]"
-    size = _exponent(value if abs(value) >= TINY else width)
+    # A value of nothing has no size to count digits from: its interval has.
+    sized = value
+    if abs(value) < TINY:
+        sized = width
+    size = _exponent(sized)
     place = max(_place(width), size - MOST_DIGITS + 1)
     wide = low > 0.0 and high > APART * low
-    if place > size or wide:  # the interval says little more than the size of the value
+    # The interval says little more than the size of the value.
+    if place > size or wide:
         return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
     return _at_place(value, place), f"[{_at_place(low, place)}, {_at_place(high, place)}]"
 
 
 def told_range(data: Measurement) -> str:
     """The frequencies of data as the file tells them, such as ``1.00 to 48.0 Hz``."""
-    low, high = (number(data.units.on_clock(float(end(data.frequency))), 3) for end in (min, max))
+    first, last = float(min(data.frequency)), float(max(data.frequency))
+    low, high = number(data.units.on_clock(first), 3), number(data.units.on_clock(last), 3)
     clock = data.units.clock
     if low == high:
         return f"at {low} {clock}"
@@ -111,6 +120,7 @@ def _at_place(value: float, place: int) -> str:
     if value == 0.0 or (rounded == 0.0 and -place > PLAIN):
         return "0"
     exponent = _exponent(rounded)
+    # Plain as long as people read it at a glance, and as every digit that is written is known.
     if rounded and (exponent >= 6 or exponent < -3) and exponent >= place:
         return f"{value:.{exponent - place}e}"
     return f"{rounded:.{max(0, -place)}f}"

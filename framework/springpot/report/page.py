@@ -24,11 +24,13 @@ def page(title: str, *body: str, style: str = "", script: str = "") -> Html:
     script : str
         What the policy of the page allows as ``script-src``; without it no script runs, whatever stands in the page.
     """
+    # In the page itself, as a file has no server to send it: even what was not escaped could not run.
     policy = POLICY
     if script:
         policy = f"{POLICY}; script-src {script}"
     head = tag(
         "head",
+        # First: a browser reads on with it from here.
         tag("meta", charset="utf-8"),
         tag("meta", http_equiv="Content-Security-Policy", content=policy),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),

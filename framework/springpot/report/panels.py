@@ -45,6 +45,7 @@ def panel(draw: Callable[[Axes], None], caption: str, width: float = WIDTH, heig
         draw(figure.subplots())
         # Without a date: the same answer gives the same page.
         figure.savefig(picture, format="svg", metadata={"Date": None})
+    # Inside the page, and as a picture: an SVG that stands in an image runs no script.
     source = f"data:image/svg+xml;base64,{b64encode(picture.getvalue()).decode()}"
     # The browser knows the room before the picture is there; an inch of a page is 96 pixels.
     size = {"width": f"{96 * width:.0f}", "height": f"{96 * height:.0f}"}
@@ -86,6 +87,7 @@ def keys(scene: Scene) -> Html:
         "the imaginary part. The band is what noise explains (two standard deviations); where sweeps differ, each "
         "has its own in its colour."
     )
+    # The colours mean what they mean in the pictures: sweeps where there are several, else the two parts.
     if scene.by_sweep:
         colours, labels = sweep_colours(len(scene.sweeps)), [sweep.label for sweep in scene.sweeps]
     else:

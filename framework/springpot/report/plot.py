@@ -117,9 +117,11 @@ class Scale:
 
     def place(self, values: Real) -> Real:
         """Values as parts of the axis, cut at its ends."""
+        # At the edge rather than outside: a point that is off still counts as one.
         inside: Real = np.clip(values, self.low, self.high)
         low, high = self.low, self.high
         if self.logarithmic:
+            # After the cut: below the lower end there may be zeros.
             inside, (low, high) = np.log10(inside), np.log10([low, high])
         part: Real = (inside - low) / (high - low)
         return part
@@ -176,6 +178,7 @@ def scatter(dots: Sequence[Dot], x: Scale, y: Scale, title: str) -> Html:
         Read aloud where the picture cannot be seen.
     """
     drawn: list[Html] = []
+    # `sorted` is stable: within one size the order of the caller stays.
     for dot in sorted(dots, key=lambda dot: dot.large):
         drawn += _dot(dot, x, y)
     frame = _frame(x, y)
@@ -246,6 +249,7 @@ def _frame(x: Scale, y: Scale) -> Iterator[Html]:
     for value, place in zip(y.ticks(), _down(y, np.array(y.ticks())), strict=True):
         yield _rule(LEFT, place, right, place)
         yield _text(_tick(value), LEFT - 5, place + 4, "end")
+    # Every text by `tag`, which escapes it: names of optimisers come from plugins.
     yield _text(x.label, 0.5 * (LEFT + right), HEIGHT - 6, "middle")
     middle = 0.5 * (TOP + floor_)
     yield tag(
@@ -263,6 +267,7 @@ def _text(text: str, x: float, y: float, anchor: str, colour: str = INK, weight:
 
 
 def _line(line: Line, x: Scale, y: Scale) -> Iterator[Html]:
+    # Endless where most trials have failed: the line begins where it comes into sight.
     shown = np.isfinite(line.y)
     if shown.any():
         path = _steps(_across(x, line.x[shown]), _down(y, line.y[shown]))
@@ -287,6 +292,7 @@ def _band(line: Line, x: Scale, y: Scale) -> Html:
     across = _across(x, line.x[shown])
     # An upper quartile without end stops at the frame.
     lower, upper = _down(y, low[shown]), _down(y, np.minimum(high[shown], y.high))
+    # Steps, as the line has them: the band must not cut their corners.
     ends = np.repeat(across, 2)[1:]
     there = [f"{a:.1f} {b:.1f}" for a, b in zip(ends, np.repeat(lower, 2)[:-1], strict=True)]
     back = [f"{a:.1f} {b:.1f}" for a, b in zip(ends[::-1], np.repeat(upper, 2)[:-1][::-1], strict=True)]
@@ -318,6 +324,7 @@ def critical_differences(rows: Sequence[Ranked], cliques: Sequence[tuple[int, in
     title : str
         Read aloud where the picture cannot be seen.
     """
+    # Room at the right, as much as there are bars: the axis gets the rest.
     bars = 7.0 * len(cliques) + 8.0
     height = ROW * len(rows) + 34.0
     # An axis of one rank alone would have no length.

@@ -49,9 +49,11 @@ def _pool(findings: Findings, ranking: Ranking) -> Pool:
         share = wilson(int(np.isfinite(hits).sum()), len(hits))
         assert share is not None
         costs[name], shares[name] = expected_running_time(hits, spent), share
+    # Ranks over a few problems may hide that one of them misses the target more often.
     left = list(names)
     if ranking.decided:
         left = not_below(shares)
+    # Among those that are alike the cost decides.
     first, *others = sorted(left, key=lambda name: costs[name])
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
 
@@ -65,6 +67,7 @@ def not_below(shares: Mapping[str, Interval]) -> list[str]:
 def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     """The sentence at the top of a report."""
     budget = findings.scale.budget
+    # No name at all: one that is named is taken, whatever is said beside it.
     if not pool.ranking.decided:
         yield joined([f"There are too few trials to tell any two optimisers apart over all {budget} evaluations."])
         return

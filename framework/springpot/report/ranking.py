@@ -28,7 +28,13 @@ def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
         "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
         "\n".join(f"note: {note}" for note in ranking.notes),
     ]
-    return "\n\n".join(part if "\n---" in part else wrapped(part, width) for part in parts if part)
+    paragraphs = []
+    for part in filter(None, parts):
+        # A table has its own widths; what is told in sentences is broken at words.
+        if "\n---" not in part:
+            part = wrapped(part, width)
+        paragraphs.append(part)
+    return "\n\n".join(paragraphs)
 
 
 def _floors(ranking: Ranking) -> str:
@@ -37,6 +43,7 @@ def _floors(ranking: Ranking) -> str:
     lines = [floors(ranking.best.error)]
     if added := " and ".join(effect.name for effect in last.model.effects):
         lines[0] += f" with {added}, {percent(first.material_floor)} without"
+    # Where no material follows the data, no model of one can: that is the news, not their order.
     if ranking.ladder.verdict != "adequate":
         lines.append(f"any material: {ranking.ladder.diagnosis.says}")
     return "\n".join(lines)
@@ -45,6 +52,7 @@ def _floors(ranking: Ranking) -> str:
 def _table(ranking: Ranking, width: int) -> str:
     """One row for each group of adequate and of near models, then the nearest of the others."""
     rows = []
+    # One row for all that cannot be told apart: side by side they would look like a ranking.
     for group in ranking.groups:
         verdict = "adequate"
         if group[0] in ranking.near:

@@ -20,9 +20,9 @@ def refers(node: Node) -> bool:
     """Whether parameters of `node` mean something else at another reference temperature."""
     theta: Real = np.array([parameter.typical for parameter in node.parameters])
     ones = np.ones(2)
-    one, other = (
-        node.respond(theta, Points(np.zeros(2), ones, np.array(PROBES), reference)).value for reference in PROBES
-    )
+    # Tried, not asked: whatever element a plugin offers, this is what its parameters do.
+    at_probes = [Points(np.zeros(2), ones, np.array(PROBES), reference) for reference in PROBES]
+    one, other = (node.respond(theta, points).value for points in at_probes)
     return not np.array_equal(one, other)
 
 
@@ -40,6 +40,7 @@ def reference_note(measurement: Measurement, nodes: Iterable[Node], unit: str = 
     """
     if "temperature" not in measurement.conditions or not any(refers(node) for node in nodes):
         return ""
+    # The way through kelvin leaves rounding behind.
     celsius = round(measurement.reference_temperature - KELVIN, 2)
     return (
         f"shift constants refer to T_ref = {celsius:g} {unit}, where the shift is 1; "
@@ -56,5 +57,6 @@ def _elements(names: Iterable[str]) -> Iterator[Node]:
     for name in names:
         try:
             yield find_effect(name).element
-        except ModelError:  # an effect handed in for this one diagnosis
+        # An effect that was handed in for this one diagnosis is in no registry.
+        except ModelError:
             continue

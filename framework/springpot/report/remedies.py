@@ -40,6 +40,7 @@ def figure_diagnosis(diagnosis: Diagnosis, path: str | Path | None = None) -> Fi
 def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     """Error of the model as it is and with each of the leading effects alone, beside both floors."""
     shown = []
+    # Where nothing is missing, remedies would be read as if something were.
     if diagnosis.verdict != "adequate":
         shown = worth_showing(diagnosis)
     own = diagnosis.error
@@ -58,6 +59,7 @@ def draw_diagnosis(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.tick_params(axis="x", length=0)
     axes.grid(False, axis="x")
     levels = np.array([noise, material, *after, *predicted])
+    # Exact data have no noise floor, and what could not be fitted has no error.
     drawn = levels[np.isfinite(levels) & (levels > 0.0)]
     axes.set_ylim(float(drawn.min()) / ROOM, float(drawn.max()) * ROOM)
     logarithmic(axes, "y")

@@ -91,6 +91,7 @@ def residual_in(plane: str, measurement: Measurement, fit: Fit) -> tuple[Complex
     sd = np.zeros_like(measured)
     if measurement.sd is not None:
         sd = measurement.sd
+    # One band for both parts: two would be too many to tell apart.
     width = 2.0 * np.maximum(sd.real, sd.imag)
     if plane == "shift":
         by_log_omega = fit.model.network.respond(fit.theta, measurement.points, FULL).by_log_omega
@@ -112,6 +113,7 @@ def draw_plane(axes: Axes, scene: Scene, plane: Plane) -> None:
         largest = max(largest, float(np.max(np.abs(values[shown]))))
         views.draw_parts(axes, scene, j, values)
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
+    # In some planes the band depends on the model: the widest is drawn, which accuses none of them falsely.
     draw_bands(axes, scene, np.max(bands, axis=0))
     middle = float(np.median(np.max(bands, axis=0)[shown]))
     if middle > 0 and largest > WIDE * middle:
@@ -156,6 +158,7 @@ def figure_compared(comparison: Comparison, path: str | Path | None = None) -> F
             axes.set_title(name)
         for row, fit, judged in zip(grid[1:], fits, comparison.shown, strict=True):
             _row_of_residuals(row, Scene(measurement, [fit]), judged.error, len(fits) > 1)
+        # Above a colour is a model, in the rows below a sweep: the legend tells both.
         headed(figure, everything, Scene(measurement, fits[:1]), floors=True)
         return finished(figure, path)
 
@@ -190,6 +193,7 @@ def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:
 def set_aside(measurement: Measurement, kept: Measurement) -> Measurement | None:
     """The points that were measured and could have been used, but were taken for outliers; None if there are none."""
     used = thinned(measurement)
+    # By their values: a subset does not remember its rows.
     known = set(zip(kept.omega.tolist(), kept.stiffness.tolist(), strict=True))
     points = zip(used.omega.tolist(), used.stiffness.tolist(), strict=True)
     rows = [i for i, point in enumerate(points) if point not in known]

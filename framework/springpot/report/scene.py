@@ -57,6 +57,7 @@ class Scene:
     def drawn(self) -> str:
         """``12 of 60 sweeps shown``; nothing where all are."""
         count = len(self.every_sweep)
+        # What is left out must be said: a picture looks complete.
         if count <= len(self.sweeps):
             return ""
         return f"{len(self.sweeps)} of {count} sweeps shown"
@@ -97,7 +98,11 @@ class Scene:
     def marker(self) -> dict[str, Any]:
         """How measured points look."""
         many = len(self.measurement) > MANY_POINTS
-        return {"linestyle": "none", "markersize": 1.5 if many else 4.5, "rasterized": many, "markeredgewidth": 1.0}
+        size = 4.5
+        if many:
+            size = 1.5
+        # Points only: a line through measured points would claim that it is known what lies between.
+        return {"linestyle": "none", "markersize": size, "rasterized": many, "markeredgewidth": 1.0}
 
 
 def sweep_colours(count: int) -> list[str]:

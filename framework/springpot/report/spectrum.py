@@ -42,6 +42,7 @@ def figure_material(found: Identification, path: str | Path | None = None) -> Fi
         above, middle, below = figure.subplots(3, 1, height_ratios=(3, 1.4, 2.6))
         views.storage_and_loss(above, scene)
         views.residual(middle, scene)
+        # The rates of the spectrum are no frequencies of the test: only these two share an axis.
         middle.sharex(above)
         above.set_xlabel("")
         if found.spectrum is not None:
@@ -61,6 +62,7 @@ def draw_spectrum(axes: Axes, spectrum: Spectrum, unit: str) -> None:
         axes.axvspan(start, stop, color=QUIET, alpha=0.18, linewidth=0.0, label=label, zorder=0.5)
     axes.set_xlim(rates[0], rates[-1])
     logarithmic(axes, "x")
+    # What lies beyond the measured frequencies is the smoothest guess, and must not set the axis.
     inside = density[(rates >= spectrum.seen[0]) & (rates <= spectrum.seen[1])]
     top = float(spectrum.high.max())
     if len(inside) and inside.max() > WIDE_RANGE * inside.min():
@@ -79,6 +81,7 @@ def in_words(spectrum: Spectrum, unit: str) -> str:
         return "nothing relaxes: a spring beside a dashpot"
     low, high = (number(end, 2) for end in spectrum.within(0.5))
     half = f"half of the relaxing {number(total, 3)} {unit} at rates from {low} to {high} rad/s"
+    # Two digits: no peak of such a spectrum is known better.
     shown = [f"{number(spectrum.rates[i], 2)}" for i in spectrum.peaks[:MOST_PEAKS]]
     if not shown:
         return f"{half}; no peak within what was measured"

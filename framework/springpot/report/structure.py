@@ -42,12 +42,14 @@ def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
         drifts.legend()
         for i, damper in enumerate(motion.frame.dampers):
             way = 1e3 * motion.drift[:, damper.storey - 1]
+            # In the colour of its storey, whose drift it shares.
             loops.plot(way, 1e-3 * motion.force[:, i], color=COLOURS[(damper.storey - 1) % len(COLOURS)], lw=0.7)
         loops.set(xlabel="drift [mm]", ylabel="force of the dampers [kN]")
         storey = range(1, len(motion.frame) + 1)
         peaks.hlines(storey, 1e3 * low, 1e3 * high, color=QUIET, lw=4)
         peaks.plot(1e3 * motion.peak_drift, storey, "o", color=COLOURS[0])
         peaks.set(xlabel="peak drift [mm], band 95 %", ylabel="storey", yticks=list(storey))
+        # From zero: a band is small or large beside the drift itself.
         peaks.set_xlim(left=0.0)
         for i, (name, each) in enumerate(energy.items()):
             energies.plot(time, 1e-3 * each, color=COLOURS[i], label=name)

@@ -78,8 +78,10 @@ def write_study_report(study: str | Path, out: Path = Path("results")) -> Path:
 
 def study_html(findings: Findings) -> Html:
     """The report as text."""
+    # Before one problem is done by all optimisers there is nothing to compare, but failures show already.
     body = [*_head(findings), *_failures(findings)]
     if findings.races:
+        # By what they reach: the best get the lines that are told apart most easily.
         pens = Pens([label for label, _ in attained(findings, findings.races)])
         body = [
             *_head(findings),
@@ -99,6 +101,7 @@ def _head(findings: Findings) -> Iterator[Html]:
     problems = {cell.problem.id: cell.problem for cell in cells}
     trials = sum(summary.trials for summary in findings.summaries)
     failed = sum(summary.failed for summary in findings.summaries)
+    # How much stands behind the answer, before the answer.
     counts = (
         _count(len({cell.label for cell in cells}), "optimiser"),
         _count(len({problem.model for problem in problems.values()}), "model"),
@@ -131,6 +134,7 @@ def _choices(findings: Findings) -> Iterator[Html]:
     # A ranking takes two optimisers.
     if findings.rankings:
         rows.append(_all_problems(findings))
+    # Marked in every cell: an optimiser with gradients needs a model that has them.
     graded = _graded(findings)
     for choices in sorted(by_problem.values(), key=lambda choices: choices[0].race.problem.model):
         problem = choices[0].race.problem
@@ -261,6 +265,7 @@ def _pairs(findings: Findings) -> Iterator[Html]:
     if not rankings:
         return
     ranking = rankings[-1]
+    # Best first in rows and columns, so that what beats what lies above the diagonal.
     order = [int(i) for i in np.argsort(ranking.means, kind="stable")]
     head = tag("tr", tag("th", ""), *(tag("th", ranking.labels[j]) for j in order))
     rows = [tag("tr", tag("th", ranking.labels[i]), *(_heat(ranking, i, j) for j in order)) for i in order]
@@ -295,7 +300,8 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     by_label: dict[str, list[CellSummary]] = {}
     for summary in findings.summaries:
         by_label.setdefault(summary.cell.label, []).append(summary)
-    rows = [_cost_row(label, found) for label, found in by_label.items()]
+    rows = [_cost_row(label, summaries) for label, summaries in by_label.items()]
+    # By the time itself, which stands first in each row and is not shown.
     rows.sort(key=lambda row: row[0])
     headers = ("optimiser", "trial, median", "an evaluation", "with gradient", "evaluations, median")
     yield tag("h2", "What do they cost?")
@@ -308,8 +314,8 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
 
 
-def _cost_row(label: str, found: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
-    known = [(s.seconds, s.evaluations, s.gradients or 0.0) for s in found if s.seconds and s.evaluations]
+def _cost_row(label: str, summaries: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
+    known = [(s.seconds, s.evaluations, s.gradients or 0.0) for s in summaries if s.seconds and s.evaluations]
     if not known:
         # Who has no time to tell stands last.
         return np.inf, label, "-", "-", "-", "-"
@@ -322,6 +328,7 @@ def _cost_row(label: str, found: Sequence[CellSummary]) -> tuple[float, str, str
 def _failures(findings: Findings) -> Iterator[Html]:
     yield tag("h2", "Failures")
     counted: Counter[tuple[str, str, str]] = Counter()
+    # The same fault on twenty problems is one line with a count.
     for summary in findings.summaries:
         for (status, reason), count in summary.reasons.items():
             counted[summary.cell.label, status, reason] += count
@@ -341,6 +348,7 @@ def _tables(findings: Findings) -> Iterator[Html]:
     if findings.races:
         names += ["profiles", "ranks"]
     for name in names:
+        # Folded, at the end: for who wants the numbers behind the pictures.
         made = (PLAIN | COMPARING)[name](findings)
         if made.rows:
             yield tag("details", tag("summary", name), tag("p", made.note, class_="quiet"), _whole(made))

@@ -83,6 +83,7 @@ def distribution(findings: Findings, races: Sequence[Race], pens: Pens, caption:
 def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
     """Data profile and performance profile of all problems."""
     races = findings.races
+    # So far the curve of the smallest problem reaches: those of larger ones end before.
     smallest = min(race.dimension for race in races) + 1
     budgets = np.geomspace(1.0, findings.scale.budget / smallest, 160)
     ratios = np.geomspace(1.0, 1000.0, 160)
@@ -112,8 +113,12 @@ def profile_figures(findings: Findings, pens: Pens) -> Iterator[Html]:
 def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
     """Anytime curves on one problem: the excess, and on noisy data what is off without the noise."""
     target = findings.scale.target
-    top = max((s.curve[1][np.isfinite(s.curve[1])].max(initial=1.0) for s in race.cells), default=1.0)
-    y = Scale("excess, median", target, max(10.0 * target, float(top)), logarithmic=True)
+    # The axis reaches the highest median, and one at least: that is where every search begins.
+    top = 1.0
+    for scores in race.cells:
+        median = scores.curve[1]
+        top = max(top, float(median[np.isfinite(median)].max(initial=1.0)))
+    y = Scale("excess, median", target, max(10.0 * target, top), logarithmic=True)
     yield _curves(findings, race, pens, [s.curve for s in race.cells], y, "Excess with quartiles")
     clean = [scores.clean for scores in race.cells]
     known = [curve for curve in clean if curve is not None]
@@ -123,7 +128,11 @@ def progress(findings: Findings, race: Race, pens: Pens) -> Iterator[Html]:
         y = Scale("noise-free objective, median", float(values.min()), float(values.max()), logarithmic=True)
         # Curves go by the place of their optimiser: one that has none keeps its place, and no line is drawn.
         empty = np.full((3, len(findings.scale.grid)), np.inf)
-        filled = [empty if curve is None else curve for curve in clean]
+        filled = []
+        for curve in clean:
+            if curve is None:
+                curve = empty
+            filled.append(curve)
         yield _curves(findings, race, pens, filled, y, "The same points against the data without their noise")
 
 
@@ -157,14 +166,19 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
     for race in findings.races:
         for label, scores in zip(race.labels, race.cells, strict=True):
             spent, excess = seconds[scores.cell.id], float(scores.curve[1][-1])
-            if spent:  # where every trial failed there is no time
+            # Where every trial failed there is no time.
+            if spent:
                 name = f"{label}, {race.problem.model} on {race.problem.dataset}"
                 places.setdefault(label, []).append((spent, min(max(excess, target), 1.0), name))
-    middle = {label: np.median([(x, y) for x, y, _ in found], axis=0) for label, found in places.items()}
+    middle = {}
+    for label, of_problems in places.items():
+        coordinates = [(x, y) for x, y, _ in of_problems]
+        middle[label] = np.median(coordinates, axis=0)
     dots = []
     for label, of_problems in places.items():
         dots += [Dot(name, x, y, pens[label]) for x, y, name in of_problems]
     for label, (x, y) in middle.items():
+        # Faster and nearer at once: whoever is beaten in both is nobody's choice.
         beaten = any(a <= x and b <= y and (a, b) != (x, y) for a, b in middle.values())
         written = ""
         if not beaten:

@@ -60,6 +60,7 @@ def varies(name: str, column: Real) -> bool:
 
 def travels(along: Real, column: Real) -> bool:
     """Whether `column` (n,) jumps to and fro along the axis instead of following it, as it does within one sweep."""
+    # Length of the way, over its range: one rise is 1, and a jump at each point as many as there are points.
     way = float(np.sum(np.abs(np.diff(column[np.argsort(along, kind="stable")]))))
     _, place = np.unique(along, return_inverse=True)
     low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
@@ -98,6 +99,7 @@ def all_sweeps(measurement: Measurement, column: str, along: Real) -> list[Sweep
         finer: list[Rows] = []
         for part in parts:
             finer += _split(name, values, along, part)
+        # What is the same for all sweeps tells none from another.
         if len(finer) > len(parts):
             telling.append((name, values))
         parts = finer
@@ -109,6 +111,7 @@ def chosen(sweeps: list[Sweep]) -> list[Sweep]:
     """At most `MOST_DRAWN` of the sweeps, evenly spread, the first and the last among them."""
     if len(sweeps) <= MOST_DRAWN:
         return sweeps
+    # Both ends among them: they show how much a condition changes.
     return [sweeps[i] for i in np.linspace(0, len(sweeps) - 1, MOST_DRAWN).round().astype(int)]
 
 
@@ -161,6 +164,7 @@ def _levels(name: str, values: Real) -> NDArray[np.int64] | None:
 
 def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
     """Number of the cluster of each value, ascending; neighbours of one cluster differ by `gap` at most."""
+    # Sorted: a cluster ends where the next value is too far off.
     distinct, which = np.unique(values, return_inverse=True)
     numbers = np.concatenate([[0], np.cumsum(np.diff(distinct) > gap)]).astype(np.int64)
     return np.asarray(numbers[which.ravel()])
@@ -169,6 +173,7 @@ def _clusters(values: Real, gap: float) -> NDArray[np.int64]:
 def _bins(values: Real) -> NDArray[np.int64]:
     """Number of the bin of each value, bins holding equally many."""
     count = int(np.clip(len(values) // BIN, 1, MOST_BINS))
+    # By rank, so that bins hold equally many wherever the values crowd.
     rank = np.empty(len(values), dtype=np.int64)
     rank[np.argsort(values, kind="stable")] = np.arange(len(values))
     return rank * count // len(values)

@@ -19,6 +19,7 @@ def told(result: object) -> str:
     return repr(result)
 
 
+# The functions of the command line themselves: what Python prints cannot differ from what a shell shows.
 told.register(Identification, identification_text)
 told.register(Diagnosis, diagnosis_text)
 told.register(Ladder, ladder_text)

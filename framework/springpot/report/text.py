@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import wrap
+from typing import Literal
 from unicodedata import combining, east_asian_width
 
 from springpot.plain import below, plain
@@ -43,7 +44,9 @@ class Table:
     def lacking(self, header: str) -> Table:
         """The table without one column."""
         kept = [i for i, name in enumerate(self.headers) if name != header]
-        return Table([self.headers[i] for i in kept], [[row[i] for i in kept] for row in self.rows], self.right)
+        headers = [self.headers[i] for i in kept]
+        rows = [[row[i] for i in kept] for row in self.rows]
+        return Table(headers, rows, self.right)
 
     def without(self, spare: Sequence[str], columns: int) -> Table:
         """The table without as many of the spare columns, the first first, as make it fit so many columns."""
@@ -66,6 +69,7 @@ class Table:
 
     def show(self) -> None:
         """Print it: ruled and fitted to the window on a terminal, plain otherwise."""
+        # In a file or pipe rules and colours are noise, and a width of its own would break the columns.
         if not sys.stdout.isatty():
             print(self.plain())
             return
@@ -77,9 +81,13 @@ class Table:
         ruled = Ruled(box=box.SIMPLE_HEAD, pad_edge=False)
         for header in self.headers:
             # `Text`, since in a plain string rich would take [kPa] for markup.
-            ruled.add_column(Text(plain(header)), justify="right" if header in self.right else "left")
+            side: Literal["left", "right"] = "left"
+            if header in self.right:
+                side = "right"
+            ruled.add_column(Text(plain(header)), justify=side)
         for row in self.rows:
             ruled.add_row(*(Text(plain(cell)) for cell in row))
+        # Past the stream that writes commands out: rich commands the terminal itself, and cells are plain already.
         Console(file=below(sys.stdout), highlight=False).print(ruled)
 
 
@@ -116,6 +124,8 @@ def wrapped(text: str, columns: int, by: str = "  ") -> str:
         if width(line) <= columns:
             lines.append(line)
             continue
+        # What follows stands below what it belongs to.
         start = line[: len(line) - len(line.lstrip())]
+        # Neither within words nor at hyphens: names such as fractional-maxwell are to be copied whole.
         lines += wrap(line, columns, subsequent_indent=start + by, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines)

@@ -50,6 +50,7 @@ def figure_tests(
         fits = [found]
     else:
         fits = list(found)
+    # Sweeps and tests in time of one specimen, each drawn in its own way.
     parts = parts_of_specimen(tests)
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
         grid = figure.subplots(len(parts), 3, squeeze=False)
@@ -66,6 +67,7 @@ def figure_tests(
 def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentification]) -> None:
     test = part.test
     shown = np.unique(np.linspace(0, len(test) - 1, min(DRAWN, len(test))).astype(int))
+    # Computed at times of its own: between samples a curve is smooth where its points are few.
     curves = _curve_times(test)
     for axes, clock, scale in zip(row[:2], curves, ("log", "linear"), strict=True):
         axes.plot(test.time[shown], test.response[shown], ".", color=QUIET, ms=2.5, label="measured")
@@ -103,6 +105,7 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
     # The beginning has no place on a logarithmic axis.
     positive = test.time[test.time > 0.0]
     log = np.geomspace(positive[0], positive[-1], SMOOTH)
+    # A record may swing faster than evenly spaced times would show: computed where it was measured.
     if test.kind == "history":
         return log, test.time
     return log, np.linspace(test.time[0], test.time[-1], SMOOTH)
@@ -112,6 +115,7 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIden
     # A line through points in any order would go to and fro.
     order = np.argsort(sweep.omega)
     unit = sweep.units.stiffness
+    # A sweep has nothing of what a test in time did: only the material is drawn.
     computed = []
     for fit in fits:
         material = material_of(fit.model)
@@ -152,6 +156,7 @@ def figure_prediction(found: TestPrediction, path: str | Path | None = None) -> 
     with blank(9.0, 3.6) as figure:
         row = figure.subplots(1, 2)
         if found.kind == "sweep":
+            # A predicted sweep holds all of storage, then all of loss.
             half = len(found.at) // 2
             for axes, name, rows in zip(row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True):
                 _draw_predicted(axes, found, rows)

@@ -37,6 +37,7 @@ def storage_and_loss(axes: Axes, scene: Scene) -> None:
                 fill = colour
             y = values[sweep.rows]
             style = {**scene.marker, "color": colour, "markerfacecolor": fill, "zorder": 3}
+            # Negative values have no place on this axis; left out, they would look as if they had not been measured.
             axes.plot(x, np.where(y > 0, y, np.nan), marker="o", **style)
             axes.plot(x, np.where(y < 0, -y, np.nan), marker="x", **style)
     _outliers(axes, scene)
@@ -75,6 +76,7 @@ def cole_cole(axes: Axes, scene: Scene) -> None:
     data = scene.measurement
     _path(axes, scene, lambda k: k.real, lambda k: k.imag)
     positive = np.all(data.storage > 0) and np.all(data.loss > 0)
+    # Over decades a semicircle is no longer seen at equal scales, and small values vanish at the origin.
     if positive and _ratio(data.magnitude) > WIDE_RANGE:
         logarithmic(axes, "x")
         logarithmic(axes, "y")
@@ -108,6 +110,7 @@ def residual(axes: Axes, scene: Scene) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=1.0, zorder=1)
     if data.sd is not None:
         # Two standard deviations, in per cent.
+        # The larger of the two: one band serves storage and loss.
         draw_bands(axes, scene, 200.0 * np.maximum(data.sd.real, data.sd.imag) / data.magnitude)
     _scales(axes, scene)
     axes.set(xlabel=scene.axis.label, ylabel=f"measured − model\n[% of {data.units.magnitude}]")
@@ -164,6 +167,7 @@ def _scales(axes: Axes, scene: Scene) -> None:
 
 
 def _tan_delta(stiffness: Complex) -> Real:
+    # A ratio of signs that differ is no loss factor, and has no place on a logarithmic axis.
     defined = (stiffness.real > 0) & (stiffness.imag > 0)
     ratio: Real = np.full(stiffness.shape, np.nan)
     np.divide(stiffness.imag, stiffness.real, out=ratio, where=defined)

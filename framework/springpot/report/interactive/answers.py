@@ -45,6 +45,7 @@ def drawn(ladder: Ladder, measurement: Measurement) -> dict[str, Any]:
     scene, case = PageScene(measurement), ladder.steps[-1].case
     base = case.search.base
     used = base.data.raw
+    # Once, for previews and rivals alike: each is a model with its parameters.
     grown = list(grown_by_each(case))
     return {
         "discovery": ladder.to_dict(),
@@ -74,7 +75,8 @@ def parameters_of(ladder: Ladder) -> list[dict[str, Any]]:
     rows = []
     for parameter in step.case.search.base.model.parameters:
         value = step.parameters.get(parameter.name)
-        if value is None:  # a line of a free spectrum: hundreds of them, none of which anybody would move
+        # A line of a free spectrum: hundreds of them, none of which anybody would move.
+        if value is None:
             continue
         factor, _ = units.of(parameter.unit)
         rows.append(
@@ -97,6 +99,7 @@ def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
     """Standard deviations at the drawn points: those of the fitted point of nearest |K|, as a share of it."""
     base = case.search.base
     fitted, drawn = base.fit.measurement.magnitude, scene.measurement.magnitude[scene.rows]
+    # Points that are drawn need not be those that were fitted: repeats are fitted as their mean.
     order = np.argsort(fitted)
     nearest = order[np.clip(np.searchsorted(fitted[order], drawn), 0, len(fitted) - 1)]
     share = base.noise.sd[nearest] / fitted[nearest]
@@ -104,7 +107,8 @@ def _noise(scene: PageScene, case: Case) -> dict[str, Any]:
 
 
 def _preview(scene: PageScene, used: Measurement, one: Grown) -> dict[str, Any]:
-    with np.errstate(all="ignore"):  # where a scan begins may be no model at all at some points; they are not drawn
+    # Where a scan begins may be no model at all at some points; they are not drawn.
+    with np.errstate(all="ignore"):
         error = relative_error(used, one.model, one.theta)
         curve = scene.curve(one.model, one.theta)
     return {"model": one.model.name, "error": error, "refitted": one.refitted, **curve}
@@ -122,8 +126,8 @@ def _next(case: Case, grown: dict[str, Grown], measurement: Measurement) -> dict
         # Of another specimen or a known mass the rivals would have to be computed anew.
         if name in grown and set(proposed.action) <= DRAWABLE:
             rivals.append({"effect": name, **_band(grown[name].model, grown[name].theta, points, floor)})
-    told = {key: list(values) for key, values in proposed.action.items()}
-    return {"action": told, "frequency": rounded(points.omega / (2 * np.pi)), "rivals": rivals}
+    action = {key: list(values) for key, values in proposed.action.items()}
+    return {"action": action, "frequency": rounded(points.omega / (2 * np.pi)), "rivals": rivals}
 
 
 def _along(points: Points, action: dict[str, list[float]]) -> Points:
@@ -142,7 +146,8 @@ def proposed_points(action: dict[str, list[float]], measurement: Measurement) ->
     points = measurement.points
 
     def level(name: str, column: Real | None) -> Real | None:
-        if column is None:  # the model was never told it
+        # The model was never told it.
+        if column is None:
             return None
         if not action.get(name):
             return np.full(omega.shape, float(np.median(column)))
@@ -163,5 +168,6 @@ def proposed_points(action: dict[str, list[float]], measurement: Measurement) ->
 
 def _band(model: Model, theta: Real, points: Points, floor: float) -> dict[str, Any]:
     stiffness = model.stiffness(theta, points)
-    width = 2.0 * floor * np.abs(stiffness)  # 95 % of what would be measured
+    # 95 % of what would be measured.
+    width = 2.0 * floor * np.abs(stiffness)
     return {"storage": rounded(stiffness.real), "loss": rounded(stiffness.imag), "width": rounded(width)}

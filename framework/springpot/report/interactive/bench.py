@@ -53,13 +53,15 @@ def bench_of(given: dict[str, Any]) -> Bench:
     escaped = to_json(given, None).replace("<", "\\u003c")
     data = tag("script", Html(escaped), type="application/json", id="given")
     body = Html(f"{tag('div', id='bench')}{data}{tag('script', Html(program))}")
+    # By its digest: a script that slipped in with the data would have another, and no browser would run it.
     return Bench(body, style, f"'{_digest(program)}'")
 
 
 def _as_function(name: str) -> str:
     """A module as a function whose result is what it exports: one inline script cannot hold several modules."""
     source = modules()[name].decode()
-    names = [found[1] for found in EXPORT.findall(source)]
+    names = [name for _, name in EXPORT.findall(source)]
+    # Imports become look-ups in what the modules before it have left, exports what is returned.
     source = EXPORT.sub(r"\1", IMPORT.sub(r'const \1 = modules["\2"];', source))
     return f'modules["{name}"] = (() => {{\n{source}\nreturn {{ {", ".join(names)} }};\n}})();'
 

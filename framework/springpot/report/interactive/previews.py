@@ -37,6 +37,7 @@ def grown_by_each(case: Case) -> Iterator[Grown]:
     for candidate in case.diagnosis.candidates:
         try:
             grown = case.grown_with(candidate.physics)
-        except SpringpotError:  # nothing to be drawn
+        # An effect that does not fit this model or these data has nothing to be drawn.
+        except SpringpotError:
             continue
         yield Grown(candidate.effect, *grown)

@@ -64,9 +64,14 @@ class PageScene:
         """For each sweep the places of its smooth curve along the axis, and the conditions there."""
         whole = [smooth(self.measurement, self.axis, sweep) for sweep in self.sweeps]
         # Each preview carries such a curve for each sweep: the page would otherwise grow by megabytes.
-        step = max(2, int(np.ceil(sum(len(x) for x, _ in whole) / MOST_ON_CURVES)))
-        few = [np.unique(np.append(np.arange(0, len(x), step), len(x) - 1)) for x, _ in whole]
-        return [(x[rows], _rows_of(points, rows)) for (x, points), rows in zip(whole, few, strict=True)]
+        count = sum(len(x) for x, _ in whole)
+        step = max(2, int(np.ceil(count / MOST_ON_CURVES)))
+        thin = []
+        for x, points in whole:
+            # With its last point, or a curve would end before its data.
+            rows = np.unique(np.append(np.arange(0, len(x), step), len(x) - 1))
+            thin.append((x[rows], _rows_of(points, rows)))
+        return thin
 
     def to_dict(self) -> dict[str, Any]:
         """Rows, sweeps and axis, as the page needs them."""
@@ -75,6 +80,10 @@ class PageScene:
         for number, sweep in enumerate(self.sweeps):
             sweep_of[sweep.rows] = number
         conditions = {name: rounded(column[rows]) for name, column in measurement.conditions.items()}
+        # Places of a diagnosis and planned frequencies are in Hz, whatever the data are told in.
+        per_hertz = 1.0
+        if self.axis.column == "frequency":
+            per_hertz = measurement.units.on_clock(1.0)
         return {
             "name": measurement.name,
             "count": len(measurement),
@@ -83,8 +92,7 @@ class PageScene:
                 "column": self.axis.column,
                 "label": self.axis.label,
                 "logarithmic": self.axis.logarithmic,
-                # Places of a diagnosis and planned frequencies are in Hz, whatever the data are told in.
-                "per_hertz": measurement.units.on_clock(1.0) if self.axis.column == "frequency" else 1.0,
+                "per_hertz": per_hertz,
             },
             "words": {"clock": measurement.units.clock, "per_hertz": measurement.units.on_clock(1.0)},
             "rows": rows.tolist(),
@@ -123,10 +131,14 @@ def rounded(values: Real) -> list[float | None]:
     """Numbers with as many digits as a picture needs; null for what is not finite."""
     values = np.asarray(values, dtype=float)
     finite = np.isfinite(values)
+    # Neither zero nor an infinity has a first digit to count from.
     size = np.where(finite & (values != 0.0), np.abs(values), 1.0)
     scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
     whole = np.round(np.where(finite, values, 0.0) * scale) / scale
-    return [number if there else None for number, there in zip(whole.tolist(), finite.tolist(), strict=True)]
+    digits: list[float | None] = whole.tolist()
+    for i in np.flatnonzero(~finite):
+        digits[i] = None
+    return digits
 
 
 def _parts(stiffness: Complex) -> dict[str, Any]:
