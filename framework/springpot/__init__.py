@@ -86,6 +86,7 @@ __all__ = [
 ]
 
 
+# Called by Python for what the module does not have: a name is imported when it is first asked for.
 def __getattr__(name: str) -> object:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)

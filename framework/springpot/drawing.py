@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# As names, not as imports: the rooms below must not know the one above.
 DRAWS, TELLS, SHOWS = "springpot.report.drawings", "springpot.report.telling", "springpot.report.notebook"
 
 

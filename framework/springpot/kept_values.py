@@ -21,7 +21,11 @@ def number(value: float | None) -> float:
 
 def values(rows: Mapping[str, Mapping[str, Any]]) -> dict[str, Value]:
     """Parameters by name, with their intervals."""
-    return {name: Value(number(row["value"]), *kept_interval(row), row["unit"]) for name, row in rows.items()}
+    by_name = {}
+    for name, row in rows.items():
+        low, high = kept_interval(row)
+        by_name[name] = Value(number(row["value"]), low, high, row["unit"])
+    return by_name
 
 
 def place(kind: Callable[[str, str, float, float, float, str], P], row: Mapping[str, Any]) -> P:

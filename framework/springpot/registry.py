@@ -146,14 +146,14 @@ class Registry:
         PluginError
             If two plugins claim the name.
         """
-        found = self.shelves[word].find(name)
+        item = self.shelves[word].find(name)
         # Libraries of many optimisers are imported only when one of their names is asked for.
-        if found is None and word == "optimiser":
-            found = self._member(name)
-        if found is None:
+        if item is None and word == "optimiser":
+            item = self._member(name)
+        if item is None:
             hint = _proposal(name, self.shelves[word].known(), f"{word.replace(' ', '')}s")
             raise ModelError(f"unknown {word} '{name}': {hint}")
-        return found
+        return item
 
     def _member(self, name: str) -> type[Optimiser] | None:
         """The optimiser of a library that is imported only now; None if the name begins with no library's.

@@ -70,35 +70,35 @@ def command(
     emit(comparison, as_json, lambda: _show(comparison, data, models, figure))
 
 
-def _show(found: Comparison, data: str, models: Sequence[str], figure: Path | None) -> None:
+def _show(comparison: Comparison, data: str, models: Sequence[str], figure: Path | None) -> None:
     """The answer, and the command that goes on from it."""
     from springpot.comparison import Ranking
     from springpot.report.answers import comparison_text
     from springpot.report.ranking import ranked_text
 
-    if isinstance(found, Ranking):
-        print(ranked_text(found, window()))
+    if isinstance(comparison, Ranking):
+        print(ranked_text(comparison, window()))
     else:
-        print(comparison_text(found, window()))
+        print(comparison_text(comparison, window()))
     if figure is not None:
         print(f"\nwritten: {figure}")
-    print(f"\nnext: springpot {_next_command(found, data, models)}")
+    print(f"\nnext: springpot {_next_command(comparison, data, models)}")
 
 
-def _next_command(found: Comparison, data: str, models: Sequence[str]) -> str:
+def _next_command(comparison: Comparison, data: str, models: Sequence[str]) -> str:
     """One test of several; else what is missing from the best model, or its parameters where nothing is."""
     from springpot.comparison import Ranking
 
     # Before any model: what sets several tests apart is part of none.
-    if found.one_test:
+    if comparison.one_test:
         given = "".join(f" --model {quoted(model)}" for model in dict.fromkeys(models))
-        return f"compare {quoted(with_rows(data, found.one_test))}{given}"
-    best, not_enough = found.best, False
-    if isinstance(found, Ranking):
+        return f"compare {quoted(with_rows(data, comparison.one_test))}{given}"
+    best, not_enough = comparison.best, False
+    if isinstance(comparison, Ranking):
         # What is missing from any material is not to be sought beside one model of it.
-        if not found.adequate and found.near:
+        if not comparison.adequate and comparison.near:
             return f"diagnose {quoted(data)}"
-        not_enough = not found.adequate
+        not_enough = not comparison.adequate
     # Of a model that holds the parameters are worth having; of another what is missing from it.
     command = "identify"
     if not_enough or best.fails or best.unclear:

@@ -181,11 +181,11 @@ def _each(
     return worst
 
 
-def _show(found: Identification, data: tuple[str, ...], model: str, figure: Path | None, verbose: bool) -> None:
+def _show(identified: Identification, data: tuple[str, ...], model: str, figure: Path | None, verbose: bool) -> None:
     from springpot.report.fits import identification_text
 
-    print(identification_text(found, window(), verbose))
+    print(identification_text(identified, window(), verbose))
     if figure is not None:
         print(f"figure      {figure}")
-    if found.standing is not None and not found.standing.good_enough and len(data) == 1:
+    if identified.standing is not None and not identified.standing.good_enough and len(data) == 1:
         print(f"\nnext: springpot diagnose {quoted(data[0])} --model {quoted(model)}")

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from .common import FILE, data_argument, emit, geometry_option, json_option, opened, window
-
-if TYPE_CHECKING:
-    from springpot.superposition import MasterCurve
 
 
 @click.command(
@@ -63,10 +59,10 @@ def command(
         write_measurement(curve.reduced, output)
     if figure is not None:
         curve.plot(figure)
-    emit(curve, as_json, lambda: _show(curve, mastercurve_text(curve, window()), [output, figure]))
+    emit(curve, as_json, lambda: _show(mastercurve_text(curve, window()), [output, figure]))
 
 
-def _show(found: MasterCurve, text: str, written: list[Path | None]) -> None:
+def _show(text: str, written: list[Path | None]) -> None:
     print(text)
     for path in written:
         if path is not None:

@@ -76,30 +76,29 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     emit(described_steady(steady), as_json, lambda: _show_steady(steady, figure))
 
 
-def described_steady(found: Steady) -> dict[str, Any]:
+def described_steady(steady: Steady) -> dict[str, Any]:
     """As plain data, schema ``springpot.steady-state/1``: amplitudes at 1 m/s^2 of the ground, energies a cycle."""
     import numpy as np
 
-    columns = np.abs(found.drift), np.abs(found.force), found.energy
-    rows = zip(found.omega.tolist(), *(column.tolist() for column in columns), strict=True)
-    return {
-        "schema": "springpot.steady-state/1",
-        "points": [
-            {"frequency": omega / (2.0 * np.pi), "drift": drift, "force": force, "energy": energy}
-            for omega, drift, force, energy in rows
-        ],
-    }
+    # Amplitudes are complex, and JSON has no complex numbers: their phases are in the Python result.
+    drifts, forces = np.abs(steady.drift).tolist(), np.abs(steady.force).tolist()
+    points = []
+    for omega, drift, force, energy in zip(
+        steady.omega.tolist(), drifts, forces, steady.energy.tolist(), strict=True
+    ):
+        points.append({"frequency": omega / (2.0 * np.pi), "drift": drift, "force": force, "energy": energy})
+    return {"schema": "springpot.steady-state/1", "points": points}
 
 
-def _show_steady(found: Steady, figure: Path | None) -> None:
+def _show_steady(steady: Steady, figure: Path | None) -> None:
     from springpot.report.numbers import number
     from springpot.report.text import Table
 
-    storeys, dampers = range(1, len(found.frame) + 1), range(1, len(found.frame.dampers) + 1)
+    storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
     headers = ["f [Hz]", *(f"drift {i} [mm]" for i in storeys)]
     headers += [f"force {i} [kN]" for i in dampers] + [f"energy {i} [kJ]" for i in dampers]
     rows = []
-    for point in described_steady(found)["points"]:
+    for point in described_steady(steady)["points"]:
         cells = [point["frequency"], *(1e3 * drift for drift in point["drift"])]
         cells += [1e-3 * force for force in point["force"]]
         cells += [1e-3 * energy for energy in point["energy"]]
@@ -110,12 +109,12 @@ def _show_steady(found: Steady, figure: Path | None) -> None:
         print(f"\nfigure      {figure}")
 
 
-def described(found: Simulation) -> dict[str, Any]:
+def described(simulation: Simulation) -> dict[str, Any]:
     """As plain data, schema ``springpot.simulation/1``; lengths in m, forces in N, energies in J."""
     import numpy as np
 
-    motion = found.motion
-    low, high = found.band()
+    motion = simulation.motion
+    low, high = simulation.band()
     return {
         "schema": "springpot.simulation/1",
         "record": {
@@ -124,7 +123,7 @@ def described(found: Simulation) -> dict[str, Any]:
             "samples": len(motion.record.acceleration),
             "peak": float(np.abs(motion.record.acceleration).max()),
         },
-        "modes": [{"frequency": mode.frequency, "damping": mode.damping} for mode in found.modes],
+        "modes": [{"frequency": mode.frequency, "damping": mode.damping} for mode in simulation.modes],
         "storeys": [
             {"drift": drift, "low": below, "high": above}
             for drift, below, above in zip(motion.peak_drift.tolist(), low.tolist(), high.tolist(), strict=True)
@@ -134,15 +133,15 @@ def described(found: Simulation) -> dict[str, Any]:
             for i, damper in enumerate(motion.frame.dampers)
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
-        "draws": len(found.drifts),
+        "draws": len(simulation.drifts),
     }
 
 
-def _show(found: Simulation, figure: Path | None) -> None:
+def _show(simulation: Simulation, figure: Path | None) -> None:
     from springpot.report.numbers import number
     from springpot.report.text import Table
 
-    result = described(found)
+    result = described(simulation)
     record = result["record"]
     print(f"{record['name']}: {record['samples']} samples, {number(record['peak'], 3)} m/s^2 at most\n")
     rows = [

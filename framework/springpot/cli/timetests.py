@@ -72,14 +72,14 @@ def identify(
     emit(fit, as_json, lambda: _show(fit, figure, data, expression))
 
 
-def _show(found: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str) -> None:
+def _show(identified: TimeIdentification, figure: Path | None, data: Sequence[str], expression: str) -> None:
     from springpot.report.fits import fitted_in_time_text
 
-    print(fitted_in_time_text(found, window()))
+    print(fitted_in_time_text(identified, window()))
     if figure is not None:
         print(f"figure      {figure}")
     # The worst of the tests decides: a long record must not hide a short one that the model misses.
-    judged = max(test.ratio for test in found.tests)
+    judged = max(test.ratio for test in identified.tests)
     if judged > FAR_OFF:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot diagnose {named} --model {quoted(expression)}")
@@ -149,15 +149,16 @@ def discover(
         print(f"\nwritten: {figure}")
 
 
-def _show_diagnosis(found: TimeDiagnosis, data: Sequence[str], model: str | None) -> None:
+def _show_diagnosis(diagnosis: TimeDiagnosis, data: Sequence[str], model: str | None) -> None:
     from springpot.report.fits import diagnosed_in_time_text
 
-    print(diagnosed_in_time_text(found, window()))
-    if found.missing:
+    print(diagnosed_in_time_text(diagnosis, window()))
+    if diagnosis.missing:
         judged = ""
         if model is not None:
             judged = f" --model {quoted(model)}"
-        print(f"\nnext: springpot discover {' '.join(map(quoted, data))}{judged} --accept {quoted(found.missing[0])}")
+        named = " ".join(map(quoted, data))
+        print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:
@@ -220,7 +221,7 @@ def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool) -> None:
 
 
 def predict(
-    found: Identification | Known,
+    identified: Identification | Known,
     spec: str,
     temperature: float | None,
     output: Path | None,
@@ -231,7 +232,7 @@ def predict(
     from springpot.files import write_text
     from springpot.timetests import predict_test
 
-    predicted = predict_test(found, _asked(spec, temperature))
+    predicted = predict_test(identified, _asked(spec, temperature))
     if output is not None:
         write_text(output, _table_text(predicted))
     if figure is not None:
@@ -277,5 +278,8 @@ def _table_text(predicted: TestPrediction) -> str:
     columns = [predicted.at, predicted.value, predicted.low, predicted.high]
     if predicted.judged:
         names, columns = [*names, f"measured [{unit}]"], [*columns, predicted.measured]
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    return "\n".join([",".join(names), *(",".join(map(repr, row)) for row in rows)]) + "\n"
+    lines = [",".join(names)]
+    for row in zip(*(column.tolist() for column in columns), strict=True):
+        # `repr` keeps every digit.
+        lines.append(",".join(map(repr, row)))
+    return "\n".join(lines) + "\n"

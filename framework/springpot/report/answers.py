@@ -72,9 +72,9 @@ def diagnosis_text(
     to_refer_to = measurement
     if refers:
         to_refer_to = None
-    held = _held_values(diagnosis, measurement)
+    assumed = _held_values(diagnosis, measurement)
     parts = [
-        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{held}\n{diagnosis.says}",
+        f"{diagnosis.model.name} of {diagnosis.data}: {diagnosis.verdict}{assumed}\n{diagnosis.says}",
         "\n".join(filter(None, (error_line(diagnosis), diagnosis.split))),
         where_text(diagnosis, places),
         "\n".join(filter(None, (fitted, refers))),

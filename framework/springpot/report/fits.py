@@ -28,121 +28,121 @@ NAME = 12
 """Letters that are left of a test's name."""
 
 
-def identification_text(found: Identification, width: int = 120, verbose: bool = False) -> str:
+def identification_text(identified: Identification, width: int = 120, verbose: bool = False) -> str:
     """Parameters with their intervals, the error beside its floors, and whether the model is good enough.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         The fit.
     width : int
         Columns of the window.
     verbose : bool
         Whether to tell the search form, the objective and the optimiser too.
     """
-    data = found.measurement
+    data = identified.measurement
     search = ""
     # The search form is how the model was searched, not what it is: most need it never.
-    if verbose and found.search_parameters:
-        search = parameters_text("search form", dict(found.search_parameters))
+    if verbose and identified.search_parameters:
+        search = parameters_text("search form", dict(identified.search_parameters))
     parts = [
-        wrapped(f"{found.model.name} fitted to {data.name} ({len(data)} points, {told_range(data)})", width),
-        indented(drawing_of(found.model)),
-        parameters_text("parameter", dict(found.parameters), gone(found)),
+        wrapped(f"{identified.model.name} fitted to {data.name} ({len(data)} points, {told_range(data)})", width),
+        indented(drawing_of(identified.model)),
+        parameters_text("parameter", dict(identified.parameters), gone(identified)),
         search,
-        reference_note(data, [found.model.network]),
-        _spectrum(found),
-        "\n".join(wrapped(line, width, " " * 12) for line in _lines(found, verbose)),
+        reference_note(data, [identified.model.network]),
+        _spectrum(identified),
+        "\n".join(wrapped(line, width, " " * 12) for line in _lines(identified, verbose)),
     ]
     return "\n\n".join(part for part in parts if part)
 
 
-def fitted_in_time_text(found: TimeIdentification, width: int = 120) -> str:
+def fitted_in_time_text(identified: TimeIdentification, width: int = 120) -> str:
     """Parameters identified from tests in time, and each test beside its noise floor.
 
     Parameters
     ----------
-    found : TimeIdentification
+    identified : TimeIdentification
         The fit.
     width : int
         Columns of the window.
     """
-    count = f"{sum(test.points for test in found.tests)} points"
+    count = f"{sum(test.points for test in identified.tests)} points"
     # A count of one says nothing.
-    if len(found.tests) > 1:
-        count = f"{len(found.tests)} tests, {count}"
-    names = " + ".join(test.name for test in found.tests)
-    values = {name: _measured(entry) for name, entry in found.parameters.items()}
-    spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
-    lines = [f"search      {found.optimiser}: {found.ended}, {spent}"]
-    lines += [f"note        {note}" for note in found.notes]
+    if len(identified.tests) > 1:
+        count = f"{len(identified.tests)} tests, {count}"
+    names = " + ".join(test.name for test in identified.tests)
+    values = {name: _measured(entry) for name, entry in identified.parameters.items()}
+    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
+    lines = [f"search      {identified.optimiser}: {identified.ended}, {spent}"]
+    lines += [f"note        {note}" for note in identified.notes]
     parts = [
-        wrapped(f"{found.model.name} fitted to {names} ({count})", width),
-        indented(drawing_of(material_of(found.model))),
+        wrapped(f"{identified.model.name} fitted to {names} ({count})", width),
+        indented(drawing_of(material_of(identified.model))),
         parameters_text("parameter", values),
-        _tests(found, width),
+        _tests(identified, width),
         "\n".join(wrapped(line, width, " " * 12) for line in lines),
     ]
     return "\n\n".join(parts)
 
 
-def compared_in_time_text(found: TimeComparison) -> str:
+def compared_in_time_text(comparison: TimeComparison) -> str:
     """Models against tests in time, best first, and those that these tests cannot judge."""
     over_floors = ["x floor"]
     # The name of a single test stands in the first line.
-    if len(found.best.tests) > 1:
-        over_floors = [f"x floor of {test.name}" for test in found.best.tests]
+    if len(comparison.best.tests) > 1:
+        over_floors = [f"x floor of {test.name}" for test in comparison.best.tests]
     headers = ("model", "error", *over_floors, "delta BIC", "parameters")
     rows = []
-    for fit, delta in zip(found.fits, found.delta_bic, strict=True):
+    for fit, delta in zip(comparison.fits, comparison.delta_bic, strict=True):
         ratios = [number(test.ratio, 2) for test in fit.tests]
         rows.append([fit.model.name, percent(fit.relative_rms), *ratios, number(delta, 3), str(len(fit.theta))])
-    names = " + ".join(test.name for test in found.best.tests)
-    parts = [f"{names}: {found.best.model.name} is best", Table(headers, rows, frozenset(headers[1:])).plain()]
-    if found.left_out:
-        parts.append("\n".join(f"left out    {reason}" for reason in found.left_out.values()))
+    names = " + ".join(test.name for test in comparison.best.tests)
+    parts = [f"{names}: {comparison.best.model.name} is best", Table(headers, rows, frozenset(headers[1:])).plain()]
+    if comparison.left_out:
+        parts.append("\n".join(f"left out    {reason}" for reason in comparison.left_out.values()))
     return "\n\n".join(parts)
 
 
-def climbed_in_time_text(found: TimeLadder, width: int = 120) -> str:
+def climbed_in_time_text(ladder: TimeLadder, width: int = 120) -> str:
     """The rungs of a discovery from tests in time, the parameters of the last, and what is said of it."""
     headers = ("step", "model", "error", "x floor")
     rows = [
         [str(i), step.fit.model.name, percent(step.fit.relative_rms), number(step.over_floor, 2)]
-        for i, step in enumerate(found.steps)
+        for i, step in enumerate(ladder.steps)
     ]
-    last = found.steps[-1].fit
+    last = ladder.steps[-1].fit
     parts = [
         Table(headers, rows, frozenset(headers[2:])).plain(),
         parameters_text("parameter", {name: _measured(entry) for name, entry in last.parameters.items()}),
-        wrapped(found.diagnosis.says, width),
+        wrapped(ladder.diagnosis.says, width),
     ]
     # Below the parameters: whoever takes these must know that the effect may be another.
-    for step in found.steps:
+    for step in ladder.steps:
         if step.alike:
             rivals = " or ".join(step.alike)
             parts.append(f"+ {step.accepted} may as well be {rivals}: these tests cannot tell them apart")
     return "\n\n".join(parts)
 
 
-def diagnosed_in_time_text(found: TimeDiagnosis, width: int = 120) -> str:
+def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
     """What is missing from a model of tests in time, where it fails, and what these tests cannot tell apart."""
     headers = ("effect", "verdict", "delta BIC", "x floor after", "parameters")
     rows = [
         [each.effect, each.verdict, number(each.delta_bic, 3), number(each.over_floor, 2), _briefly(each.parameters)]
-        for each in found.candidates
+        for each in diagnosis.candidates
     ]
     ranked = ""
     if rows:
         ranked = Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
     sentences = [
-        f"{found.base.model.name}: {found.verdict}\n{found.says}",
-        "\n".join(f"where: {place.says}" for place in found.where),
+        f"{diagnosis.base.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
+        "\n".join(f"where: {place.says}" for place in diagnosis.where),
     ]
-    physics = [f"{each.effect}: {each.says}" for each in found.candidates if each.effect in found.missing]
+    physics = [f"{each.effect}: {each.says}" for each in diagnosis.candidates if each.effect in diagnosis.missing]
     # Which of several absent effects is absent is no news.
-    absent = {each.effect for each in found.candidates if each.verdict == "absent"}
-    open_classes = [names for names in found.classes if names[0] not in absent]
+    absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
+    open_classes = [names for names in diagnosis.classes if names[0] not in absent]
     physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
     # The table has its own widths; what is told in sentences is broken at words.
     parts = [wrapped(part, width) for part in sentences if part]
@@ -161,16 +161,16 @@ def _measured(entry: dict[str, Any]) -> Value:
     return Value(entry["value"], *kept_interval(entry), entry["unit"])
 
 
-def _tests(found: TimeIdentification, width: int) -> str:
+def _tests(identified: TimeIdentification, width: int) -> str:
     """A row for each test; in a narrow window the last columns go, and long names are cut."""
     headers = ("test", "kind", "points", "error", "noise floor", "x floor", "alone")
     rows = []
-    for test in found.tests:
+    for test in identified.tests:
         errors = [percent(test.error), percent(test.floor, 2), number(test.ratio, 2), number(test.alone, 2)]
         rows.append([test.name, test.kind, str(test.points), *errors])
     table = Table(headers, rows, frozenset(headers[2:]))
     # A single test is fitted alone in any case.
-    if len(found.tests) == 1:
+    if len(identified.tests) == 1:
         table = table.lacking("alone")
     table = table.without(("alone", "points"), width)
     excess = table.width - width
@@ -199,92 +199,93 @@ def parameters_text(heading: str, parameters: dict[str, Value], open_ones: Colle
     return Table((heading, "value", "95 % interval", "unit"), rows, frozenset({"value"})).plain()
 
 
-def gone(found: Identification) -> set[str]:
+def gone(identified: Identification) -> set[str]:
     """Parameters that have grown out of all proportion to the data, whatever their interval says."""
-    far = found.fit.task.coordinates.log & (found.fit.u > FAR)
-    return {name for name, one in zip(found.model.names, far, strict=True) if one}
+    far = identified.fit.task.coordinates.log & (identified.fit.u > FAR)
+    return {name for name, one in zip(identified.model.names, far, strict=True) if one}
 
 
-def _spectrum(found: Identification) -> str:
-    if found.spectrum is None:
+def _spectrum(identified: Identification) -> str:
+    if identified.spectrum is None:
         return ""
-    return f"spectrum    {in_words(found.spectrum, found.measurement.units.stiffness)}"
+    return f"spectrum    {in_words(identified.spectrum, identified.measurement.units.stiffness)}"
 
 
-def _lines(found: Identification, verbose: bool) -> list[str]:
+def _lines(identified: Identification, verbose: bool) -> list[str]:
     """What is told of a fit, a line for each thing."""
-    size = found.measurement.units.magnitude
-    lines = [f"error       {percent(found.relative_rms)} of {size} (relative rms){beside_floors(found)}"]
-    if found.standing is not None:
+    size = identified.measurement.units.magnitude
+    lines = [f"error       {percent(identified.relative_rms)} of {size} (relative rms){beside_floors(identified)}"]
+    if identified.standing is not None:
         verdict = "not good enough"
-        if found.standing.good_enough:
+        if identified.standing.good_enough:
             verdict = "good enough"
-        lines.append(f"verdict     {verdict}: {_reason(found)}")
-    spent = f"{found.evaluations} evaluations in {seconds(found.seconds)}"
+        lines.append(f"verdict     {verdict}: {_reason(identified)}")
+    spent = f"{identified.evaluations} evaluations in {seconds(identified.seconds)}"
     # The usual way to the usual end is worth no line; whatever was chosen or went otherwise is.
-    if verbose or found.optimiser != "native" or found.status != "converged":
-        lines.append(f"objective   {found.fit.objective.name}, {number(found.fit.cost)}")
-        lines.append(f"optimiser   {found.optimiser}, {found.status}, {spent}")
-    return lines + [f"note        {note}" for note in (*found.notes, *unused(found), *_of_floor(found))]
+    if verbose or identified.optimiser != "native" or identified.status != "converged":
+        lines.append(f"objective   {identified.fit.objective.name}, {number(identified.fit.cost)}")
+        lines.append(f"optimiser   {identified.optimiser}, {identified.status}, {spent}")
+    notes = (*identified.notes, *unused(identified), *_of_floor(identified))
+    return lines + [f"note        {note}" for note in notes]
 
 
-def _reason(found: Identification) -> str:
-    assert found.standing is not None
+def _reason(identified: Identification) -> str:
+    assert identified.standing is not None
     # The first half is the error and its floor, which the line above has told.
-    return found.standing.says.partition("; ")[2] or found.standing.says
+    return identified.standing.says.partition("; ")[2] or identified.standing.says
 
 
-def _of_floor(found: Identification) -> list[str]:
+def _of_floor(identified: Identification) -> list[str]:
     """What `diagnose` may say otherwise: it knows better models than this one, about which the data scatter less."""
-    standing = found.standing
+    standing = identified.standing
     if standing is None or standing.good_enough or standing.noise_source != "estimated":
         return []
     return ["the noise floor is estimated from the scatter about this model: diagnose may find a lower one"]
 
 
-def beside_floors(found: Identification) -> str:
+def beside_floors(identified: Identification) -> str:
     """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
-    standing = found.standing
+    standing = identified.standing
     if standing is None or not standing.noise_floor > 0.0:
         return ""
-    ratio = number(found.relative_rms / standing.noise_floor, 2)
+    ratio = number(identified.relative_rms / standing.noise_floor, 2)
     noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
     return f", {noise}; material floor {percent(standing.material_floor, 2)}"
 
 
-def unused(found: Identification) -> list[str]:
+def unused(identified: Identification) -> list[str]:
     """Conditions that vary in the data and that the model does not know."""
     notes = []
     for name in ("temperature", "amplitude"):
-        if name not in found.measurement.conditions or name in found.model.needs:
+        if name not in identified.measurement.conditions or name in identified.model.needs:
             continue
         # A temperature that was noted once for all rows is no condition that a model misses.
-        levels = int(found.measurement.levels(name).max()) + 1
+        levels = int(identified.measurement.levels(name).max()) + 1
         if levels > 1:
             notes.append(f"{name} was not used: the data have {levels} levels of it, the model has no effect of it")
     return notes
 
 
-def many_text(found: Sequence[Identification]) -> str:
+def many_text(fits: Sequence[Identification]) -> str:
     """One row for each file: error, floor, verdict and the parameters."""
-    names, rows = _columns(found), []
-    for fit in found:
+    names, rows = _columns(fits), []
+    for fit in fits:
         cells = [_cell(fit, name) for name in names]
         rows.append([fit.measurement.name, percent(fit.relative_rms), *_verdict(fit), *cells])
-    headers = ["data", "error", "noise floor", "good enough", *(_header(found[0], name) for name in names)]
+    headers = ["data", "error", "noise floor", "good enough", *(_header(fits[0], name) for name in names)]
     return Table(headers, rows, frozenset(headers[1:3] + headers[4:])).plain()
 
 
-def many_csv(found: Sequence[Identification]) -> str:
+def many_csv(fits: Sequence[Identification]) -> str:
     """The same as CSV, with both ends of each interval; units stand in the header."""
-    names, stream = _columns(found), StringIO()
+    names, stream = _columns(fits), StringIO()
     write = csv.writer(stream, lineterminator="\n").writerow
     headers = []
     for name in names:
-        unit = found[0].parameters[name].unit
+        unit = fits[0].parameters[name].unit
         headers += [f"{name} [{unit}]", f"{name}_low [{unit}]", f"{name}_high [{unit}]"]
     write(["data", "model", "relative_rms [-]", "noise_floor [-]", "good_enough", *headers])
-    for fit in found:
+    for fit in fits:
         cells = []
         for name in names:
             if name in fit.parameters:
@@ -299,9 +300,9 @@ def many_csv(found: Sequence[Identification]) -> str:
     return stream.getvalue()
 
 
-def _columns(found: Sequence[Identification]) -> list[str]:
+def _columns(fits: Sequence[Identification]) -> list[str]:
     # Of all files: a model of levels may have more parameters in one than in another.
-    return list(dict.fromkeys(name for fit in found for name in fit.parameters))
+    return list(dict.fromkeys(name for fit in fits for name in fit.parameters))
 
 
 def _header(fit: Identification, name: str) -> str:

@@ -36,23 +36,23 @@ SMOOTH = 400
 """Points of a drawn curve."""
 
 
-def mastercurve_text(found: MasterCurve, width: int = 120) -> str:
+def mastercurve_text(master: MasterCurve, width: int = 120) -> str:
     """Factors level by level, laws, and whether one curve is enough; told as a_T and b_T where temperature shifts."""
-    rest = found.simplicity
-    reference = level_text(found.factors.column, found.reference)
+    rest = master.simplicity
+    reference = level_text(master.factors.column, master.reference)
     lines = [
-        f"master curve of {found.data.name} at {reference}, {len(found.data)} points, {seconds(found.seconds)}",
-        f"error       {percent(rest.error)} of {found.data.units.magnitude}{_other_errors(found)}",
+        f"master curve of {master.data.name} at {reference}, {len(master.data)} points, {seconds(master.seconds)}",
+        f"error       {percent(rest.error)} of {master.data.units.magnitude}{_other_errors(master)}",
         "",
-        _levels(found).without(("alone",), width).plain(),
+        _levels(master).without(("alone",), width).plain(),
     ]
-    if found.laws:
-        lines += ["", _laws(found).without(("chance", "most at", "off by"), width).plain()]
+    if master.laws:
+        lines += ["", _laws(master).without(("chance", "most at", "off by"), width).plain()]
     lines += ["", f"superposition   {WORDS[rest.verdict].format(added=percent(rest.added, 2))}"]
     lines += [f"  - {failure.says}" for failure in rest.failures[:MOST_SAID]]
     if len(rest.failures) > MOST_SAID:
         lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
-    lines += [f"note: {note}" for note in found.notes]
+    lines += [f"note: {note}" for note in master.notes]
     broken = []
     for line in lines:
         # A table has its own widths; what is told in sentences is broken at words.
@@ -62,40 +62,40 @@ def mastercurve_text(found: MasterCurve, width: int = 120) -> str:
     return "\n".join(broken)
 
 
-def _factor(found: MasterCurve, letter: str) -> str:
+def _factor(master: MasterCurve, letter: str) -> str:
     """``a_T``, as the field writes it; ``a`` along other columns."""
-    if found.factors.column == "temperature":
+    if master.factors.column == "temperature":
         return f"{letter}_T"
     return letter
 
 
-def _other_errors(found: MasterCurve) -> str:
+def _other_errors(master: MasterCurve) -> str:
     text = ""
-    if found.vertical:
-        text = f"; a shift alone {percent(found.error_without_vertical)}"
-    if np.isfinite(found.simplicity.alone):
-        text += f"; each level by itself {percent(found.simplicity.alone)}"
+    if master.vertical:
+        text = f"; a shift alone {percent(master.error_without_vertical)}"
+    if np.isfinite(master.simplicity.alone):
+        text += f"; each level by itself {percent(master.simplicity.alone)}"
     return text
 
 
-def _levels(found: MasterCurve) -> Table:
-    a_name, b_name = _factor(found, "a"), _factor(found, "b")
-    headers = [f"{found.factors.column}{_in_unit(found.unit)}", a_name, "95 %", b_name, "95 %", "error", "alone"]
+def _levels(master: MasterCurve) -> Table:
+    a_name, b_name = _factor(master, "a"), _factor(master, "b")
+    headers = [f"{master.factors.column}{_in_unit(master.unit)}", a_name, "95 %", b_name, "95 %", "error", "alone"]
     rows = []
-    for level in found.levels:
+    for level in master.levels:
         a, a_between = with_interval(level.a, level.a_low, level.a_high)
         b, b_between = with_interval(level.b, level.b_low, level.b_high)
         # Factors at the reference are one by definition: an interval would look like a measurement.
-        if level.value == found.reference:
+        if level.value == master.reference:
             a, a_between, b, b_between = "1", "reference", "1", ""
         # An interval that spans all that was tried would be read as a result.
         elif not level.determined:
             a_between, b_between = "not determined", ""
-        name = level_text(found.factors.column, level.value).removesuffix(" degC")
-        name = name.removeprefix(f"{found.factors.column} ")
+        name = level_text(master.factors.column, level.value).removesuffix(" degC")
+        name = name.removeprefix(f"{master.factors.column} ")
         rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])
     # Otherwise all of them would be one.
-    if not found.vertical:
+    if not master.vertical:
         headers = [*headers[:3], *headers[5:]]
         rows = [[*row[:3], *row[5:]] for row in rows]
     return Table(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
@@ -107,32 +107,32 @@ def _in_unit(unit: str) -> str:
     return f" [{unit}]"
 
 
-def _laws(found: MasterCurve) -> Table:
+def _laws(master: MasterCurve) -> Table:
     headers = ["law", "of", "parameters", "off by", "most at", "chance", "verdict"]
     rows = []
-    for law in found.laws:
+    for law in master.laws:
         parameters = zip(law.law.element.parameters, law.values, law.low, law.high, strict=True)
         words = []
         for parameter, value, low, high in parameters:
             middle, between = with_interval(float(value), float(low), float(high))
             words.append(f"{parameter.name} {middle} {between} {parameter.unit.label}".rstrip())
         # Where a law fails most says at which temperature not to trust it.
-        most = level_text(found.factors.column, law.worst)
+        most = level_text(master.factors.column, law.worst)
         # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
-        factor = _factor(found, "a")
+        factor = _factor(master, "a")
         if law.law.vertical:
-            factor = _factor(found, "b")
+            factor = _factor(master, "b")
         rows.append([law.law.name, factor, ", ".join(words), off, most, number(law.chance, 2), law.verdict])
     return Table(headers, rows, frozenset({"off by", "chance"}))
 
 
-def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Figure | Path:
+def figure_mastercurve(master: MasterCurve, path: str | Path | None = None) -> Figure | Path:
     """Curve, factors with the laws, and errors of each level.
 
     Parameters
     ----------
-    found : MasterCurve
+    master : MasterCurve
         The curve.
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
@@ -140,35 +140,35 @@ def figure_mastercurve(found: MasterCurve, path: str | Path | None = None) -> Fi
     with blank(9.6, 7.6) as figure:
         # Two rows of their own layout: the curve needs more room than factors and errors.
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
-        _draw_curve(halves[0], found)
-        if found.vertical:
+        _draw_curve(halves[0], master)
+        if master.vertical:
             places = halves[1].subplots(1, 3)
-            _draw_factors(places[1], found, vertical=True)
+            _draw_factors(places[1], master, vertical=True)
         else:
             places = halves[1].subplots(1, 2)
-        _draw_factors(places[0], found, vertical=False)
-        _draw_errors(places[-1], found)
+        _draw_factors(places[0], master, vertical=False)
+        _draw_errors(places[-1], master)
         return finished(figure, path)
 
 
-def _colours(found: MasterCurve) -> tuple[Any, Any]:
+def _colours(master: MasterCurve) -> tuple[Any, Any]:
     from matplotlib import colormaps
     from matplotlib.colors import Normalize
 
-    levels = found.factors.levels
+    levels = master.factors.levels
     # Cold is blue and hot is red; the pale middle of a diverging map would vanish on paper.
     return colormaps["turbo"], Normalize(float(levels.min()), float(levels.max()))
 
 
-def _draw_curve(figure: Any, found: MasterCurve) -> None:
+def _draw_curve(figure: Any, master: MasterCurve) -> None:
     from matplotlib.cm import ScalarMappable
 
     left, right = figure.subplots(1, 2, sharex=True)
-    data, levels = found.reduced, found.factors.levels
-    measured = found.data.conditions[found.factors.column]
-    colour, norm = _colours(found)
+    data, levels = master.reduced, master.factors.levels
+    measured = master.data.conditions[master.factors.column]
+    colour, norm = _colours(master)
     omega: Real = np.geomspace(float(data.omega.min()), float(data.omega.max()), SMOOTH)
-    curve = found.curve(omega)
+    curve = master.curve(omega)
     unit = data.units.stiffness
     for axes, points, line, name in (
         (left, data.storage, curve.real, "storage"),
@@ -184,11 +184,11 @@ def _draw_curve(figure: Any, found: MasterCurve) -> None:
             logarithmic(axes, direction)
         axes.set_ylabel(f"{name} / b [{unit}]")
         axes.set_xlabel("a ω [rad/s]")
-    named = level_text(found.factors.column, found.reference)
-    left.set_title(f"{found.data.name} at {named}: {percent(found.simplicity.error, 2)} off".replace("$", r"\$"))
-    right.set_title(found.simplicity.verdict.replace("-", " "))
+    named = level_text(master.factors.column, master.reference)
+    left.set_title(f"{master.data.name} at {named}: {percent(master.simplicity.error, 2)} off".replace("$", r"\$"))
+    right.set_title(master.simplicity.verdict.replace("-", " "))
     bar = figure.colorbar(ScalarMappable(norm, colour), ax=[left, right], pad=0.01, aspect=30)
-    bar.set_label(f"{found.factors.column}{_in_unit(found.unit)}")
+    bar.set_label(f"{master.factors.column}{_in_unit(master.unit)}")
     # Each level by its number, as long as the numbers do not touch.
     if len(levels) <= LEGEND:
         bar.set_ticks(levels.tolist(), labels=[f"{value:.4g}" for value in levels])
@@ -196,24 +196,24 @@ def _draw_curve(figure: Any, found: MasterCurve) -> None:
     left.legend(loc="best")
 
 
-def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
-    levels = found.levels
-    x = found.factors.levels
+def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
+    levels = master.levels
+    x = master.factors.levels
     name = "a"
     if vertical:
         name = "b"
     value = np.array([getattr(level, name) for level in levels])
     low = np.array([getattr(level, f"{name}_low") for level in levels])
     high = np.array([getattr(level, f"{name}_high") for level in levels])
-    known = found.determined
+    known = master.determined
     # WLF and VFT are one curve in other parameters: drawn once.
     labels = {"WLF": "WLF = VFT"}
-    laws = [law for law in found.laws if law.law.vertical == vertical and law.law.name != "VFT"]
+    laws = [law for law in master.laws if law.law.vertical == vertical and law.law.name != "VFT"]
     # Only between the levels: beyond them a law would be a claim without data.
     fine = np.linspace(x.min(), x.max(), SMOOTH)
     for law, colour in zip(laws, COLOURS, strict=False):
         label = labels.get(law.law.name, law.law.name)
-        axes.plot(fine, np.exp(_along(law, fine, found)), "-", color=colour, linewidth=1.2, label=label, zorder=2)
+        axes.plot(fine, np.exp(_along(law, fine, master)), "-", color=colour, linewidth=1.2, label=label, zorder=2)
     # matplotlib refuses a bar of negative length, such as rounding may make.
     bars = np.maximum(np.array([value - low, high - value]), 0.0)
     axes.errorbar(
@@ -223,7 +223,7 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
         axes.plot(x[~known], value[~known], "x", color=QUIET, label="not determined")
     if value[known].max() > DECADE * value[known].min():
         logarithmic(axes, "y")
-    axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
+    axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     title = "factors a of frequency"
     if vertical:
         title = "factors b of stiffness"
@@ -232,9 +232,9 @@ def _draw_factors(axes: Axes, found: MasterCurve, vertical: bool) -> None:
         axes.legend(loc="best")
 
 
-def _along(law: LawFit, celsius: Real, found: MasterCurve) -> Real:
+def _along(law: LawFit, celsius: Real, master: MasterCurve) -> Real:
     """A law's logarithm of the factor between the levels."""
-    reference = found.reference + KELVIN
+    reference = master.reference + KELVIN
     at = Points(np.zeros(len(celsius)), temperature=celsius + KELVIN, reference_temperature=reference)
     value = law.law.element.respond(law.values, at).value.real
     # A law of a shift gives ln a itself, one of a stiffness b.
@@ -243,9 +243,9 @@ def _along(law: LawFit, celsius: Real, found: MasterCurve) -> Real:
     return np.asarray(value, dtype=np.float64)
 
 
-def _draw_errors(axes: Axes, found: MasterCurve) -> None:
-    x = found.factors.levels
-    levels = found.levels
+def _draw_errors(axes: Axes, master: MasterCurve) -> None:
+    x = master.factors.levels
+    levels = master.levels
     axes.plot(x, [100 * level.error for level in levels], "o-", color=COLOURS[0], label="on the curve")
     axes.plot(x, [100 * level.alone for level in levels], "s--", color=QUIET, label="each by itself", linewidth=1.0)
     # A level with too few points has no error of its own, and is left out.
@@ -253,6 +253,6 @@ def _draw_errors(axes: Axes, found: MasterCurve) -> None:
         logarithmic(axes, "y")
     else:
         axes.set_ylim(bottom=0.0)
-    axes.set_xlabel(f"{found.factors.column}{_in_unit(found.unit)}")
+    axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     axes.set_title("error [%]")
     axes.legend(loc="best")

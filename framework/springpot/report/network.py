@@ -88,7 +88,12 @@ def _wires(sizes: Sequence[Size]) -> list[float]:
 
 def _spring(x: float, y: float) -> list[Mark]:
     teeth = [(x - 22, y), (x - 18, y)]
-    teeth += [(x - 15 + 6 * i, y - 9 if i % 2 == 0 else y + 9) for i in range(6)]
+    for i in range(6):
+        # Up and down in turn.
+        tip = y + 9
+        if i % 2 == 0:
+            tip = y - 9
+        teeth.append((x - 15 + 6 * i, tip))
     return [Line((*teeth, (x + 18, y), (x + 22, y)))]
 
 

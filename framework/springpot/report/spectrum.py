@@ -27,17 +27,17 @@ MOST_PEAKS = 4
 """Peaks that the sentence names, the highest."""
 
 
-def figure_material(found: Identification, path: str | Path | None = None) -> Figure | Path:
+def figure_material(identified: Identification, path: str | Path | None = None) -> Figure | Path:
     """Data and fit, the residuals, and the regularised spectrum with its band below.
 
     Parameters
     ----------
-    found : Identification
+    identified : Identification
         Of a model whose spectrum the data choose.
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
     """
-    scene = Scene(found.measurement, [Fit(found.model, found.theta)])
+    scene = Scene(identified.measurement, [Fit(identified.model, identified.theta)])
     with blank(7.2, 8.6) as figure:
         above, middle, below = figure.subplots(3, 1, height_ratios=(3, 1.4, 2.6))
         views.storage_and_loss(above, scene)
@@ -45,8 +45,8 @@ def figure_material(found: Identification, path: str | Path | None = None) -> Fi
         # The rates of the spectrum are no frequencies of the test: only these two share an axis.
         middle.sharex(above)
         above.set_xlabel("")
-        if found.spectrum is not None:
-            draw_spectrum(below, found.spectrum, found.measurement.units.stiffness)
+        if identified.spectrum is not None:
+            draw_spectrum(below, identified.spectrum, identified.measurement.units.stiffness)
         headed(figure, scene)
         return finished(figure, path)
 

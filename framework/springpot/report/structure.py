@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
+def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Figure:
     """Drift of the lowest storey, loops of the dampers, energies.
 
     Parameters
     ----------
-    found : Simulation
+    simulation : Simulation
         What happened.
     path : str or Path, optional
         Where to write it.
@@ -31,9 +31,9 @@ def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
         The figure.
     """
     # Four questions of an engineer: how far, how hard, how sure, and who took the energy.
-    motion = found.motion
+    motion = simulation.motion
     time, energy = motion.record.time, motion.energy
-    low, high = found.band()
+    low, high = simulation.band()
     with blank(9.0, 6.0) as figure:
         drifts, loops, peaks, energies = figure.subplots(2, 2).ravel()
         for i, drift in enumerate(motion.drift.T):
@@ -60,12 +60,12 @@ def figure_motion(found: Simulation, path: str | Path | None = None) -> Figure:
     return figure
 
 
-def figure_steady(found: Steady, path: str | Path | None = None) -> Figure:
+def figure_steady(steady: Steady, path: str | Path | None = None) -> Figure:
     """Drift of each storey and force of each damper over the frequency of the ground.
 
     Parameters
     ----------
-    found : Steady
+    steady : Steady
         The steady state.
     path : str or Path, optional
         Where to write it.
@@ -75,12 +75,12 @@ def figure_steady(found: Steady, path: str | Path | None = None) -> Figure:
     matplotlib.figure.Figure
         The figure.
     """
-    frequency = found.omega / (2.0 * np.pi)
+    frequency = steady.omega / (2.0 * np.pi)
     with blank(9.0, 3.6) as figure:
         drifts, forces = figure.subplots(1, 2)
-        for i, drift in enumerate(np.abs(found.drift).T):
+        for i, drift in enumerate(np.abs(steady.drift).T):
             drifts.plot(frequency, 1e3 * drift, color=COLOURS[i % len(COLOURS)], label=f"storey {i + 1}")
-        for i, force in enumerate(np.abs(found.force).T):
+        for i, force in enumerate(np.abs(steady.force).T):
             forces.plot(frequency, 1e-3 * force, color=COLOURS[i % len(COLOURS)], label=f"damper {i + 1}")
         drifts.set(xlabel="f [Hz]", ylabel="drift [mm] at 1 m/s$^2$")
         forces.set(xlabel="f [Hz]", ylabel="force [kN] at 1 m/s$^2$")

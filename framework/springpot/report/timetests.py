@@ -28,13 +28,15 @@ DECADE = 10.0
 
 
 def figure_tests(
-    found: TimeIdentification | Sequence[TimeIdentification], tests: Sequence[Test], path: str | Path | None = None
+    identified: TimeIdentification | Sequence[TimeIdentification],
+    tests: Sequence[Test],
+    path: str | Path | None = None,
 ) -> Figure:
     """Each test with its fits: over logarithmic time, over linear time, and the residual over its noise.
 
     Parameters
     ----------
-    found : TimeIdentification, or a sequence of them
+    identified : TimeIdentification, or a sequence of them
         The fits, of one model or of several.
     tests : sequence of TimeTest or Measurement
         What they were fitted to.
@@ -46,10 +48,10 @@ def figure_tests(
     matplotlib.figure.Figure
         The figure.
     """
-    if isinstance(found, TimeIdentification):
-        fits = [found]
+    if isinstance(identified, TimeIdentification):
+        fits = [identified]
     else:
-        fits = list(found)
+        fits = list(identified)
     # Sweeps and tests in time of one specimen, each drawn in its own way.
     parts = parts_of_specimen(tests)
     with blank(10.5, 2.7 * len(parts) + 0.3) as figure:
@@ -138,12 +140,12 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIden
     logarithmic(row[2], "x")
 
 
-def figure_prediction(found: TestPrediction, path: str | Path | None = None) -> Figure:
+def figure_prediction(predicted: TestPrediction, path: str | Path | None = None) -> Figure:
     """A predicted test with its band, over logarithmic and linear time, or K' and K'' over the frequency.
 
     Parameters
     ----------
-    found : TestPrediction
+    predicted : TestPrediction
         The prediction.
     path : str or Path, optional
         Where to write it.
@@ -155,30 +157,30 @@ def figure_prediction(found: TestPrediction, path: str | Path | None = None) -> 
     """
     with blank(9.0, 3.6) as figure:
         row = figure.subplots(1, 2)
-        if found.kind == "sweep":
+        if predicted.kind == "sweep":
             # A predicted sweep holds all of storage, then all of loss.
-            half = len(found.at) // 2
+            half = len(predicted.at) // 2
             for axes, name, rows in zip(row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True):
-                _draw_predicted(axes, found, rows)
-                axes.set(xlabel="f [Hz]", ylabel=f"{name} [{found.unit}]")
+                _draw_predicted(axes, predicted, rows)
+                axes.set(xlabel="f [Hz]", ylabel=f"{name} [{predicted.unit}]")
                 logarithmic(axes, "x")
         else:
             for axes in row:
-                _draw_predicted(axes, found, slice(None))
-                axes.set(xlabel="t [s]", ylabel=f"[{found.unit}]")
-            if found.at[0] > 0.0:
+                _draw_predicted(axes, predicted, slice(None))
+                axes.set(xlabel="t [s]", ylabel=f"[{predicted.unit}]")
+            if predicted.at[0] > 0.0:
                 logarithmic(row[0], "x")
-        row[0].set_title(f"{found.test}: {found.verdict}")
+        row[0].set_title(f"{predicted.test}: {predicted.verdict}")
         row[0].legend()
         if path is not None:
             save(figure, path)
     return figure
 
 
-def _draw_predicted(axes: Axes, found: TestPrediction, rows: slice) -> None:
-    order = np.argsort(found.at[rows])
-    at = found.at[rows][order]
-    if found.judged:
-        axes.plot(found.at[rows], found.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
-    axes.fill_between(at, found.low[rows][order], found.high[rows][order], color=COLOURS[0], alpha=0.2, lw=0)
-    axes.plot(at, found.value[rows][order], color=COLOURS[0], label=f"{found.model}, predicted")
+def _draw_predicted(axes: Axes, predicted: TestPrediction, rows: slice) -> None:
+    order = np.argsort(predicted.at[rows])
+    at = predicted.at[rows][order]
+    if predicted.judged:
+        axes.plot(predicted.at[rows], predicted.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
+    axes.fill_between(at, predicted.low[rows][order], predicted.high[rows][order], color=COLOURS[0], alpha=0.2, lw=0)
+    axes.plot(at, predicted.value[rows][order], color=COLOURS[0], label=f"{predicted.model}, predicted")
