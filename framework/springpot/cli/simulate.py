@@ -80,13 +80,12 @@ def described_steady(steady: Steady) -> dict[str, Any]:
     """As plain data, schema ``springpot.steady-state/1``: amplitudes at 1 m/s^2 of the ground, energies a cycle."""
     import numpy as np
 
-    # Amplitudes are complex, and JSON has no complex numbers: their phases are in the Python result.
+    # Phases are left to Python: JSON has no complex numbers.
     drifts, forces = np.abs(steady.drift).tolist(), np.abs(steady.force).tolist()
+    frequencies, energies = (steady.omega / (2.0 * np.pi)).tolist(), steady.energy.tolist()
     points = []
-    for omega, drift, force, energy in zip(
-        steady.omega.tolist(), drifts, forces, steady.energy.tolist(), strict=True
-    ):
-        points.append({"frequency": omega / (2.0 * np.pi), "drift": drift, "force": force, "energy": energy})
+    for frequency, drift, force, energy in zip(frequencies, drifts, forces, energies, strict=True):
+        points.append({"frequency": frequency, "drift": drift, "force": force, "energy": energy})
     return {"schema": "springpot.steady-state/1", "points": points}
 
 
