@@ -117,7 +117,7 @@ def _headers_of(scope: MutableMapping[str, Any]) -> dict[bytes, bytes]:
 def _limited(receive: Receive, largest: int, headers: dict[bytes, bytes]) -> Receive:
     """`receive`, which ends when a body is too large, or too slow."""
     stated = headers.get(b"content-length", b"0")
-    # What is told to be too large is refused before it is sent; what grows beyond, below.
+    # What is told to be too large is refused before it is read; what grows beyond, below.
     if not stated.isdigit() or int(stated) > largest:
         raise Refusal(413, f"more than {largest >> 20} MiB at once are not taken: leave out what is not needed")
     begun = asyncio.get_running_loop().time()

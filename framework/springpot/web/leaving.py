@@ -31,7 +31,7 @@ def source_of(source: str, state: State, joined: bool) -> str:
 
     A registered data set stays its name.
     """
-    # No command line names joined files, nor hundreds of rows.
+    # No command line names joined data, nor dozens of ranges.
     if joined or len(excluded_rows(state)) > MOST_RANGES:
         return f"{PurePath(safe_name(source)).stem}-used.csv"
     return source
