@@ -183,7 +183,7 @@ def load(path: str | Path) -> Loaded:
     # Other JSON may be a list or a number.
     if isinstance(answer, dict):
         schema = answer.get("schema")
-    if schema not in _KNOWN:
+    if not isinstance(schema, str) or schema not in _KNOWN:
         raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
     try:
         return _KNOWN[schema](answer)

@@ -132,7 +132,7 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
         return {}
     path = Path(spec)
     # Before it is opened as data: some tables are JSON too.
-    if path.suffix == ".json" and path.is_file() and is_session(path.read_bytes()[:400]):
+    if path.suffix == ".json" and path.is_file() and _opens_a_session(path):
         content = base64.b64encode(path.read_bytes()).decode()
         return understand(told, path.name, content)
     try:
@@ -143,6 +143,12 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
             raise
         content = base64.b64encode(path.read_bytes()).decode()
         return {"question": _asked(error) | {"name": path.name, "content": content}}
+
+
+def _opens_a_session(path: Path) -> bool:
+    """Whether a file begins as a session does; only its head is read, however large it is."""
+    with path.open("rb") as file:
+        return is_session(file.read(400))
 
 
 def _asked(error: OpenQuestion) -> dict[str, Any]:
