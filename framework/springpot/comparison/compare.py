@@ -18,7 +18,7 @@ from springpot.identification import require_conditions
 from springpot.measurement import Measurement, thinned
 from springpot.misfit.battery import Battery, Finding, battery
 from springpot.misfit.error import Error
-from springpot.misfit.floor import beyond_floor, fitted_to_floor
+from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
 from springpot.misfit.leftover import column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
@@ -296,12 +296,12 @@ def at_noise(found: Refit, error: Error) -> bool:
     error : Error
         Its error.
     """
+    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
+    if is_arithmetic(found):
+        return True
     # Of so few numbers neither the error nor the floor is known.
     if found.fit.dof < VERDICT.fewest_spare:
         return False
-    # Computed data have no scatter: their error is beyond any floor, and nothing is missing.
-    if error.relative_rms < VERDICT.arithmetic:
-        return True
     return not beyond_floor(found) and not error.is_hardly_noise
 
 

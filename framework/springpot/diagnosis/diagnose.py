@@ -116,10 +116,10 @@ class Case:
         for grown in self.search.grown:
             if grown.names == (effect.name,):
                 return GrownBy(grown.refit.model, grown.refit.theta, True)
-        if not effect.element.parameters:
-            raise ModelError(f"{effect.name} has no parameter, and nothing of it can be fitted")
         if effect.by_levels:
             raise ModelError(f"{effect.name} has a factor for each level, which only a fit can tell")
+        if not effect.element.parameters:
+            raise ModelError(f"{effect.name} has no parameter, and nothing of it can be fitted")
         require_conditions(base.model + effect, base.fit.measurement)
         scores = [score for score in self.search.scan.scores if score.influence.effect == effect]
         for score in scores or scan_effects(base, self.search.frame, [effect]).scores:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement import moved_along, sweeps_of
-from springpot.misfit.floor import beyond_floor, undragged
+from springpot.misfit.floor import beyond_floor, is_arithmetic, undragged
 from springpot.misfit.leftover import Column
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
@@ -112,7 +112,7 @@ class Rule(NamedTuple):
 
 RULES = (
     # Before the alarms: the residual of computed data has a pattern, but no scatter by which to judge it.
-    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers and not f.few, "adequate"),
+    Rule("nothing is left but arithmetic", lambda f: f.exact and not f.outliers, "adequate"),
     # First without an alarm: a point set aside may be an interference, so that nothing below may call it adequate.
     Rule("only points that stand out", lambda f: not f.alarm and f.outliers, "unexplained"),
     # Before all that weighs the size of an error: of so few numbers neither it nor the floor is known.
@@ -189,7 +189,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         exceeds=exceeds,
         together=exceeds and _stand_out_together(search.base),
         # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
-        exact=not beside_material and search.base.relative_rms < VERDICT.arithmetic,
+        exact=not beside_material and is_arithmetic(search.base),
         below=search.base.noise.source == "estimated"
         and search.base.relative_rms < VERDICT.below * search.base.floor,
     )
@@ -261,7 +261,7 @@ def sentence(
     """
     ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
-    if verdict == "adequate" and own.base.relative_rms < VERDICT.arithmetic:
+    if verdict == "adequate" and is_arithmetic(own.base):
         return f"nothing is missing: the error, {percent(own.base.relative_rms)}, is that of arithmetic"
     if verdict == "adequate":
         return f"nothing is missing down to the noise floor: {error}"

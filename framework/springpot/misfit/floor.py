@@ -128,6 +128,11 @@ def beyond_floor(found: Refit) -> bool:
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
+def is_arithmetic(found: Refit) -> bool:
+    """Whether an error is that of arithmetic, on more points than anything would follow: the data were computed."""
+    return found.relative_rms < VERDICT.arithmetic and len(found.fit.measurement) > VERDICT.fewest_spare
+
+
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"
