@@ -64,8 +64,9 @@ def travels(along: Real, column: Real) -> bool:
     way = float(np.sum(np.abs(np.diff(column[np.argsort(along, kind="stable")]))))
     _, place = np.unique(along, return_inverse=True)
     low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
-    np.minimum.at(low, place.ravel(), column)
-    np.maximum.at(high, place.ravel(), column)
+    # Instruments leave cells empty: those without a value say nothing of a jump.
+    np.fmin.at(low, place.ravel(), column)
+    np.fmax.at(high, place.ravel(), column)
     whole = float(np.ptp(column))
     return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
 
