@@ -18,14 +18,13 @@ from springpot.identification import require_conditions
 from springpot.measurement import Measurement, thinned
 from springpot.misfit.battery import Battery, Finding, battery
 from springpot.misfit.error import Error
-from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
+from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic, is_hardly_known
 from springpot.misfit.leftover import column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.values import Value, printed
 from springpot.misfit.where import Where, where
 from springpot.misfit.words import times
-from springpot.policy import VERDICT
 from springpot.rheology import Model
 
 if TYPE_CHECKING:
@@ -300,7 +299,7 @@ def at_noise(found: Refit, error: Error) -> bool:
     if is_arithmetic(found):
         return True
     # Of so few numbers neither the error nor the floor is known.
-    if found.fit.dof < VERDICT.fewest_spare:
+    if is_hardly_known(found):
         return False
     return not beyond_floor(found) and not error.is_hardly_noise
 

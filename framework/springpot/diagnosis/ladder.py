@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from springpot.drawing import draw, html_of, text_of
-from springpot.identification import EDGE, require_conditions
+from springpot.identification import require_conditions
 from springpot.measurement import Measurement
-from springpot.misfit.refit import Refit, refit
+from springpot.misfit.refit import refit
 from springpot.misfit.unseen import prediction_gain
 from springpot.misfit.values import Value, printed
 from springpot.policy import SEARCH, VERDICT
@@ -21,7 +21,7 @@ from springpot.rheology import Effect, Model, Real
 from .diagnose import Case, Progress, examine, silent, within
 from .result import Diagnosis, Verdict
 from .scan import scan_effects
-from .search import size_of
+from .search import at_its_limit
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
@@ -225,19 +225,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     little = candidates[0].error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
     if verdicts[-1] == "unexplained" and little:
         return None
-    if _at_its_limit(case.evidence.likeliest_with()[candidates[0].effect], candidates[0].physics):
+    if at_its_limit(case.evidence.likeliest_with()[candidates[0].effect], candidates[0].physics):
         return None
     return candidates[0].physics
-
-
-def _at_its_limit(fitted: Refit, effect: Effect) -> bool:
-    """Whether the size of an effect rests on a bound at which it does not vanish: more of it than physics knows.
-
-    What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
-    """
-    size, value = effect.element.parameters[0], size_of(fitted, effect)
-    ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
-    return any(abs(value - end) <= EDGE * abs(end) for end in ends)
 
 
 def _explained(steps: list[Step]) -> list[Step]:

@@ -12,7 +12,7 @@ from springpot.distributions import chi2_sf
 from springpot.measurement import PRESSURE_UNITS, Measurement, moved_along
 from springpot.misfit.battery import Finding
 from springpot.misfit.floor import scatter_about
-from springpot.misfit.leftover import Column, discrepancy, log_shift_of
+from springpot.misfit.leftover import ONE_FREQUENCY, Column, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.unseen import validation
@@ -28,8 +28,6 @@ from .search import Search
 
 LEADING = 3
 """Grown models of which it is told that they are beyond what physics allows."""
-ONE_FREQUENCY = 1e-3
-"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 MEANINGS = {
     -1.0: "as Coulomb friction would",
     0.0: "as a power-law damper would",
@@ -104,11 +102,12 @@ def _beyond_physics(search: Search) -> Iterator[str]:
     """That an effect which fits best would have to be larger than any specimen makes it."""
     units = search.base.fit.measurement.units
     for effect in dict.fromkeys(effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics):
-        _, unit = units.of(effect.element.parameters[0].unit)
-        yield (
-            f"{effect.name} would explain much, but only beyond {plain(effect.largest_of_modulus)} {unit}, which no "
-            "specimen reaches: is the unit of the amplitude right?"
-        )
+        end, reached = "the end of its range", "physics knows nothing of it there"
+        if np.isfinite(effect.largest_of_modulus):
+            _, unit = units.of(effect.element.parameters[0].unit)
+            end = f"more than {plain(effect.largest_of_modulus)} {unit}"
+            reached = "no specimen reaches that: is the unit of the amplitude right?"
+        yield f"{effect.name} would explain much, but only at {end}; {reached}"
 
 
 def _of_one_frequency(search: Search) -> Iterator[str]:

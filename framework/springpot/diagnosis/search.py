@@ -8,11 +8,12 @@ from math import inf
 
 import numpy as np
 
-from springpot.identification import EDGE, Effort, within_material
+from springpot.identification import EDGE, Effort, is_material, within_material
 from springpot.measurement import CONDITIONS, moved_along, telling
 from springpot.misfit.battery import Battery, battery
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.frame import Frame
+from springpot.misfit.leftover import ONE_FREQUENCY
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
@@ -41,14 +42,13 @@ class Grown:
 
     @property
     def beyond_physics(self) -> list[Effect]:
-        """Effects that are larger than any specimen makes them."""
-        units = self.refit.fit.measurement.units
-        if not units.is_modulus:
-            return []
-        beyond = []
+        """Effects that are larger than any specimen makes them, or at the end of what they may be."""
+        units, beyond = self.refit.fit.measurement.units, []
         for effect in self.effects:
             factor, _ = units.of(effect.element.parameters[0].unit)
-            if factor * size_of(self.refit, effect) > effect.largest_of_modulus:
+            too_large = units.is_modulus and factor * size_of(self.refit, effect) > effect.largest_of_modulus
+            # Constants of a shift trade with each other, and one at its end says nothing of the law.
+            if too_large or (effect.plane != "shift" and at_its_limit(self.refit, effect)):
                 beyond.append(effect)
         return beyond
 
@@ -67,6 +67,16 @@ def size_of(fitted: Refit, effect: Effect) -> float:
         if owner.partition("#")[0] == effect.name and short == size:
             value = number
     return value
+
+
+def at_its_limit(fitted: Refit, effect: Effect) -> bool:
+    """Whether the size of an effect rests on a bound at which it does not vanish: more of it than physics knows.
+
+    What follows the data only there does so by its shape alone, as a modulus that would go as T^20.
+    """
+    size, value = effect.element.parameters[0], size_of(fitted, effect)
+    ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
+    return any(abs(value - end) <= EDGE * abs(end) for end in ends)
 
 
 @dataclass(eq=False)
@@ -142,6 +152,7 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         and enough_for(base, base.model + effect)
         and not shifted_twice(base.model, effect)
         and not within_material(base.model, effect)
+        and not _is_the_materials_own(base, effect)
     ]
     frame = base.frame()
     scanned = scan_effects(base, frame, effects, rng)
@@ -166,6 +177,17 @@ def search_from(base: Refit, library: Sequence[Effect], rng: np.random.Generator
         _sort(search)
         search.left = battery(search.best.frame(), rng)
     return search
+
+
+def _is_the_materials_own(base: Refit, effect: Effect) -> bool:
+    """Whether at one frequency an effect is no more than another size and phase of any material.
+
+    What is the same factor at all points, such as a phase error, could only make the material one that gives work
+    away.
+    """
+    span = float(np.ptp(np.log(base.fit.measurement.omega)))
+    constant = effect.plane == "log-complex" and not effect.needs
+    return constant and span < ONE_FREQUENCY and is_material(base.model)
 
 
 def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement import moved_along, sweeps_of
-from springpot.misfit.floor import beyond_floor, is_arithmetic, undragged
+from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
 from springpot.misfit.leftover import Column
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
@@ -183,7 +183,7 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         chain=unknown and bool(likeliest_unknown(search).says),
         left=search.left.p_value < VERDICT.structure_alarm,
         nearly_all=_all_but_explained(search),
-        few=search.base.fit.dof < VERDICT.fewest_spare,
+        few=is_hardly_known(search.base),
         outliers=bool(outliers),
         material=beside_material,
         exceeds=exceeds,

@@ -25,6 +25,8 @@ RUNS = frozenset(
     )
 )
 """Names of columns that tell one test from another, also where they hold numbers."""
+_ANSWERS = frozenset({"normal_force", "torque", "stress", "gap", "time", "axial_force", "displacement"})
+"""Names of columns that hold what a specimen answered, or when: rounded in the file they look like settings."""
 _MOST_RUNS = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
@@ -160,7 +162,7 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     [0, 0, 0, 0, 1, 1, 1, 1]
     """
     columns: dict[str, NDArray[np.float64] | NDArray[np.str_]] = dict(data.labels)
-    columns |= {name: column for name, column in data.conditions.items() if name not in CONDITIONS}
+    columns |= {name: column for name, column in data.conditions.items() if name not in {*CONDITIONS, *_ANSWERS}}
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)

@@ -133,6 +133,14 @@ def is_arithmetic(found: Refit) -> bool:
     return found.relative_rms < VERDICT.arithmetic and len(found.fit.measurement) > VERDICT.fewest_spare
 
 
+def is_hardly_known(found: Refit) -> bool:
+    """Whether so few numbers are left over that neither the error nor the floor says anything.
+
+    Of an estimate with three degrees of freedom an error of six floors is still no surprise.
+    """
+    return min(found.fit.dof, found.noise.dof) < VERDICT.fewest_spare
+
+
 def as_given(base: Refit) -> Refit:
     """The fit in units of the given standard deviations, though they were doubted."""
     assert base.data.mean.sd is not None, "only what was given can be doubted"

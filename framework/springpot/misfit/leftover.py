@@ -30,6 +30,8 @@ from .words import plain
 
 Rows: TypeAlias = NDArray[np.int64]
 
+ONE_FREQUENCY = 1e-3
+"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 LEAST_SHIFT = 0.7
 """Range of ln a_T below which fixed and moving cannot be told apart."""
 FEWEST = 10
@@ -184,13 +186,18 @@ def column_behind(frame: Frame) -> Column | None:
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
     settings = settings_of(frame.measurement)
     along = np.log(frame.measurement.omega)
-    along = (along - np.mean(along)) / max(float(np.ptp(along)), 1e-300)
+    span = float(np.ptp(along))
+    along = along - np.mean(along)
+    # At one frequency there are no slopes, only what rounding makes of them.
+    slopes = np.zeros_like(along)
+    if span > ONE_FREQUENCY:
+        slopes = along / span
     best: Column | None = None
     for name, number in settings.items():
         values = int(number.max()) + 1
         at_each = (number == np.arange(values)[:, None]).astype(np.float64)
         # Sloping along the frequency: what shifts the times of a material changes its size too, by its slope.
-        shapes = np.concatenate([at_each, at_each * along])
+        shapes = np.concatenate([at_each, at_each * slopes])
         basis = frame.beyond(frame.relative(shapes), LEAST_SEEN)
         taken, spent = _seen(frame, basis).energy, int(basis.shape[1])
         if spent == 0 or spare <= spent:

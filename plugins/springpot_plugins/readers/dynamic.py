@@ -309,7 +309,7 @@ def _columns(block: Block, headings: Sequence[Heading]) -> list[Column]:
     for heading_, column in zip(headings, cells, strict=False):
         name = heading_.role or condition_name(heading_)
         unit = _normal(heading_.unit)
-        if heading_.role == "omega" and unit in (None, "1/s", "s^-1", "s-1"):
+        if heading_.role == "omega" and unit in (None, "1/s", "/s", "s^-1", "s-1"):
             # An angular frequency is in rad/s also where the radian is not written.
             unit = "rad/s"
         if unit is None and heading_.role == "amplitude" and complete and "strain" in heading_.name.lower():

@@ -15,7 +15,7 @@ from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 
-HEADER = re.compile(r"(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60};\s{0,9}){1,40}\Z")
+HEADER = re.compile(r"(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60}(?:;\s{0,9}|\Z)){1,40}\Z")
 _FORMAT = (
     Heading("w", "omega", "omega", "rad/s"),
     Heading("G'", "storage", "storage", "Pa"),
