@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import stats
 
 from soaked import soaked
 from springpot.errors import DataError
 from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
+from springpot.measurement.motion import SEEN, highest_of_noise
 
 STIFFNESS = 300.0 + 120.0j
 
@@ -354,3 +356,12 @@ def test_rows_are_in_the_order_of_frequency_then_of_amplitude():
     measured = measurement_from_signals(tests)
     assert measured.labels["file"].tolist() == ["a", "b", "c"]
     np.testing.assert_allclose(measured.conditions["amplitude"], [1.0, 3.0, 1.0], rtol=1e-6)
+
+
+def test_the_longest_records_have_a_threshold():
+    """A chance of 0.1 % among 1e14 candidates is lost beside one; the tail of F with two degrees is exponential."""
+    samples = 1e7
+    highest = highest_of_noise(samples, 0.5 * samples**2)
+    assert highest == pytest.approx(np.log(0.5 * samples**2 / (1.0 - SEEN)), rel=1e-4)
+    # Where nothing is lost, the tables of F say the same.
+    assert highest_of_noise(20.0, 30.0) == pytest.approx(stats.f.ppf(1.0 - (1.0 - SEEN) / 30.0, 2, 20.0), rel=1e-9)

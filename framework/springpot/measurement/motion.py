@@ -33,6 +33,22 @@ def tried(record: Record, frequency: bool, part: bool) -> float:
     return count
 
 
+def highest_of_noise(freedom: float, candidates: float) -> float:
+    """Quantile of F(2, `freedom`) that the best of so many candidates of noise alone exceeds with a chance of 0.1 %.
+
+    Its tail is a power, chance = (1 + 2 F / nu)^(-nu / 2). Solved for F, for the complement of a chance of 1e-17 is
+    rounded to one: six million samples have so many candidates.
+
+    Examples
+    --------
+    >>> from springpot.measurement.motion import highest_of_noise
+    >>> round(highest_of_noise(20.0, 1.0), 2), round(highest_of_noise(1e7, 5e13), 1)
+    (9.95, 38.5)
+    """
+    chance = (1.0 - SEEN) / candidates
+    return 0.5 * freedom * float(np.expm1(-2.0 / freedom * np.log(chance)))
+
+
 def require_motion(record: Record, basis: Basis, fit: Fit, candidates: float) -> None:
     """Refuse a frequency at which the displacement is no more than its noise there (F test, 0.1 %).
 
@@ -52,11 +68,9 @@ def require_motion(record: Record, basis: Basis, fit: Fit, candidates: float) ->
     DataError
         If the displacement does not oscillate.
     """
-    from scipy.special import fdtri
-
     # Variance of cosine and sine together: noise alone makes an amplitude of this size.
     noise = float(fit.noise[0]) * float(np.trace(fit.inverse))
-    if abs(fit.amplitude[0, 0]) ** 2 > fdtri(2, fit.freedom, 1.0 - (1.0 - SEEN) / candidates) * noise:
+    if abs(fit.amplitude[0, 0]) ** 2 > highest_of_noise(fit.freedom, candidates) * noise:
         return
     if candidates > 1.0:
         raise DataError(

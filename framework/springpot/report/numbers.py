@@ -115,12 +115,13 @@ def _at_place(value: float, place: int) -> str:
     """`value` rounded at 10**place; scientific where plain digits would be long."""
     if not isfinite(value):
         return number(value)
-    rounded = round(value, -place)
+    # Nothing from below is nothing: without the sum, -0.001 would be printed as -0.00.
+    rounded = round(value, -place) + 0.0
     # Nothing has no decimals, and what rounds to it would have as many as the place is small.
     if value == 0.0 or (rounded == 0.0 and -place > PLAIN):
         return "0"
     exponent = _exponent(rounded)
     # Plain as long as people read it at a glance, and as every digit that is written is known.
     if rounded and (exponent >= 6 or exponent < -3) and exponent >= place:
-        return f"{value:.{exponent - place}e}"
+        return f"{rounded:.{exponent - place}e}"
     return f"{rounded:.{max(0, -place)}f}"

@@ -79,12 +79,19 @@ class Factors:
     @cached_property
     def reach_a(self) -> Real:
         """Half-widths (m,) of the intervals of ln a."""
-        return self.quantile * np.sqrt(np.maximum(np.diag(self.covariance)[: len(self)], 0.0))
+        return self._reach(np.diag(self.covariance)[: len(self)])
 
     @cached_property
     def reach_b(self) -> Real:
         """Half-widths (m,) of the intervals of ln b."""
-        return self.quantile * np.sqrt(np.maximum(np.diag(self.covariance)[len(self) :], 0.0))
+        return self._reach(np.diag(self.covariance)[len(self) :])
+
+    def _reach(self, variance: Real) -> Real:
+        reach = np.zeros(len(self))
+        unsure = variance > 0.0
+        # What is one by definition stays so where no degree of freedom is left and the quantile is infinite.
+        reach[unsure] = self.quantile * np.sqrt(variance[unsure])
+        return reach
 
 
 @dataclass(frozen=True, eq=False)
