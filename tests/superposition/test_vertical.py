@@ -7,8 +7,10 @@ import pytest
 from sweeps import LOG_A, TEMPERATURES, material, measured, simple
 
 import springpot
-from springpot.identification import fit
+from springpot.identification import default_objective, fit
 from springpot.identification.coordinates import WIDEST
+from springpot.rheology import Continuum, Effect, Layer, Levels, Model, shift
+from springpot.superposition.vertical import lifted
 
 CELSIUS = np.array([20.0, 30.0, 40.0, 50.0, 60.0, 70.0])
 STEEP = -0.35 * (CELSIUS - 40.0)
@@ -119,3 +121,62 @@ def test_what_is_expected_counts_beside_the_data_and_not_in_their_cost():
     assert sizes[0] == pytest.approx(float(np.log(free.theta[-1])), rel=1e-4)
     assert 0.02 < sizes[1] < 0.95 * sizes[0]
     assert abs(sizes[2]) < 1e-4
+
+
+def power_law(seed, power=0.0, points=8, noise=0.003):
+    """Exactly straight sweeps at four temperatures; ln a and ln b are exact, b a power of the temperature."""
+    random, kelvin = np.random.default_rng(seed), np.linspace(273.15, 333.15, 4)
+    omega = np.tile(np.geomspace(0.1, 10.0, points), 4)
+    log_a, log_b = 8000.0 * (1.0 / kelvin - 1.0 / 293.15), power * np.log(kelvin / 293.15)
+    stiffness = 1e3 * np.repeat(np.exp(log_b), points) * (1j * omega * np.repeat(np.exp(log_a), points)) ** 0.3
+    error = random.normal(size=len(omega)) + 1j * random.normal(size=len(omega))
+    conditions = {"temperature": np.repeat(kelvin - 273.15, points)}
+    return springpot.Measurement(omega, stiffness * (1.0 + noise * error), conditions=conditions), log_a, log_b
+
+
+@pytest.mark.parametrize("power", [1.0, -1.5])
+def test_intervals_on_straight_sweeps_hold_what_the_data_cannot_tell(power):
+    """Their curve follows a little of the noise; taken for curvature, that halved the intervals."""
+    held = []
+    for seed in range(16):
+        data, log_a, log_b = power_law(seed, power)
+        found = springpot.mastercurve(data)
+        factors, at = found.factors, found.factors.reference
+        assert [note for note in found.notes if "cannot be told apart" in note]
+        others = np.arange(4) != at
+        held += (np.abs(factors.log_a - log_a + log_a[at]) <= factors.reach_a)[others].tolist()
+        held += (np.abs(factors.log_b - log_b + log_b[at]) <= factors.reach_b)[others].tolist()
+    assert np.mean(held) > 0.88
+
+
+def few(points):
+    """Two curved sweeps of very few points."""
+    random, omega = np.random.default_rng(3), np.tile(np.geomspace(0.1, 10.0, points), 2)
+    celsius = np.repeat([0.0, 40.0], points)
+    stiffness = 1e3 * (1.0 + (0.3j * omega * np.exp(-0.05 * (celsius - 20.0))) ** 0.5)
+    error = random.normal(size=len(omega)) + 1j * random.normal(size=len(omega))
+    return springpot.Measurement(omega, stiffness * (1.0 + 0.003 * error), conditions={"temperature": celsius})
+
+
+@pytest.mark.parametrize(
+    "data", [*(power_law(seed)[0] for seed in (8, 12, 15, 25)), few(3), few(4), measured(simple)], ids=range(7)
+)
+def test_vertical_factors_are_never_worse_than_those_of_one(data):
+    sideways = Effect("shift", shift, Levels("temperature", "a", True), "a factor", Layer.TEMPERATURE)
+    alone = fit(Model("material", Continuum(), effects=(sideways,)), data, default_objective(data))
+    found = lifted(alone, "temperature")
+    assert found.objective <= alone.cost * (1.0 + 1e-9)
+    # What is minimised beside the data is never below zero.
+    assert found.objective >= found.fit.cost
+
+
+def test_a_point_a_level_leaves_the_reference_at_one_and_warns_of_nothing():
+    data = springpot.Measurement([1.0, 2.0], [1e3 + 2e2j, 8e2 + 1e2j], conditions={"temperature": [0.0, 40.0]})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = springpot.mastercurve(data, reference="0degC")
+    first, second = found.levels
+    assert (first.a_low, first.a_high, first.b_low, first.b_high) == (1.0, 1.0, 1.0, 1.0)
+    assert first.determined
+    assert not second.determined
+    assert not [note for note in found.notes if note.startswith("0 degC")]

@@ -347,7 +347,9 @@ class SpectrumSearch:
 
     def affordable(self, trial: Trial) -> Trial:
         """The same with fewer lines, where those that carry weight are more than the data can bear."""
-        most = max(1, 2 * len(self.data) - SPARE - 2 - len(self.own))
+        # What is expected of a parameter counts as measured beside the data, and pays for it.
+        free = np.sum(~np.any(self.expected != 0.0, axis=0))
+        most = max(1, 2 * len(self.data) - SPARE - 2 - int(free))
         if np.sum(trial.weights[2:] > 0.0) <= most:
             return trial
         # Of a refined lattice the strongest lines are often neighbours: those of the first lattice may do better.

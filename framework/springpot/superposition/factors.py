@@ -20,6 +20,8 @@ LOST = 1e-5
 """Singular value, relative to the largest, below which a direction of the factors is not determined."""
 ALIKE = 1e-9
 """Singular value, relative to the largest, below which columns of a basis say the same."""
+SMALLEST = 1e-12
+"""Size of a slope, relative to the largest, that is no more than rounding."""
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""
 MOST_ALIKE = 0.9
@@ -189,14 +191,29 @@ class Rows:
     @cached_property
     def by_places(self) -> Real:
         """Slopes (2n, lines) by the logarithm of each line's rate, the factors applied."""
-        material = self.fit.model.material
-        assert isinstance(material, Continuum)
-        factor, x = self.reduced
         # The lines lie on a lattice; between its places the true ones may be anywhere, and that makes factors less
         # sure.
-        turn = 1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - x))
-        moved = -self.fit.theta[2 : 2 + len(material.rates), None] * turn * (1.0 - turn) * factor
+        turn = self._turn
+        moved = -self.fit.theta[2 : 2 + len(turn), None] * turn * (1.0 - turn) * self.reduced[0]
         return weighted(moved, self.weights).T
+
+    @cached_property
+    def bent(self) -> Real:
+        """Derivative (2n, s) of the slopes by the spectrum with the logarithm of the frequency."""
+        factor, x = self.reduced
+        turn = self._turn
+        weights = self.fit.theta[: 2 + len(turn)]
+        by_weights = np.concatenate([[np.zeros_like(x), 1j * np.exp(x)], turn * (1.0 - turn)])
+        by_places = -weights[2:, None] * turn * (1.0 - turn) * (1.0 - 2.0 * turn)
+        both = np.concatenate([by_weights[weights > 0.0], by_places]) * factor
+        return weighted(both.astype(np.complex128), self.weights).T
+
+    @cached_property
+    def _turn(self) -> NDArray[np.complex128]:
+        """K (lines, n) of each line over its weight, at the reduced frequencies."""
+        material = self.fit.model.material
+        assert isinstance(material, Continuum)
+        return np.asarray(1.0 / (1.0 - 1j * np.exp(np.log(material.rates)[:, None] - self.reduced[1])))
 
     @cached_property
     def reduced(self) -> tuple[Real, Real]:
@@ -254,6 +271,15 @@ class Rows:
         """Variance of a weighted residual, by which departures from what is expected are weighed."""
         return max(self.alike * self.fit.cost / max(self.fit.dof, 1), LEAST**2)
 
+    @cached_property
+    def objective(self) -> float:
+        """What was minimised: the misfit, and beside it how far the factors lie from what was expected of them."""
+        if self.expected is None:
+            return self.fit.cost
+        own = self.fit.theta[len(self.fit.model.material.parameters) :]
+        surprise = self.expected.weighted @ np.log(own)
+        return self.fit.cost + float(surprise @ surprise)
+
 
 def factors_of(rows: Rows) -> Factors:
     """The factors with the covariance that the exact slopes give, the spectrum free to follow.
@@ -287,12 +313,14 @@ def told_by_data(rows: Rows, reference: int) -> NDArray[np.bool_]:
 def _covariance(rows: Rows, expected: Expected | None) -> Real:
     """Covariance (q, q) of the logarithms of the free factors."""
     # What the spectrum could do in a factor's place tells nothing of the factor.
-    slopes = without(rows.spectrum, rows.factors)
     sd = np.sqrt(rows.alike) * rows.scale
+    slopes = _beyond_noise(without(rows.spectrum, rows.factors), _noise_of_slopes(rows, sd))
     if expected is not None:
         slopes = np.concatenate([slopes, expected.weighted])
         sd = np.concatenate([sd, np.full(len(expected.rows), np.sqrt(expected.unit))])
-    size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    size = np.linalg.norm(slopes, axis=0)
+    # Of a factor of which nothing is known the slope has no size to divide by.
+    size = np.maximum(size, max(SMALLEST * np.max(size), 1e-150))
     left, values, right = np.linalg.svd(slopes / size, full_matrices=False)
     known = values > LOST * values[0]
     # Least squares: u = (V / s) L' r, so that its covariance is that of r carried along.
@@ -305,12 +333,70 @@ def _covariance(rows: Rows, expected: Expected | None) -> Real:
     return np.asarray(covariance + OPEN**2 * lost @ lost.T, dtype=np.float64)
 
 
+def _noise_of_slopes(rows: Rows, sd: Real) -> Real:
+    """Products (q, q) of the errors of the slopes by the factors: the curve follows some noise, and so do they.
+
+    A shift's slope is that of the curve, a vertical factor's the curve itself. On straight sweeps the one is a
+    multiple of the other but for the noise, which would seem to tell them apart (errors in variables, Fuller 1987,
+    doi:10.1002/9780470316665).
+
+    Parameters
+    ----------
+    rows : Rows
+        The fitted material with its factors.
+    sd : ndarray, shape (2n,)
+        Standard deviation of each row.
+    """
+    used = np.linalg.norm(rows.spectrum, axis=0) > 0.0
+    basis, bent = rows.spectrum[:, used], rows.bent[:, used]
+    size = np.linalg.norm(basis, axis=0)
+    left, values, right = _spanned(basis / size)
+    # What the spectrum makes of the noise, in as many independent ways as it has.
+    turn, spread, _ = np.linalg.svd((right.T / values) @ (left.T * sd) / size[:, None], full_matrices=False)
+    ways = turn * spread
+    errors, seen, levels = [], [], []
+    for element in rows.elements:
+        by_level = basis @ ways
+        if element.logarithmic:
+            by_level = bent @ ways
+        for level in element.free:
+            here = np.where((rows.level_of_row == level)[:, None], by_level, 0.0)
+            errors.append(here)
+            seen.append((left.T @ here).ravel())
+            levels.append(level)
+    # Errors at different levels have no row in common; what the spectrum can do is taken out, as of the slopes.
+    products = -np.array(seen) @ np.array(seen).T
+    for i, j in np.argwhere(np.equal.outer(levels, levels)):
+        products[i, j] += np.sum(errors[i] * errors[j])
+    return products
+
+
+def _beyond_noise(slopes: Real, noise: Real) -> Real:
+    """What slopes (m, q) tell beyond their errors, of which the products (q, q) are given.
+
+    Of every direction the square of the slope is lessened by that of its error.
+    """
+    size = np.sqrt(np.sum(slopes**2, axis=0) + np.abs(np.diag(noise)))
+    size = np.maximum(size, max(SMALLEST * np.max(size), 1e-150))
+    power, ways = np.linalg.eigh(noise / np.outer(size, size))
+    # At least a trifle, so that there is some error everywhere to be compared with.
+    root = np.sqrt(np.maximum(power, LOST**2))[:, None] * ways.T * size
+    left, values, right = np.linalg.svd(np.linalg.solve(root.T, slopes.T).T, full_matrices=False)
+    beyond = np.sqrt(np.maximum(values**2 - 1.0, 0.0))
+    return np.asarray((left * beyond) @ right @ root, dtype=np.float64)
+
+
+def _spanned(basis: Real) -> tuple[Real, Real, Real]:
+    """Singular vectors and values of a basis (m, s) whose columns have the size one, without what they say twice."""
+    left, values, right = np.linalg.svd(basis, full_matrices=False)
+    kept = values > ALIKE * values[0]
+    return left[:, kept], values[kept], right[kept]
+
+
 def without(basis: Real, columns: Real) -> Real:
     """What is left of columns (m, q) beside a basis (m, s)."""
     size = np.linalg.norm(basis, axis=0)
-    kept = basis[:, size > 0.0] / size[size > 0.0]
-    left, values, _ = np.linalg.svd(kept, full_matrices=False)
-    left = left[:, values > ALIKE * values[0]]
+    left, _, _ = _spanned(basis[:, size > 0.0] / size[size > 0.0])
     return columns - left @ (left.T @ columns)
 
 

@@ -13,11 +13,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import block_diag
 
+from springpot.distributions import f_sf
 from springpot.identification import Fit, fit
 from springpot.identification.alignment import aligned
-from springpot.rheology import Continuum, Effect, Layer, Levels, Real, chain
+from springpot.rheology import Continuum, Effect, Layer, Levels, Model, Real, chain
 
-from .factors import Expected, Rows
+from .factors import Expected, Rows, told_by_data
+from .simplicity import ALARM
 
 POWER = 1.0
 """Standard deviation of n in b = (T / Tr)^n: 1 for an ideal rubber (Flory), below 0 for a glass, whose modulus falls
@@ -77,5 +79,29 @@ def lifted(alone: Fit, column: str) -> Rows:
     rows = Rows.of(free)
     expected = Expected(expectation(rows), rows.unit)
     seeds = [unlifted, read_off, free.theta]
-    best = fit(model, data, alone.objective, seeds_theta=seeds, expected=expected.weighted)
-    return Rows.of(best, expected)
+    best = Rows.of(fit(model, data, alone.objective, seeds_theta=seeds, expected=expected.weighted), expected)
+    flat = Rows.of(_with_factors_of_one(alone, model), expected)
+    if _needless(flat, best):
+        return flat
+    return best
+
+
+def _with_factors_of_one(alone: Fit, model: Model) -> Fit:
+    """A fit with shifts alone as one of the model with vertical factors too."""
+    material = alone.model.material
+    shifts = alone.theta[len(material.parameters) :]
+    theta = np.concatenate([alone.theta, np.ones(len(shifts))])
+    return replace(alone, model=replace(model, material=material), theta=theta)
+
+
+def _needless(flat: Rows, best: Rows) -> bool:
+    """Whether vertical factors of one do as well as those found."""
+    # The lines are refined after the search for the factors, each time elsewhere: that can end above where it began.
+    if flat.objective <= best.objective:
+        return True
+    # On straight sweeps many factors follow the noise a little better than one does; that is no reason for them.
+    if np.sum(told_by_data(best, best.elements[0].reference)) > 1:
+        return False
+    count, dof = len(best.elements[-1].free), max(best.fit.dof, 1)
+    gain = (flat.fit.cost - best.fit.cost) / (count * best.unit)
+    return bool(f_sf(gain, count, dof) >= ALARM)
