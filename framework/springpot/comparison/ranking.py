@@ -255,9 +255,7 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
     as_near.sort(key=lambda one: len(one.refit.theta))
-    sure = [one for one in as_near if one.adequate]
-    # What these data cannot tell from an adequate one is as adequate, on whichever side of an alarm its chance fell.
-    adequate = [one for one in as_near if one in sure or (one.at_noise and _is_alike(one, sure))]
+    adequate = [one for one in as_near if one.adequate]
     near: list[Judgement] = []
     # Where a material is adequate, a model that is not lacks what the material has: only chance made it as near.
     judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)
@@ -360,17 +358,12 @@ def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...
     groups: list[list[Judgement]] = []
     # Against the first of each group only, or a chain of close neighbours would join curves that are far apart.
     for one in judgements:
-        known = next((group for group in groups if _is_alike(one, group[:1])), None)
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
         if known is None:
             groups.append([one])
         else:
             known.append(one)
     return tuple(map(tuple, groups))
-
-
-def _is_alike(one: Judgement, others: Sequence[Judgement]) -> bool:
-    """Whether its curve is, for these data, that of one of some others."""
-    return any(_distance(one.refit, other.refit) < ALIKE for other in others)
 
 
 def _with(effects: tuple[Effect, ...]) -> str:
