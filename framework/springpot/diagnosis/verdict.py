@@ -190,9 +190,15 @@ def facts_of(evidence: Evidence, outliers: Sequence[Outlier], beside_material: b
         together=exceeds and _stand_out_together(search.base),
         # A free spectrum follows smooth computed data whatever made them: only the user's own model may be so exact.
         exact=not beside_material and is_arithmetic(search.base),
-        below=search.base.noise.source == "estimated"
-        and search.base.relative_rms < VERDICT.below * search.base.floor,
+        below=_below_noise(search.base),
     )
+
+
+def _below_noise(base: Refit) -> bool:
+    """Whether the error is below a noise that was told by these very data, and not against what was given."""
+    # Where given deviations were smaller, structure has passed for scatter, and what the tests see of it is there.
+    told_by_data = base.noise.source == "estimated" and not base.noise.overruled
+    return told_by_data and base.relative_rms < VERDICT.below * base.floor
 
 
 def _stand_out_together(base: Refit) -> bool:
