@@ -15,7 +15,8 @@ from .headings import headings_of
 from .text import head_text, text_of
 from .titles import Heading, heading
 
-HEADER = re.compile(r"(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60}(?:;\s{0,9}|\Z)){1,40}\Z")
+# At least one semicolon: a lone "T = 20" heads the tables of many instruments. The last one is often forgotten.
+HEADER = re.compile(r"(?=[^;\n]*;)(?:[A-Za-z_]\w{0,20}\s{0,9}=[^;=\n]{0,60}(?:;\s{0,9}|\Z)){1,40}\Z")
 _FORMAT = (
     Heading("w", "omega", "omega", "rad/s"),
     Heading("G'", "storage", "storage", "Pa"),
