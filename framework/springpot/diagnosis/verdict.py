@@ -224,7 +224,8 @@ def drifted(search: Search) -> bool:
     beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
     apart = sets_apart(search.base.data)
     # Replicates of specimens differ by slow curves too, but not by one that goes on from run to run.
-    return beyond_chance and apart.one_curve and apart.drift > VERDICT.drift_share
+    # Of what curves of each run explain, not of all: beside a drift there is always scatter.
+    return beyond_chance and apart.one_curve and apart.drift > VERDICT.drift_share * apart.curves
 
 
 def _carried_on(search: Search) -> bool:
