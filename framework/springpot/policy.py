@@ -171,8 +171,8 @@ class VerdictLevels:
     """Share of what sets repeats apart from which a curve of each run is its cause: 0.998 or more for specimens of
     bitumen (fhwa-ptf-binder-dsr), 0.24 to 0.51 for noise that goes on from point to point."""
     drift_share: float = 0.5
-    """Share of what the curves of runs explain, from which one slow curve over all rows is its cause, where it leaves no
-    more than they do: 0.54 to 1 for artificial drifts."""
+    """Share of what the curves of runs explain, from which one slow curve over all rows is its cause, where it leaves
+    no more than they do: 0.54 to 1 for artificial drifts."""
     one_curve: float = 4.0
     """Mean square that one slow curve leaves, over that of curves of each run, up to which there was one drift: 1 to
     2 for an artificial drift, 100 for specimens measured one after the other."""
