@@ -1,4 +1,4 @@
-"""What a user is told to do next: unknown columns, repeats, drift and very few points."""
+"""What a user is told to do next: unknown columns, repeats and drift."""
 
 import csv
 import json
@@ -466,38 +466,3 @@ def test_no_measurement_is_promised_to_tell_more_than_a_thousand_sigma(level, mo
     assert not re.search(r"\d[eE]|\^|\d{5}", advice.says)
     assert ("by more than 1000 sigma" in advice.says) == more
     assert (advice.expected_separation_sigma > 1000.0) == more
-
-
-# Very few points.
-
-
-def few(points, seed):
-    """A Maxwell element, 1 % noise."""
-    omega = np.geomspace(1.0, 100.0, points)
-    stiffness = 400.0 * 20j * omega / (400.0 + 20j * omega)
-    data = noisy(stiffness, 0.01, [points, seed])
-    return springpot.Measurement(omega, data, units=springpot.Units("kN/m", "mm"))
-
-
-@pytest.mark.parametrize("points", [3, 4, 5])
-def test_a_handful_of_points_is_never_missing_an_effect(points):
-    for seed in range(3):
-        for model in (None, "maxwell"):
-            found = springpot.diagnose(few(points, seed), model)
-            assert found.verdict != "effect-missing", (seed, model, found.says)
-
-
-def test_three_points_that_leave_nothing_are_judged_without_a_warning():
-    """The draw leaves a residual of which nothing remains to be divided by."""
-    assert springpot.diagnose(few(3, 142)).verdict in {"adequate", "inconclusive"}
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("points", [3, 4, 5])
-def test_many_handfuls_of_points_are_hardly_ever_missing_an_effect(points):
-    """Two in a hundred are granted, as to any data from which nothing is missing."""
-    cases = [(seed, model) for seed in range(3, 103) for model in (None, "maxwell")]
-    flagged = [
-        case for case in cases if springpot.diagnose(few(points, case[0]), case[1]).verdict == "effect-missing"
-    ]
-    assert len(flagged) <= 0.02 * len(cases), flagged

@@ -225,7 +225,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     little = candidates[0].error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
     if verdicts[-1] == "unexplained" and little:
         return None
-    if at_its_limit(case.evidence.likeliest_with()[candidates[0].effect], candidates[0].physics):
+    # An effect that shows only beside another may head the table without a fit of its own.
+    fitted = case.evidence.likeliest_with().get(candidates[0].effect)
+    if fitted is not None and at_its_limit(fitted, candidates[0].physics):
         return None
     return candidates[0].physics
 

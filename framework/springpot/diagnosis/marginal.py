@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from springpot.identification import Uncertainty, Window, held_costs, shown
-from springpot.measurement import CONDITIONS, telling
+from springpot.measurement import CONDITIONS, DIGITS, telling
 from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
 from springpot.misfit.refit import Refit
 from springpot.policy import EVIDENCE, VERDICT
@@ -169,7 +169,7 @@ def _each_alone(frame: Frame, curves: Complex) -> Real:
 
 def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
     """A gain that differs between two ranges of frequency."""
-    levels = np.unique(np.round(log_omega, 6))
+    levels = np.unique(np.round(log_omega, DIGITS))
     if len(levels) < 4:
         return
     # Two frequencies on each side at least: a step beside a single one is a bad point.

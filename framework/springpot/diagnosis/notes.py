@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import PRESSURE_UNITS, Measurement, moved_along
+from springpot.measurement import PRESSURE_UNITS, Measurement, at_one_frequency, moved_along
 from springpot.misfit.battery import Finding
 from springpot.misfit.floor import scatter_about
-from springpot.misfit.leftover import ONE_FREQUENCY, Column, discrepancy, log_shift_of
+from springpot.misfit.leftover import Column, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.unseen import validation
@@ -114,7 +114,7 @@ def _of_one_frequency(search: Search) -> Iterator[str]:
     """Why nothing is told of springs, dashpots and masses, where the frequency was not varied."""
     measurement = search.base.fit.measurement
     # Told first: it explains why the table below calls so much "cannot-tell".
-    if float(np.ptp(np.log(measurement.omega))) < ONE_FREQUENCY:
+    if at_one_frequency(measurement):
         where = measurement.units.at(float(measurement.frequency[0]))
         yield f"all points have one frequency, {where}: what differs by its dependence on it cannot be told apart"
 

@@ -9,11 +9,10 @@ from math import inf
 import numpy as np
 
 from springpot.identification import EDGE, Effort, is_material, within_material
-from springpot.measurement import CONDITIONS, moved_along, telling
+from springpot.measurement import CONDITIONS, at_one_frequency, moved_along, telling
 from springpot.misfit.battery import Battery, battery
 from springpot.misfit.floor import beyond_floor
 from springpot.misfit.frame import Frame
-from springpot.misfit.leftover import ONE_FREQUENCY
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.repeats import repeats_structure
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
@@ -185,9 +184,8 @@ def _is_the_materials_own(base: Refit, effect: Effect) -> bool:
     What is the same factor at all points, such as a phase error, could only make the material one that gives work
     away.
     """
-    span = float(np.ptp(np.log(base.fit.measurement.omega)))
     constant = effect.plane == "log-complex" and not effect.needs
-    return constant and span < ONE_FREQUENCY and is_material(base.model)
+    return constant and is_material(base.model) and at_one_frequency(base.fit.measurement)
 
 
 def with_factors(search: Search, library: Sequence[Effect]) -> Grown | None:

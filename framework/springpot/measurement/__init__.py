@@ -32,13 +32,13 @@ from .scatter import (
 )
 from .selection import conditions, select, without
 from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
-from .sweeps import Sweep, distinct_log_omega, sweeps_of, temperatures_differ
+from .sweeps import Sweep, at_one_frequency, distinct_log_omega, sweeps_of, temperatures_differ
 from .timed import Timed, grown, material_of
 from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import TimeTest
-from .together import frequency_numbers, largest_test, settings_of, tests_together
+from .together import DIGITS, frequency_numbers, largest_test, settings_of, tests_together
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -63,6 +63,8 @@ __all__ = [
     "Sweep",
     "distinct_log_omega",
     "frequency_numbers",
+    "at_one_frequency",
+    "DIGITS",
     "sweeps_of",
     "temperatures_differ",
     "AMPLITUDE_UNITS",

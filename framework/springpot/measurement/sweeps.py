@@ -14,6 +14,8 @@ from .independence import independent
 from .measurement import CONDITIONS, Measurement
 from .together import DIGITS, frequency_numbers, told_apart
 
+ONE_FREQUENCY = 1e-3
+"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 DRIFT = 1.0
 """Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
 SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
@@ -55,6 +57,11 @@ def distinct_log_omega(measurement: Measurement) -> Real:
     array([1., 2.])
     """
     return np.asarray(np.unique(np.round(np.log(measurement.omega), DIGITS)), dtype=np.float64)
+
+
+def at_one_frequency(measurement: Measurement) -> bool:
+    """Whether all rows have one frequency: no more can be told of what depends on it than one complex number."""
+    return float(np.ptp(np.log(measurement.omega))) < ONE_FREQUENCY
 
 
 def temperatures_differ(measurement: Measurement) -> bool:

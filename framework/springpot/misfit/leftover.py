@@ -13,6 +13,7 @@ from scipy.interpolate import BSpline
 from springpot.distributions import f_sf, normal_quantile
 from springpot.measurement import (
     Measurement,
+    at_one_frequency,
     distinct_log_omega,
     largest_test,
     settings_of,
@@ -30,8 +31,6 @@ from .words import plain
 
 Rows: TypeAlias = NDArray[np.int64]
 
-ONE_FREQUENCY = 1e-3
-"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 LEAST_SHIFT = 0.7
 """Range of ln a_T below which fixed and moving cannot be told apart."""
 FEWEST = 10
@@ -186,12 +185,10 @@ def column_behind(frame: Frame) -> Column | None:
     misfit, spare = float(frame.rest @ frame.rest), frame.size - int(frame.absorbed.shape[1])
     settings = settings_of(frame.measurement)
     along = np.log(frame.measurement.omega)
-    span = float(np.ptp(along))
-    along = along - np.mean(along)
     # At one frequency there are no slopes, only what rounding makes of them.
     slopes = np.zeros_like(along)
-    if span > ONE_FREQUENCY:
-        slopes = along / span
+    if not at_one_frequency(frame.measurement):
+        slopes = (along - np.mean(along)) / np.ptp(along)
     best: Column | None = None
     for name, number in settings.items():
         values = int(number.max()) + 1
