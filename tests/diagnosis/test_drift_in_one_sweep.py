@@ -44,6 +44,13 @@ def test_the_next_experiment_is_the_opposite_order(drifted):
     assert OPPOSITE in found.next_experiment.says
 
 
+def test_no_machine_accepts_the_phase_unasked(drifted):
+    drift, _ = drifted
+    measured = sweep(np.random.default_rng(2), drift=drift)
+    assert len(springpot.discover(measured).steps) == 1
+    assert len(springpot.discover(measured, accept="phase-error").steps) == 2
+
+
 def test_a_phase_that_is_wrong_by_as_much_comes_first():
     """That of a drift of 5 % over three decades: these data cannot tell which of the two it is."""
     found = diagnosed(phase=-0.5 * np.pi * np.log(1.05) / np.log(1000.0))

@@ -229,6 +229,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     fitted = case.evidence.likeliest_with().get(candidates[0].effect)
     if fitted is not None and at_its_limit(fitted, candidates[0].physics):
         return None
+    # The headline offers a drift in its place: only another experiment decides between the two.
+    drift = case.evidence.drift
+    if drift is not None and drift.effect == candidates[0].effect:
+        return None
     return candidates[0].physics
 
 
