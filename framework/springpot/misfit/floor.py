@@ -114,6 +114,11 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     noise = checked_noise(first.noise, *scatter_about(first.frame()))
     if noise is first.noise:
         return first
+    # A notch drags the curve, and all else seems to scatter: that is no reason to doubt what was given.
+    free, _ = undragged(first)
+    noise = checked_noise(first.noise, *scatter_about(free.frame()))
+    if noise is first.noise:
+        return first
     return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
 
 
