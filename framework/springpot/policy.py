@@ -94,8 +94,9 @@ class EvidenceLevels:
     beside: float = 0.9
     """Probability from which something is missing beside the leading effect."""
     other_shape: float = 0.3
-    """Share of the probability of a narrow effect, of one needed twice, and of two beside a part of the
-    material, that goes to something of another shape or origin: its looks are known better than what it is."""
+    """Share of the probability of a narrow effect, of one needed twice, of two parts of a material, and of two
+    effects beside such a part, that goes to something of another shape or origin: its looks are known better than
+    what it is."""
     unknown_size: float = log(10.0 * log(10.0) / sqrt(2.0 * pi))
     """Cost of a size that may lie anywhere in ten decades."""
     unknown_sign: float = log(2.0)

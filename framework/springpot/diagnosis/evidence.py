@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from springpot.identification import is_passive
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit
 from springpot.policy import EVIDENCE
@@ -42,6 +43,11 @@ class Explanation:
     def twice(self) -> bool:
         """Whether one effect is not enough of itself: two modes may stand for a broad spectrum as well."""
         return len(set(self.names)) < len(self.names)
+
+    @property
+    def one_spectrum(self) -> bool:
+        """Whether several parts of a material are put together: one of another shape may stand for them all."""
+        return len(self.names) > 1 and all(is_passive(effect) for effect in self.grown.effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,13 +156,14 @@ class Evidence:
     def _is_patchwork(self, one: Explanation) -> bool:
         """Whether an explanation puts together what may be one thing of another shape.
 
-        A spectrum and two effects beside it follow any slow error of storage and of loss; what goes with an
-        amplitude that moved with the frequency may as well go with the frequency, and what a drift explains, with
-        time.
+        A spectrum and two effects beside it follow any slow error of storage and of loss, and two parts of a
+        material nearly any material; what goes with an amplitude that moved with the frequency may as well go with
+        the frequency, and what a drift explains, with time.
         """
         moved = not self.moved.isdisjoint(one.names)
         drifted = self.drift is not None and self.drift.effect in one.names
-        return one.twice or moved or drifted or (self.beside_material and len(one.names) > 1)
+        several_beside = self.beside_material and len(one.names) > 1
+        return one.twice or one.one_spectrum or moved or drifted or several_beside
 
     def _is_imitated(self, one: Explanation) -> bool:
         """Whether something else as narrow may hold the place of one of its effects."""

@@ -10,7 +10,7 @@ from .material import is_material, own_parameters
 from .native import Effort, Fit, fit, scanned_starts
 from .objective import Objective, default_objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
-from .passive import within_material
+from .passive import is_passive, within_material
 from .prediction import Prediction
 from .problem import Problem, Searched
 from .recorder import Recorder, RecorderGroup
@@ -58,6 +58,7 @@ __all__ = [
     "identify",
     "intervals_beside_material",
     "is_material",
+    "is_passive",
     "kept_interval",
     "own_parameters",
     "levenberg_marquardt",

@@ -6,10 +6,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from springpot.errors import ModelError
 from springpot.rheology import Effect, Layer, Model
 
 from .material import is_material
+from .nonnegative import non_negative
+
+OMEGA = np.geomspace(1e-3, 1e3, 61)
+"""Frequencies in rad/s, about the time of one second that an element is given."""
+RATES = np.geomspace(1e-7, 1e7, 57)
+"""Four lines a decade, and four decades beyond: a springpot between is followed to 0.1 %."""
+FOLLOWED = 0.01
+"""Relative error up to which an element is a sum of relaxations; a mass or a constant loss is 30 % off and more."""
 
 
 def within_material(model: Model, effect: Effect) -> bool:
@@ -33,19 +40,33 @@ def within_material(model: Model, effect: Effect) -> bool:
     [True, False]
     """
     shifted = any(own.plane == "shift" for own in model.effects)
-    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and _is_passive(effect)
+    return is_material(model) and not (shifted and effect.layer > Layer.MATERIAL) and is_passive(effect)
 
 
 @lru_cache(maxsize=256)
-def _is_passive(effect: Effect) -> bool:
-    """Whether it adds a spring, dashpot, springpot or mode: what has a relaxation spectrum, and no mass."""
+def is_passive(effect: Effect) -> bool:
+    """Whether it adds a spring, dashpot, springpot or mode: what a sum of relaxations follows.
+
+    Parameters
+    ----------
+    effect : Effect
+        That may be missing.
+
+    Examples
+    --------
+    >>> import springpot
+    >>> from springpot.identification import is_passive
+    >>> [is_passive(springpot.plugins().effect(name)) for name in ("series-springpot", "time-delay")]
+    [True, False]
+    """
     if effect.plane not in ("stiffness", "compliance") or effect.needs:
         return False
-    element = Model(effect.name, effect.element)
-    bounds = np.array([(parameter.lower, parameter.upper) for parameter in element.parameters])
-    # Inside its range the sign of a spectrum does not depend on the parameters: any value will do.
+    # Inside its range no parameter decides whether an element is passive: any value will do.
+    bounds = np.array([(parameter.lower, parameter.upper) for parameter in effect.element.parameters])
     theta = np.where(np.isfinite(bounds[:, 1]), bounds.mean(axis=1), 1.0)
-    try:
-        return element.spectrum(theta).mass == 0.0
-    except ModelError:
-        return False
+    stiffness = Model(effect.name, effect.element).stiffness(theta, OMEGA)
+    s = 1j * OMEGA[:, None]
+    columns = np.concatenate([np.ones_like(s), s, s / (s + RATES)], axis=1) / np.abs(stiffness)[:, None]
+    target = stiffness / np.abs(stiffness)
+    _, left = non_negative(np.concatenate([columns.real, columns.imag]), np.concatenate([target.real, target.imag]))
+    return left < FOLLOWED**2 * len(OMEGA)
