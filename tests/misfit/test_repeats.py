@@ -92,3 +92,21 @@ def test_one_slow_curve_over_all_rows_is_a_drift_and_curves_of_runs_are_none():
         average_repeats(three_runs(lambda rng: np.full(30, next(steps)) + 0.03 * ALONG * rng.normal()))
     )
     assert not jumping.one_curve
+
+
+@pytest.mark.parametrize(("gains", "told"), [((0.03, 0.0, -0.01), True), ((0.0, 0.03, -0.01), False)])
+def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, told):
+    """Three specimens stand in one order or the other by chance: it is a word in a note, and no verdict."""
+    rng = np.random.default_rng(3)
+    omega = np.tile(np.geomspace(1.0, 300.0, 40), 3)
+    gain = 1.0 + np.repeat(gains, 40)
+    real, imaginary = 0.004 * rng.normal(size=(2, 120))
+    stiffness = (50.0 + 8.0 * (1j * omega) ** 0.5) * gain * (1.0 + real + 1j * imaginary)
+    data = springpot.Measurement(
+        omega, stiffness, repeat=np.repeat([1, 2, 3], 40), units=springpot.Units("kN/m", "mm")
+    )
+    found = springpot.diagnose(data, "fractional-kelvin")
+    notes = " ".join(found.notes)
+    assert found.verdict == "adequate"
+    assert "each run was given a gain of its own" in notes
+    assert ("if they are one specimen, it drifts" in notes) is told

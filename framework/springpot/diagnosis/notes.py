@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import PRESSURE_UNITS, Measurement, at_one_frequency, moved_along
+from springpot.measurement import PRESSURE_UNITS, Averaged, Measurement, at_one_frequency, moved_along
 from springpot.misfit.battery import Finding
 from springpot.misfit.floor import scatter_about
 from springpot.misfit.leftover import Column, discrepancy, log_shift_of
@@ -28,6 +28,8 @@ from .search import Search
 
 LEADING = 3
 """Grown models of which it is told that they are beyond what physics allows."""
+MOST_RUNS = 6
+"""Runs whose own gains a note shows; of more it would be a table."""
 MEANINGS = {
     -1.0: "as Coulomb friction would",
     0.0: "as a power-law damper would",
@@ -135,11 +137,27 @@ def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iter
     used = len(search.base.data.raw) + len(outliers)
     if measured > used:
         yield f"diagnosed on {used} of the {measured} points"
-    own_gain = search.base.data.own_gain
-    if own_gain > 0.0:
-        yield f"replicates differ as a whole by {percent(own_gain)} (rms): each run was given a gain of its own"
+    if search.base.data.gains is not None:
+        yield _of_own_gains(search.base.data)
     if search.repeats.p_value < VERDICT.repeats_alarm:
         yield f"repeats differ by more than chance ({search.repeats.kind}): drift or a disturbance common to a sweep"
+
+
+def _of_own_gains(data: Averaged) -> str:
+    """What sets replicates apart as a whole, and whether that goes one way, as a slow drift would."""
+    assert data.gains is not None, "there is something to tell of"
+    differ = f"replicates differ as a whole by {percent(data.own_gain)} (rms): each run was given a gain of its own"
+    # In the order in which the runs stand in the file; each row of a run has the gain of all.
+    of_runs = np.array(list(dict.fromkeys(data.gains[data.gains != 0.0].tolist()))).real
+    steps = np.diff(of_runs)
+    one_way = len(steps) > 1 and bool(np.all(steps > 0.0) or np.all(steps < 0.0))
+    if not one_way:
+        return differ
+    # By chance three specimens stand like that one time in three: a word, and no verdict.
+    values = ", ".join(f"{100 * gain:+.2g}" for gain in of_runs[:MOST_RUNS])
+    if len(of_runs) > MOST_RUNS:
+        values = f"{values}, ..."
+    return f"{differ}; from run to run it goes one way ({values} %): if they are one specimen, it drifts"
 
 
 def _of_floor(search: Search) -> Iterator[str]:
