@@ -249,3 +249,27 @@ def test_a_mass_in_series_is_refused():
 def test_a_band_upside_down_is_refused():
     with pytest.raises(ModelError, match="lower first"):
         of(springpot(), 1.0, 0.5, band=(10.0, 1.0))
+
+
+def test_diffusion_is_a_row_of_lines_without_end():
+    """1 - tanh(q)/q with q^2 = s tau has poles at -a^2/tau with a = pi/2, 3 pi/2, ... and weights 2/a^2."""
+    diffusion = plugins().effect("diffusion")
+    k, tau = 3.0, 0.2
+    lines = Model("diffusion", diffusion.element).spectrum([k, tau], (1e-2, 1e5))
+    a = (np.arange(50) + 0.5) * np.pi
+    assert np.allclose(lines.rates[:50], a**2 / tau, rtol=1e-10)
+    assert np.allclose(lines.weights[:50], 2.0 * k / a**2, rtol=1e-9)
+    assert lines.error < 1e-5
+    assert np.all(lines.weights > 0.0)
+    # Each rate is as 1 / tau, and each weight as k.
+    assert np.allclose(lines.by_theta.rates[:50, 1], -lines.rates[:50] / tau, rtol=1e-6)
+    assert np.allclose(lines.by_theta.weights[:50, 0], lines.weights[:50] / k, rtol=1e-6)
+
+
+def test_a_model_with_diffusion_relaxes():
+    model = parse_model("zener + diffusion")
+    theta = model.theta(k1=1.0, k2=2.0, c=0.5, **{"diffusion.k": 3.0, "diffusion.tau": 0.2})
+    t = np.array([0.01, 0.1, 1.0])
+    a = (np.arange(4000) + 0.5)[:, None] * np.pi
+    slow = 1.0 + 2.0 * np.exp(-t / 0.25) + np.sum(2.0 * 3.0 / a**2 * np.exp(-(a**2) * t / 0.2), axis=0)
+    assert np.allclose(model.relaxation(theta, t), slow, rtol=1e-6)

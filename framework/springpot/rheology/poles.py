@@ -10,6 +10,7 @@ import warnings
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .branches import Branch
 from .elements import HALF_PI
@@ -18,7 +19,13 @@ from .points import Complex, Real
 from .roots import inside, settled
 
 STEP = 0.05
-"""Step in ln r of the search: two lines nearer than 5 % count as one, which the error estimate then shows."""
+"""Step in ln r of the search: two lines nearer than 5 % count as one, unless more of them follow ever nearer."""
+FINEST_STEP = STEP / 64
+"""Of a row of lines without end, such as that of diffusion, the first six hundred are told apart."""
+CROWDED = 4.0
+"""Steps from one line to the next below which the next but one may be missed."""
+FAR = 8.0
+"""Distance in ln r beyond the band from which lines are a dashpot to it: they are 3000 times as fast."""
 DISCRETE = 1e-8
 """Share of K that the loss must reach on the negative axis to be a spectrum and not rounding."""
 NARROW = 1.2
@@ -61,11 +68,14 @@ class Edge(NamedTuple):
         Logarithm of the rate.
     value, slope : ndarray, shape (g,)
         K and dK/du.
+    step : float
+        Of the grid.
     """
 
     u: Real
     value: Complex
     slope: Complex
+    step: float
 
     @property
     def discrete(self) -> bool:
@@ -73,68 +83,92 @@ class Edge(NamedTuple):
         # Between its lines a discrete spectrum has no loss on the axis; a continuous one has it everywhere.
         return bool(np.all(np.abs(self.value.imag) <= DISCRETE * np.abs(self.value)))
 
+    @property
+    def lines(self) -> NDArray[np.intp]:
+        """Numbers of the steps in which there is a line: everywhere else K falls as r grows."""
+        rise = np.diff(self.value.real)
+        # Where K is all but zero, it also rises by rounding.
+        return np.flatnonzero(rise > DISCRETE * np.median(np.abs(self.value)))
 
-def edge_of(branch: Branch, low: float, high: float) -> Edge:
+    @property
+    def clear(self) -> int:
+        """How many of these lines, counted from the slowest, are so far apart that none between them was missed."""
+        crowded = np.flatnonzero(np.diff(self.u[self.lines]) < CROWDED * self.step)
+        if not len(crowded):
+            return len(self.lines)
+        return int(crowded[0]) + 1
+
+
+def edge_of(branch: Branch, low: float, high: float, step: float = STEP) -> Edge:
     """The branch on a fine grid of ln r from `low` to `high`."""
     # The offset keeps the grid away from round numbers, at which rates often are.
-    u = np.arange(low + 0.37 * STEP, high, STEP)
+    u = np.arange(low + 0.37 * step, high, step)
     response = branch.respond(u + HALF_PI, FULL)
-    return Edge(u, response.value, response.by_log_omega)
+    return Edge(u, response.value, response.by_log_omega, step)
+
+
+def resolved(branch: Branch, edge: Edge, high: float) -> Edge:
+    """The edge on a grid that tells its lines apart, up to where they are too fast for a band that ends at `high`.
+
+    Lines of diffusion are at 1, 9, 25, ... times the slowest: in ln r ever nearer to each other, without end.
+    """
+    while edge.clear < len(edge.lines):
+        fastest = edge.u[edge.lines[edge.clear - 1]]
+        if fastest > high + FAR or edge.step <= FINEST_STEP:
+            kept = edge.lines[edge.clear - 1] + 2
+            return Edge(edge.u[:kept], edge.value[:kept], edge.slope[:kept], edge.step)
+        edge = edge_of(branch, edge.u[0], edge.u[-1], edge.step / 4.0)
+    return edge
 
 
 def lines_of(branch: Branch, edge: Edge) -> Lines:
     """The lines of a branch whose relaxation is at single rates, each to rounding.
 
-    Near one, K = w / (u - u0): the weight is one over dJ/du.
+    Near one, K = w / (u - u0) + ..., and w and u0 move with theta: coefficients of its Laurent series, by Cauchy's
+    integral around the line, at which itself K cannot be evaluated.
     """
-    # At a line K is infinite; its inverse is zero there and changes its sign, which can be held.
-    inverse = 1.0 / edge.value.real
-    rising = np.flatnonzero((inverse[:-1] < 0.0) & (inverse[1:] >= 0.0))
-    falling = np.flatnonzero((edge.value.real[:-1] > 0.0) & (edge.value.real[1:] <= 0.0))
-    # From one line to the next K falls from plus to minus infinity, through a zero.
-    u = _root(branch, edge.u[rising], -1)
-    zeros = _root(branch, edge.u[falling], 1)
+    u = _poles(branch, edge)
     if not len(u):
-        empty = np.zeros((0, branch.chain.shape[1]))
-        return Lines(u, u, empty, empty)
-    # The circle must stay clear of the next zero of K, where its inverse is infinite.
-    gap = np.min(np.abs(u[:, None] - np.append(zeros, np.inf)[None, :]), axis=1)
-    radius = np.minimum(AROUND * gap, AROUND)[:, None]
-    # Derivatives by Cauchy's integral: at the pole itself K cannot be evaluated.
-    around = branch.respond((u[:, None] + radius * CIRCLE).ravel() + HALF_PI, GRADIENT)
-    value = 1.0 / around.value.reshape(len(u), -1)
-    by_theta = -around.by_theta.reshape(-1, *value.shape) * value**2
-    first = _taylor(value, radius, 1)
-    shift = -_taylor(by_theta, radius, 0) / first
-    bend = _taylor(by_theta, radius, 1) + 2.0 * _taylor(value, radius, 2) * shift
+        nothing = np.zeros((0, branch.chain.shape[1]))
+        return Lines(u, u, nothing, nothing)
+    # To the next line on either side; a single one has none.
+    gap = np.diff(u, prepend=-np.inf, append=np.inf)
+    circle = AROUND * np.minimum(np.minimum(gap[:-1], gap[1:]), 1.0)[:, None] * CIRCLE
+    around = branch.respond((u[:, None] + circle).ravel() + HALF_PI, GRADIENT)
+    by_theta = around.by_theta.reshape(-1, *circle.shape)
+    weights = _mean_of(around.value.reshape(circle.shape) * circle)
+    weight_slopes = _mean_of(by_theta * circle)
+    # d/dtheta of w / (u - u0) has u0' w / (u - u0)^2 beside w' / (u - u0).
+    shift = _mean_of(by_theta * circle**2) / weights
     rates = np.exp(u)
-    return Lines(rates, 1.0 / first, (rates * shift).T, (-bend / first**2).T)
+    return Lines(rates, weights, (rates * shift).T, weight_slopes.T)
 
 
-def _taylor(values: Complex, radius: Real, order: int) -> Real:
-    """Taylor coefficient of a function that is real on the axis, from its values on a circle (..., 16)."""
-    coefficient: Real = (values * CIRCLE**-order / radius**order).mean(axis=-1).real
-    return coefficient
+def _mean_of(values: Complex) -> Real:
+    """Mean over the circle, shape (...,), of a function that is real on the axis."""
+    mean: Real = values.mean(axis=-1).real
+    return mean
 
 
-def _root(branch: Branch, low: Real, power: int) -> Real:
-    """Zeros in ln r of K (power 1) or 1/K (power -1), one in each step from `low`: Newton, held by bisection."""
-    if not len(low):
-        return low
-    high = low + STEP
+def _poles(branch: Branch, edge: Edge) -> Real:
+    """Places ln r at which K is infinite, one in each step in which it rises: Newton's method, held by bisection."""
+    steps = edge.lines
+    if not len(steps):
+        return np.zeros(0)
+    low: Real = edge.u[steps]
+    high: Real = edge.u[steps + 1]
+    # Between the values at the ends of the step, so that K has this one nowhere within it: K less the level then
+    # changes its sign at the line alone, and its inverse is zero there.
+    level = 0.5 * (edge.value.real[steps] + edge.value.real[steps + 1])
     u = 0.5 * (low + high)
     for _ in range(60):
         response = branch.respond(u + HALF_PI, FULL)
-        value = response.value.real
-        if power != 1:
-            value = 1.0 / value
-        # Beyond a zero K is negative; beyond a pole of K its inverse is positive.
-        positive = value < 0.0
-        if power == -1:
-            positive = value > 0.0
-        low, high = np.where(positive, low, u), np.where(positive, u, high)
-        slope = power * response.by_log_omega.real / response.value.real
-        moved = inside(u - 1.0 / slope, low, high)
+        value = response.value.real - level
+        beyond = value > 0.0
+        low, high = np.where(beyond, low, u), np.where(beyond, u, high)
+        # Of Newton's method for 1 / (K - level), whose slope is -K' / (K - level)^2.
+        step: Real = value / response.by_log_omega.real
+        moved = inside(u + step, low, high)
         if settled(moved, u, 1e-15):
             return moved
         u = moved

@@ -22,7 +22,7 @@ from .elements import HALF_PI
 from .named import NamedNetwork
 from .nodes import FULL, GRADIENT, VALUE, Chain, Node, Parallel, Series, Shift
 from .points import ROOM, Complex, Points, Real
-from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of
+from .poles import Edge, Lines, all_peaks_of, edge_of, lines_of, peaks_of, resolved
 from .quadrature import needed_on, nodes_of
 from .rational import Rational, rational_of
 
@@ -400,7 +400,7 @@ class Sum:
             edge = edge_of(part, low - margin, high + margin)
             # Lines are sharper than any step: no rule of evenly spread nodes would meet them.
             if edge.discrete:
-                lines.append(lines_of(part, edge))
+                lines.append(lines_of(part, resolved(part, edge, high)))
             else:
                 spread.append(part)
                 peaks.append(find_peaks(part, edge))
