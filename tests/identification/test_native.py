@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from native_problems import OMEGA, POINTS, TRUTHS, noisy, random_truths, relative_weights, setup
 
-from springpot.errors import DataError, ModelError
+from springpot.errors import DataError, ModelError, OptionError
 from springpot.identification import Effort, fit, fit_batch
 from springpot.identification.native import COARSE_POINTS
 from springpot.measurement import Measurement
@@ -53,6 +53,37 @@ def test_batch_and_single_agree_on_noisy_data(rng):
     _, cost = fit_batch(model, POINTS, measured, relative_weights(measured))
     single = np.array([fit(model, Measurement(OMEGA, row)).cost for row in measured])
     assert np.mean(np.abs(cost / single - 1.0) < 1e-3) >= 0.95
+
+
+def test_real_weights_of_a_batch_weigh_both_parts(rng):
+    model, _, stiffness = random_truths("fractional-kelvin4", 5, rng)
+    measured = noisy(stiffness, 0.02, rng)
+    real = 1.0 / np.abs(measured)
+    theta, cost = fit_batch(model, POINTS, measured, real)
+    both = fit_batch(model, POINTS, measured, real * (1.0 + 1.0j))
+    np.testing.assert_array_equal(theta, both[0])
+    np.testing.assert_array_equal(cost, both[1])
+    # Without a weight the loss would be whatever the storage leaves open.
+    missed = np.abs(model.stiffness(theta, POINTS) - measured) / np.abs(measured)
+    assert np.median(missed) < 0.05
+    # One for all data sets, and one for all points.
+    np.testing.assert_array_equal(fit_batch(model, POINTS, measured, 2.0)[0].shape, theta.shape)
+
+
+@pytest.mark.parametrize(
+    ("rows", "weights", "says"),
+    [
+        (0, 1.0, r"stiffness has the shape \(\d+,\): write \(B, \d+\)"),
+        (slice(0, 2), np.ones((3, len(OMEGA))), r"weights have the shape \(3, \d+\)"),
+        (slice(0, 2), -1.0, "finite and not negative"),
+        (slice(0, 2), np.nan, "finite and not negative"),
+    ],
+)
+def test_a_batch_of_another_shape_is_refused_in_one_line(rng, rows, weights, says):
+    model, _, stiffness = random_truths("fractional-kelvin4", 3, rng)
+    with pytest.raises(OptionError, match=says) as refused:
+        fit_batch(model, POINTS, stiffness[rows], weights)
+    assert "\n" not in str(refused.value)
 
 
 def test_jacobian_and_residual_are_those_of_the_objective(rng):

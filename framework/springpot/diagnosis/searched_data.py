@@ -192,5 +192,6 @@ def _require_enough(base: Refit, measurement: Measurement) -> None:
         points = counted(len(base.fit.measurement), "distinct point")
         raise DataError(
             f"{measurement.name}: {points} cannot judge a model of {counted(len(base.theta), 'parameter')}; measure "
-            "at more frequencies, or diagnose the record of force and displacement itself"
+            "at more frequencies (springpot signals FILE... -o SWEEP.csv makes one table of records), or diagnose "
+            "the record itself: columns time [s], displacement [mm], force [N]"
         )

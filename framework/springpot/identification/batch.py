@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from springpot.errors import OptionError
 from springpot.rheology import Complex, Model, Points, Real
 
 from .leastsquares import Rows, Solution
@@ -16,7 +17,7 @@ def fit_batch(
     model: Model,
     points: Points,
     stiffness: Complex,
-    weights: Complex,
+    weights: ArrayLike,
     starts: int = 8,
     seeds_theta: Real | None = None,
     logarithmic: bool = False,
@@ -29,8 +30,11 @@ def fit_batch(
         What is fitted.
     points : Points
         The n points.
-    stiffness, weights : ndarray of complex, shape (B, n)
-        Data, and weights of their real and imaginary parts.
+    stiffness : ndarray of complex, shape (B, n)
+        Data.
+    weights : ndarray, shape (B, n)
+        Complex: weights of the real parts and of the imaginary parts; real: of both alike. One for all, or shape (n,)
+        for all data sets, serves too.
     starts : int
         Starts for a data set at most. The best one goes first; only data sets that are not yet at the noise-free
         level or whose optimum no second start has confirmed get more.
@@ -46,6 +50,11 @@ def fit_batch(
     cost : ndarray, shape (B,)
         The sum of squared residuals.
 
+    Raises
+    ------
+    OptionError
+        If shapes do not fit each other, or a weight is no finite number from zero up.
+
     Examples
     --------
     >>> import numpy as np
@@ -54,11 +63,17 @@ def fit_batch(
     >>> from springpot.rheology import Points
     >>> model, at = springpot.parse_model("kelvin"), Points.at([1.0, 3.0, 10.0])
     >>> data = model.stiffness(np.array([[2.0, 0.5], [3.0, 0.1]]), at)
-    >>> fit_batch(model, at, data, np.full(data.shape, 1.0 + 1.0j))[0].round(6)
+    >>> fit_batch(model, at, data, np.ones(data.shape))[0].round(6)
     array([[2. , 0.5],
            [3. , 0.1]])
     """
-    task = Task(model, points, stiffness, np.broadcast_to(weights, stiffness.shape), logarithmic)
+    stiffness = np.asarray(stiffness, dtype=np.complex128)
+    if stiffness.ndim != 2 or stiffness.shape[1] != points.omega.shape[-1]:
+        raise OptionError(
+            f"stiffness has the shape {stiffness.shape}: write (B, {points.omega.shape[-1]}), a row of all points "
+            "for each data set; one data set is stiffness[None, :]"
+        )
+    task = Task(model, points, stiffness, _of_both_parts(weights, stiffness.shape), logarithmic)
     v = task.starts(starts)[0]
     if seeds_theta is not None:
         given = task.coordinates.u(np.asarray(seeds_theta, dtype=float), task.coordinates.size[:, None, :])
@@ -68,6 +83,21 @@ def fit_batch(
     _rounds(task, v, best, cost)
     solution = task.solve(task.full(best[:, None, :]), damping=NEAR)
     return within_bounds(model, task.coordinates.theta(solution.u, task.coordinates.size)), solution.cost
+
+
+def _of_both_parts(weights: ArrayLike, shape: tuple[int, ...]) -> Complex:
+    """Weights as complex numbers of that shape; real ones weigh both parts of the data."""
+    given = np.asarray(weights)
+    if not np.iscomplexobj(given):
+        # As a complex number a real weight would leave the imaginary part without any.
+        given = given.astype(float) * (1.0 + 1.0j)
+    try:
+        full = np.broadcast_to(given, shape)
+    except ValueError:
+        raise OptionError(f"weights have the shape {given.shape}: write that of the stiffness, {shape}") from None
+    if not np.isfinite(full).all() or (full.real < 0).any() or (full.imag < 0).any():
+        raise OptionError("weights must be finite and not negative, such as 1 over the standard deviations")
+    return np.asarray(full, dtype=np.complex128)
 
 
 def _rounds(task: Task, v: Real, best: Real, cost: Real) -> None:

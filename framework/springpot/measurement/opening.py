@@ -173,7 +173,7 @@ def pick_reader(path: Path, readers: Iterable[Reader]) -> Reader:
 def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
-        measurement = guarded(reader, path, lambda: reader.read(path, choice))
+        measurement = guarded(reader, path, lambda: reader.read(path, choice), choice)
         provenance = dict(measurement.provenance)
         for key, text in provenance.items():
             if key.startswith("note "):
@@ -276,5 +276,6 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
         advice = (
             f"if they are, say which by name or number: '{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]'"
         )
-        raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}")
-    return guarded(reader, path, lambda: load(path, choice))
+        otherwise = f"otherwise 'springpot inspect {path}' shows what it holds"
+        raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}; {otherwise}")
+    return guarded(reader, path, lambda: load(path, choice), choice)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol, TypeVar
@@ -9,8 +10,12 @@ from typing import Protocol, TypeVar
 from springpot.errors import DataError, SpringpotError
 
 from .question import OpenQuestion
+from .reader import Choice
 
 T = TypeVar("T")
+
+_HINT = re.compile(r"'FILE\?([^'?]*)'")
+"""What an error offers to type."""
 
 
 class Recognising(Protocol):
@@ -48,8 +53,11 @@ def _confidence(reader: Recognising, head: bytes) -> float:
         return 0.0
 
 
-def guarded(reader: Recognising, path: Path, action: Callable[[], T]) -> T:
+def guarded(reader: Recognising, path: Path, action: Callable[[], T], choice: Choice | None = None) -> T:
     """What a reader gives; its errors name the file, which readers need not do.
+
+    Where they hint at what to type, it holds all that the user said before in `choice`, so that no hint leads back to
+    a question that was answered.
 
     Raises
     ------
@@ -59,9 +67,9 @@ def guarded(reader: Recognising, path: Path, action: Callable[[], T]) -> T:
     try:
         return action()
     except OpenQuestion as error:
-        raise error.worded(_about(path, str(error))) from None
+        raise error.worded(_about(path, str(error), choice or Choice())) from None
     except DataError as error:
-        raise DataError(_about(path, str(error))) from None
+        raise DataError(_about(path, str(error), choice or Choice())) from None
     except (SpringpotError, MemoryError):
         raise
     except Exception as error:
@@ -70,7 +78,7 @@ def guarded(reader: Recognising, path: Path, action: Callable[[], T]) -> T:
         raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
 
 
-def _about(path: Path, message: str) -> str:
+def _about(path: Path, message: str, choice: Choice) -> str:
     """An error as a user sees it: which file, and what to type instead of ``FILE``."""
     if str(path) in message:
         return message
@@ -80,5 +88,15 @@ def _about(path: Path, message: str) -> str:
     sign = ": "
     if message.startswith(("line ", "column ")):
         sign = ", "
-    hinted = message.replace("'FILE", f"'{path}")
+    hinted = _HINT.sub(lambda hint: f"'FILE{said_with(choice, hint[1])}'", message).replace("'FILE", f"'{path}")
     return f"{path}{sign}{hinted}"
+
+
+def said_with(choice: Choice, answers: str) -> str:
+    """What to type behind a file's name: what was said before, then `answers` such as ``loss=Pa,3=ignore``."""
+    part = ""
+    if choice.part:
+        part = f"#{choice.part}"
+    now = {piece.partition("=")[0].strip() for piece in answers.split(",")}
+    before = [f"{name}={meaning}" for name, meaning in choice.columns.items() if name not in now]
+    return f"{part}?{','.join([*before, answers])}"

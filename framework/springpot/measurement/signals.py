@@ -214,7 +214,10 @@ def _basis(
         basis, sd = refined_frequency(record, basis)
     # The search left the peak that it began at: what it found is another one, or none.
     if not 0.3 * omega < basis.omega < 3 * omega:
-        raise DataError(f"{record.name}: no frequency found; give it with omega (CLI: --frequency)")
+        raise DataError(
+            f"{record.name}: no frequency found; if it swings, give it with omega (CLI: --frequency); a single "
+            "loading is a test in time, which springpot inspect shows and springpot identify fits"
+        )
     if trim:
         basis = _whole_cycles(basis)
         if refine:

@@ -66,4 +66,4 @@ def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[Ti
     # No error: whatever is no test in time may be a sweep, and is opened as one.
     if best is None or sure < SURE:
         return ()
-    return guarded(best, path, lambda: tuple(best.read(path, choice)))
+    return guarded(best, path, lambda: tuple(best.read(path, choice)), choice)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from springpot.hooks import hookimpl
 from springpot.measurement import Reader, TimeReader
 
+from ..timereaders import records as time_records
 from ..timereaders import reptate as time_reptate
 from ..timereaders import table as time_table
 from . import (
@@ -51,4 +52,4 @@ def springpot_readers() -> Iterable[Reader]:
 @hookimpl
 def springpot_time_readers() -> Iterable[TimeReader]:
     """Those of tests in time."""
-    return (time_reptate.READER, time_table.READER)
+    return (time_reptate.READER, time_records.READER, time_table.READER)

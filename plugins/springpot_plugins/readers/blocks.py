@@ -18,6 +18,9 @@ _UNITS_WITHIN = 3
 """Lines between names and numbers that may hold units or remarks."""
 _STACKED = 2
 """Lines between two tables of the same names."""
+FREQUENCY = "frequency [Hz] or omega [rad/s]"
+ANGLE = "phase [deg] or loss_factor [-]"
+"""What a table lacks: of these the second makes a complex modulus of its size."""
 SINGLE_AMPLITUDE = "amplitude [mm] of the displacement"
 _WIDEST = 400
 """Cells of a line in which names are sought."""
@@ -89,7 +92,8 @@ class Block:
             return "steady flow, no dynamic test"
         if "time" in roles and roles & _DRIVEN and not roles & {*FREQUENCIES, *MODULI}:
             return "a test in time, such as creep or a rest, no dynamic test"
-        return lacking(roles)
+        # A frequency in the titles of the columns does not lack: their parts are told apart by it.
+        return lacking(roles | {each.curve.role for each in self.headings if each.curve})
 
     def holds(self) -> str:
         """The first titles, for errors."""
@@ -100,10 +104,10 @@ class Block:
 def lacking(roles: set[str]) -> str:
     """What columns of these roles need to be a dynamic test."""
     if is_dynamic({*roles, "omega"}):
-        return "missing frequency [Hz] or omega [rad/s]"
+        return f"missing {FREQUENCY}"
     missing = []
     if not roles & FREQUENCIES:
-        missing.append("frequency [Hz] or omega [rad/s]")
+        missing.append(FREQUENCY)
     if "force_amplitude" in roles and roles & {"phase", "loss_factor"} and not roles & {*MODULI, "amplitude"}:
         return f"missing {' and '.join([*missing, SINGLE_AMPLITUDE])}"
     angles = {"phase", "loss_factor", "damping_ratio", "damping"}
@@ -113,6 +117,9 @@ def lacking(roles: set[str]) -> str:
         missing.append("storage [unit] and loss [unit]")
     elif "loss" in roles:
         missing.append("storage [unit]")
+    elif roles & {"magnitude", "viscosity"} and "storage" not in roles:
+        # The size alone is neither part of the modulus; only the angle parts it.
+        missing.append(ANGLE)
     else:
         missing.append("loss [unit], phase [deg] or loss_factor [-]")
     return f"missing {', and '.join(missing)}"

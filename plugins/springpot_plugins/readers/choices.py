@@ -17,6 +17,7 @@ from springpot.measurement import (
     normal_unit,
 )
 
+from .blocks import ANGLE, FREQUENCY
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, ROLES, fold, role_of
@@ -215,7 +216,7 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
 
     A hint must not lead to wrong numbers without a word when it is typed as it stands: it says what it assumes.
     """
-    if block_lacks == "missing frequency [Hz] or omega [rad/s]":
+    if block_lacks == f"missing {FREQUENCY}":
         return _ask_frequency(says, headings)
     moduli = [each for each in headings if each.role is None and stated_unit(each) in MODULUS_UNITS]
     if block_lacks == "missing storage [unit] or magnitude [unit]" and moduli:
@@ -230,11 +231,23 @@ def ask_meaning(says: str, block_lacks: str, headings: Sequence[Heading]) -> Dat
         says = f"{says}; if {title} is it, counted from the middle, open 'FILE?{spec}'"
         return OpenQuestion(says, [Question("amplitude", "column", {title: spec})])
     unknown = {i: each.title for i, each in enumerate(headings, 1) if each.title and each.role is None}
+    if not unknown and block_lacks.endswith(ANGLE):
+        return DataError(f"{says}; {_how_to_add(block_lacks)}")
     if not block_lacks.startswith("missing") or not unknown:
         return DataError(says)
     if hint := proposal(headings):
         says = f"{says}; {hint}"
     return OpenQuestion(says, ask_each(unknown))
+
+
+def _how_to_add(block_lacks: str) -> str:
+    """What to do where only the size of a modulus was exported, and perhaps no frequency."""
+    if FREQUENCY not in block_lacks:
+        return "export the phase angle as well, as a column phase [deg]"
+    return (
+        "export the phase angle and the frequency as well, as columns phase [deg] and frequency [Hz]; a frequency "
+        "that is the same in all rows may be said instead, by 'FILE?frequency=1[Hz]'"
+    )
 
 
 _SWEPT = frozenset({"amplitude", "temperature", "time", "stress", "torque", "displacement", "repeat"})

@@ -20,6 +20,7 @@ from .dynamic import measurement_from, parts_from
 from .grid import LONGEST_CELL, Grid, grid_of_sheet
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
+from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart, has_condition
 from .signals_csv import signals_of_sheet
 
@@ -42,25 +43,40 @@ def recognises(head: bytes) -> float:
     return 0.3
 
 
-def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list[tuple[str, str]]]:
-    """The tables of all sheets, and the pairs of key and value above them or on sheets of their own.
+def _parsed(path: Path, choice: Choice | None = None) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
+    """The tables of all sheets, the pairs of key and value above them or on sheets of their own, and notes.
 
     Raises
     ------
     DataError
-        If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too much.
+        If what reads it is not installed, or the file is no workbook, broken, or unpacks to far too much; or if no
+        sheet is a dynamic test before the user says more.
     """
     made: list[Block] = []
     pairs: list[tuple[str, str]] = []
+    notes: dict[str, str] = {}
+    doubts: list[DataError] = []
     for title, grid in _sheets_of(path):
         blocks, below = blocks_of(grid, stacked=True)
+        if needs_rearranging(grid, blocks):
+            try:
+                found = rearranged(grid, choice or Choice())
+            except DataError as error:
+                # What one sheet leaves open must not keep the others from opening.
+                doubts.append(error)
+                found = None
+            if found is not None:
+                blocks, below = blocks_of(found[0], stacked=True)
+                notes["note layout"] = found[1]
         for block in blocks:
             pairs += pairs_in(block.above)
         if not blocks:
             # A sheet of its own for instrument and sample.
             pairs += pairs_in(below)
         made += _named(title, with_conditions_above(apart(blocks, choice)))
-    return made, pairs
+    if doubts and choice is not None and not any(block.is_dynamic for block in made):
+        raise doubts[0]
+    return made, pairs, notes
 
 
 def _sheets_of(path: Path) -> list[tuple[str, Grid]]:
@@ -182,12 +198,12 @@ def read(path: Path, choice: Choice) -> Measurement:
     DataError
         One line that says what was recognised and what is missing.
     """
-    blocks, pairs = _parsed(path, choice)
+    blocks, pairs, notes = _parsed(path, choice)
     if not choice and not any(block.is_dynamic for block in blocks):
         sheets = [grid for _, grid in _sheets_of(path)]
         if any(map(_holds_signals, sheets)):
             return measurement_from_signals([signals(path, choice)])
-    return measurement_from(blocks, choice, path, {"format": "Excel", **facts_of(pairs)}, further=True)
+    return measurement_from(blocks, choice, path, {"format": "Excel", **facts_of(pairs), **notes}, further=True)
 
 
 def parts(path: Path) -> tuple[Part, ...]:

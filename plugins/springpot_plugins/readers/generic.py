@@ -14,6 +14,8 @@ from springpot.errors import DataError
 from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader
 
 from .blocks import Block, blocks_of, is_data, is_dynamic, is_header, lacking
+from .channels import UNITS as CHANNELS
+from .channels import found_in
 from .choices import ask_columns, ask_each, numbered
 from .conditions_above import with_conditions_above
 from .dynamic import measurement_from, parts_from
@@ -23,11 +25,15 @@ from .headings import headings_of
 from .names import FREQUENCIES, MODULI
 from .pairs import with_pairs_apart
 from .proposals import proposal
+from .rearranged import needs_rearranging, rearranged
 from .side_by_side import apart
+from .signals_csv import read as read_record
 from .text import head_text, text_of
 from .titles import Heading
 from .transposed import upright
 
+_REARRANGED = 0.5
+"""Confidence in a table whose quantities stand below each other."""
 _LOOKED_AT = 10
 """Rows below the names that tell whether a column holds complex numbers."""
 
@@ -46,7 +52,18 @@ def recognises(head: bytes) -> float:
             headings = headings_of(row, below, width)
             rows = [each for each in grid.rows[i + 1 : i + 1 + _LOOKED_AT] if len(each) == len(headings)]
             best = max(best, _confidence(with_pairs_apart(headings, rows)[0]))
+    if best < _REARRANGED and _is_rearranged(grid):
+        best = _REARRANGED
     return best
+
+
+def _is_rearranged(grid: Grid) -> bool:
+    """Whether storage and loss, which are known, stand below each other."""
+    try:
+        return rearranged(grid, Choice()) is not None
+    except DataError:
+        # What it leaves open is told when it is read.
+        return True
 
 
 def _confidence(headings: Sequence[Heading]) -> float:
@@ -71,32 +88,48 @@ def read(path: Path, choice: Choice) -> Measurement:
     DataError
         One line that says what was recognised and what is missing.
     """
+    if _names_channels(choice):
+        return read_record(path, choice)
     grid = grid_of(text_of(path))
-    blocks, pairs = _blocks(grid, choice)
-    return measurement_from(blocks, choice, path, facts_of(pairs), further=True)
+    blocks, pairs, notes = _blocks(grid, choice)
+    return measurement_from(blocks, choice, path, {**facts_of(pairs), **notes}, further=True)
+
+
+def _names_channels(choice: Choice) -> bool:
+    """Whether the user says which columns are time, displacement and force, so that it is a record."""
+    return found_in(list(choice.columns.values())) >= {*CHANNELS}
 
 
 def parts(path: Path) -> tuple[Part, ...]:
     """The tables in a file, where there are several."""
     grid = grid_of(text_of(path))
     blocks, _ = blocks_of(grid, stacked=True)
+    if needs_rearranging(grid, blocks) and _is_rearranged(grid):
+        # Its tables are parts of one, and none of them opens by itself.
+        return ()
     return parts_from(with_conditions_above(apart(blocks)))
 
 
-def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]]]:
+def _blocks(grid: Grid, choice: Choice) -> tuple[list[Block], list[tuple[str, str]], dict[str, str]]:
+    """The tables of a file, what it says above them, and notes on how they were read."""
+    notes: dict[str, str] = {}
+    if not choice.part and needs_rearranging(grid, blocks_of(grid, stacked=True)[0]):
+        found = rearranged(grid, choice)
+        if found is not None:
+            grid, notes = found[0], {"note layout": found[1]}
     # Strict: of a file that no maker's reader knows, a row of another length may be anything.
     blocks, below = blocks_of(grid, strict=True, stacked=True)
     if not blocks and (turned := upright(grid)) is not None:
         blocks, below = blocks_of(turned, strict=True)
     if not blocks:
-        return [_without_names(grid, choice)], []
+        return [_without_names(grid, choice)], [], notes
     rest = [row for row in below if any(map(is_number, row)) and not row[0].startswith(COMMENT)]
     # Numbers that would be lost without a word are an error; words below a table are remarks.
     if rest:
         shown = " ".join(rest[0])
         raise DataError(f"'{shown:.40}' below the table is no row of it: {len(rest[0])} cells")
     above = [row for block in blocks for row in block.above]
-    return with_conditions_above(apart(blocks, choice)), pairs_in(above)
+    return with_conditions_above(apart(blocks, choice)), pairs_in(above), notes
 
 
 def _without_names(grid: Grid, choice: Choice) -> Block:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -92,7 +93,16 @@ def separator_in(lines: Sequence[str]) -> str:
     gains = {sign: sum(_gain(line, sign) for line in sample if len(line) < _LONG) for sign in SEPARATORS}
     # White space also splits words within cells, which may look like a number gained.
     gains[" "] = int(_BY_BLANKS * gains[" "])
+    if not any(gains.values()):
+        # As many words as numbers in each row: then the sign that gives all lines the same number of cells.
+        return max(SEPARATORS, key=lambda sign: _evenness(sample, sign))
     return max(SEPARATORS, key=gains.__getitem__)
+
+
+def _evenness(lines: Sequence[str], separator: str) -> int:
+    """How many lines have the most usual number of cells, of at least three."""
+    widths = Counter(len(split_line(line, separator)) for line in lines if len(line) < _LONG)
+    return max((count for width, count in widths.items() if width > 2), default=0)
 
 
 def _gain(line: str, separator: str) -> int:

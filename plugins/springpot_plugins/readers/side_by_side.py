@@ -21,7 +21,7 @@ from .grid import is_number
 from .names import FREQUENCIES, MODULI, ROLES, fold
 from .titles import UNITS, Heading, heading, plainly
 
-_VALUES = MODULI | {
+VALUES = MODULI | {
     "phase",
     "loss_factor",
     "damping_ratio",
@@ -128,7 +128,7 @@ def _by_label(
 
 def _by_plain_title(headings: Sequence[Heading]) -> list[tuple[Heading, CurveName | None]]:
     """Titles such as ``G'_A [Pa]``, if no column of moduli is without such a name."""
-    if any(heading_.role in _VALUES for heading_ in headings):
+    if any(heading_.role in VALUES for heading_ in headings):
         return []
     return _by_title([plainly(heading_) for heading_ in headings])
 
@@ -204,7 +204,7 @@ def _curves(
         else:
             curves.setdefault(_key(curve), (curve, []))[1].append((place, heading_))
     # A modulus that all share belongs to none of them: then the marks are no curves.
-    if not curves or any(heading_.role in _VALUES for _, heading_ in shared):
+    if not curves or any(heading_.role in VALUES for _, heading_ in shared):
         return []
     named = list(curves.values())
     # One curve is a table as it is, unless its mark states a condition that would be lost.
@@ -224,7 +224,7 @@ def _key(curve: CurveName) -> str:
 def _clock(curves: Sequence[tuple[CurveName, Columns]]) -> Columns:
     """The columns before the moduli of the first curve, for the others that have no frequency."""
     columns = curves[0][1]
-    first = next((i for i, (_, heading_) in enumerate(columns) if heading_.role in _VALUES), 0)
+    first = next((i for i, (_, heading_) in enumerate(columns) if heading_.role in VALUES), 0)
     return columns[:first]
 
 
@@ -241,7 +241,7 @@ def _with_shared(columns: Columns, shared: Columns, clock: Columns) -> Columns:
 def _is_complete(columns: Columns) -> bool:
     """Whether the columns are a dynamic test, each role of which is there once."""
     roles = [str(heading_.role) for _, heading_ in columns if heading_.role]
-    values = [role for role in roles if role in _VALUES or role in FREQUENCIES]
+    values = [role for role in roles if role in VALUES or role in FREQUENCIES]
     curve_names = {heading_.curve.role for _, heading_ in columns if heading_.curve and heading_.curve.title}
     return len(values) == len(set(values)) and is_dynamic({*roles, *curve_names})
 

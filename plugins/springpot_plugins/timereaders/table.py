@@ -18,6 +18,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import (
+    LENGTH_UNITS,
     TEMPERATURE_UNITS,
     TIME_UNITS,
     Choice,
@@ -34,7 +35,7 @@ from springpot.rheology import Real
 from ..readers.blocks import blocks_of
 from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.text import head_text, text_of
-from ..readers.titles import apart_from_sign, is_unit
+from ..readers.titles import apart_from_sign, heading, is_unit
 from .sections import Section, Title, sections_of, title_of
 
 EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
@@ -45,6 +46,8 @@ MOST_TIED = 0.5
 """Share of rows that may repeat the printed time of the row before: more is no rounding, but another table."""
 ENOUGH = 20
 """Rows of a table from which such repeats are taken for rounding."""
+_THERE_AND_BACK = 2
+"""Passages of the middle by a record that is no oscillation."""
 _CONSTANT = re.compile(r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\[([^\]]*)\]$")
 _MEANING = re.compile(r"^([^\[\]]+?)\s*\[([^\[\]]*)\]$")
 
@@ -314,10 +317,45 @@ def _lacking(section: Section, path: Path) -> DataError:
     lacks, has = "force", "displacement"
     if "force" in section.roles:
         lacks, has = has, lacks
+        if (place := _distance(section)) is not None:
+            return DataError(f"{path}: {_instead(section, place, path)} (columns: {there})")
     return DataError(
         f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
         f"the relaxation modulus: '{path}?2=relaxation[Pa]' (columns: {there})"
     )
+
+
+def _distance(section: Section) -> int | None:
+    """The first column with a length that is no displacement by its name, such as a gap."""
+    lengths = (i for i, title in enumerate(section.titles) if not title.role and title.unit in LENGTH_UNITS)
+    return next(lengths, None)
+
+
+def _instead(section: Section, place: int, path: Path) -> str:
+    """What to make of a force against a distance, as where a sample is compressed at a constant speed."""
+    title = section.titles[place]
+    what = f"no column of displacement beside the force, but '{title.text}'"
+    if _moves_once(section.column(place)):
+        what += ", which moves one way: a compression or pull is no oscillation and has no storage and loss modulus"
+    if heading(title.text).role == "gap":
+        # A gap is there before the specimen is touched, and falls where the force rises.
+        return (
+            f"{what}; for a test in time at small deformations add a column displacement [{title.unit}], the gap at "
+            "first contact less each gap"
+        )
+    return (
+        f"{what}; if it counts from the first contact, '{path}?{place + 1}=displacement[{title.unit}]' opens it as a "
+        "test in time, for small deformations"
+    )
+
+
+def _moves_once(distance: Real) -> bool:
+    """Whether a distance passes its middle at most twice: there, and perhaps back."""
+    known = distance[np.isfinite(distance)]
+    if len(known) < 2:
+        return False
+    beyond = known > 0.5 * (known.max() + known.min())
+    return int(np.count_nonzero(np.diff(beyond))) <= _THERE_AND_BACK
 
 
 def _inverse(unit: str, path: Path) -> str:

@@ -1,0 +1,197 @@
+"""One value in each row, with a word for what it is, as a table with a column for each: storage beside loss."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from springpot.errors import DataError
+from springpot.measurement import normal_unit
+
+from .blocks import is_dynamic
+from .grid import COMMENT, MISSING, Grid, holds_number, is_number
+from .names import FREQUENCIES, fold, names_a_modulus
+from .side_by_side import VALUES
+from .titles import UNITS, heading, is_unit
+
+_SEARCHED = 200
+"""Lines in which the names of such a table are sought."""
+_FEWEST = 4
+"""Rows of such a table: two points of two quantities."""
+_MOST_NAMES = 20
+"""Different words of a column beyond which it names samples or runs rather than quantities."""
+_VALUE = frozenset(fold(word) for word in ("value", "values", "result", "wert", "valeur", "valor", "valore", "y"))
+"""What a column of values is called."""
+_CONDITIONS = FREQUENCIES | {"temperature", "amplitude", "repeat"}
+"""What makes two rows of different quantities one point, where it is the same."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """One number of a table.
+
+    Parameters
+    ----------
+    keys : tuple of pairs of str
+        Title and cell of each condition under which it was measured.
+    quantity : str
+        What it is, with its unit: ``G' [Pa]``.
+    text : str
+        The cell.
+    line : int
+        Where it stands in the file.
+    """
+
+    keys: tuple[tuple[str, str], ...]
+    quantity: str
+    text: str
+    line: int
+
+
+def makes_modulus(quantities: Sequence[str]) -> bool:
+    """Whether these titles are storage and loss, or what stands for them, beside a frequency."""
+    return is_dynamic({*(str(heading(title).role) for title in quantities), "omega"})
+
+
+def side_by_side(values: Sequence[Value]) -> Grid:
+    """The values with one row for each set of conditions and one column for each quantity.
+
+    A value that comes again under the same conditions makes a further row, as a repeat does in any table. Where one
+    of the quantities lacks, its cell is empty.
+
+    Raises
+    ------
+    DataError
+        If no row has a value of all quantities, as where curves were read off at frequencies of their own.
+    """
+    titles = list(dict.fromkeys(title for value in values for title, _ in value.keys))
+    quantities = list(dict.fromkeys(value.quantity for value in values))
+    seen: Counter[tuple[object, ...]] = Counter()
+    rows: dict[tuple[object, ...], dict[str, str]] = {}
+    lines: dict[tuple[object, ...], int] = {}
+    for value in values:
+        conditions = tuple((title, _same(cell)) for title, cell in value.keys)
+        seen[(conditions, value.quantity)] += 1
+        point = (conditions, seen[(conditions, value.quantity)])
+        rows.setdefault(point, dict(value.keys))[value.quantity] = value.text
+        lines.setdefault(point, value.line)
+    if not any(all(row.get(quantity) for quantity in quantities) for row in rows.values()):
+        raise DataError(
+            f"{' and '.join(quantities)} stand at different {' and '.join(titles)}, so that no point has both; "
+            "bring them to the same values, in columns beside each other"
+        )
+    order = [*titles, *quantities]
+    cells = [[row.get(title, "") for title in order] for row in rows.values()]
+    return Grid([order, *cells], [min(lines.values()) - 1, *lines.values()])
+
+
+def _same(cell: str) -> str:
+    """A cell by its value: ``1`` and ``1.0`` are one frequency."""
+    if is_number(cell):
+        return f"{float(cell.replace('−', '-').replace(',', '.').lower().replace('d', 'e')):.12g}"
+    return cell
+
+
+def from_rows(grid: Grid) -> tuple[Grid, str] | None:
+    """A table whose rows say in words what their value is, and a note on how it was read; None for other tables.
+
+    Raises
+    ------
+    DataError
+        If several columns may hold the values.
+    """
+    for i, row in enumerate(grid.rows[:_SEARCHED]):
+        titles = [cell.strip().lstrip("# ") for cell in row]
+        if len(titles) < 3 or any(map(holds_number, titles)):
+            continue
+        below = [
+            (cells, line)
+            for cells, line in zip(grid.rows[i + 1 :], grid.lines[i + 1 :], strict=True)
+            if len(cells) == len(row) and not cells[0].strip().startswith(COMMENT)
+        ]
+        if len(below) < _FEWEST:
+            return None
+        columns = [[cell.strip() for cell in cells] for cells in zip(*(cells for cells, _ in below), strict=True)]
+        named = next((j for j, column in enumerate(columns) if _names_quantities(column)), None)
+        if named is not None:
+            return _from_columns(titles, columns, [line for _, line in below], named)
+    return None
+
+
+def _names_quantities(column: Sequence[str]) -> bool:
+    if holds_number(column[0]):
+        return False
+    words = set(column) - MISSING
+    return len(words) <= _MOST_NAMES and makes_modulus(sorted(words))
+
+
+def _from_columns(
+    titles: Sequence[str], columns: Sequence[Sequence[str]], lines: Sequence[int], named: int
+) -> tuple[Grid, str]:
+    names = columns[named]
+    place = _place_of_values(titles, columns, named)
+    others = [j for j in range(len(titles)) if j not in (named, place)]
+    units = next((j for j in others if all(is_unit(cell) for cell in columns[j])), None)
+    keys = [j for j in others if j != units and _is_condition(titles[j], columns[j], names)]
+    values = []
+    for k, line in enumerate(lines):
+        if names[k] in MISSING:
+            continue
+        unit = heading(titles[place]).unit or ""
+        if units is not None:
+            unit = columns[units][k]
+        conditions = tuple((titles[j], columns[j][k]) for j in keys)
+        values.append(Value(conditions, _with_unit(names[k], unit), columns[place][k], line))
+    note = f"the words of '{titles[named]}' say what '{titles[place]}' is in each row: put in columns of their own"
+    left_out = [f"'{titles[j]}'" for j in others if j not in (units, *keys)]
+    if left_out:
+        note += f", without {', '.join(left_out)}, which differ between rows of one point"
+    return side_by_side(values), note
+
+
+def _place_of_values(titles: Sequence[str], columns: Sequence[Sequence[str]], named: int) -> int:
+    """The column that holds the values: by its name, else the only one that could."""
+    numeric = [
+        j
+        for j, column in enumerate(columns)
+        if j != named and heading(titles[j]).role not in _CONDITIONS and all(map(_is_value, column))
+    ]
+    sure = [j for j in numeric if _is_called_value(titles[j])]
+    # A column that is the same beside each quantity is a condition, such as a current or a number of the sample.
+    moving = [j for j in numeric if not _is_condition(titles[j], columns[j], columns[named])]
+    for places in (sure, moving, numeric):
+        if len(places) == 1:
+            return places[0]
+    shown = ", ".join(titles[j] for j in numeric) or "none holds numbers"
+    raise DataError(
+        f"'{titles[named]}' says which rows are storage and which loss, but not which column holds their values "
+        f"({shown}); call it value, with its unit, as in value [Pa]"
+    )
+
+
+def _is_value(cell: str) -> bool:
+    return cell in MISSING or is_number(cell)
+
+
+def _is_called_value(title: str) -> bool:
+    named = heading(title)
+    return named.role in VALUES or fold(named.name) in _VALUE or names_a_modulus(named.name)
+
+
+def _is_condition(title: str, column: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether a column tells points apart: each quantity was measured at the same of its values."""
+    if heading(title).role in _CONDITIONS:
+        return True
+    beside: dict[str, set[str]] = {}
+    for cell, name in zip(column, names, strict=True):
+        beside.setdefault(name, set()).add(_same(cell))
+    return len(set(map(frozenset, beside.values()))) == 1
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """The name of a quantity with a unit of its own, or that of the values where it fits: an angle is not in Pa."""
+    named = heading(name)
+    if named.unit is None and normal_unit(unit) in UNITS.get(str(named.role), {}):
+        return f"{name} [{unit}]"
+    return name

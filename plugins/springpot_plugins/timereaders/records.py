@@ -1,0 +1,68 @@
+"""Records of displacement and force in the binary files of laboratories and in RepTate's .laos, as tests in time.
+
+The readers that give a stiffness for each record know these formats; here the record itself is what was measured.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from springpot.errors import DataError
+from springpot.measurement import Choice, Reader, Signals, TimeReader, TimeTest
+
+from ..readers import reptate_laos, signals_mat, signals_tdms
+from ..readers.grid import is_number
+from ..readers.reptate import first_line
+from ..readers.text import head_text
+
+_FORMATS = (reptate_laos.READER, signals_mat.READER, signals_tdms.READER)
+_HEAD = 1 << 13
+"""Bytes in which the first line of a .laos lies."""
+
+
+def recognises(head: bytes) -> float:
+    """High for what one of these formats is sure of."""
+    return max(reader.recognises(head) for reader in _FORMATS)
+
+
+def read(path: Path, choice: Choice) -> list[TimeTest]:
+    """The record in a file; none where it holds something else, such as a sweep."""
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD)
+    reader = max(_FORMATS, key=lambda each: each.recognises(head))
+    try:
+        signals = _signals(reader, path, choice)
+    except DataError:
+        # What lacks is asked for by the reader that finds a stiffness, which knows sweeps in such files as well.
+        return []
+    known = np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
+    temperature = None
+    if (warm := first_line(head_text(head)).get("T")) is not None and is_number(warm):
+        temperature = float(warm.replace(",", "."))
+    test = TimeTest.of_history(
+        signals.time[known],
+        signals.displacement[known],
+        signals.force[known],
+        signals.displacement_unit,
+        signals.force_unit,
+        temperature=temperature,
+        name=path.stem,
+        provenance={"file": path.name, **signals.provenance},
+    )
+    return [test]
+
+
+def _signals(reader: Reader, path: Path, choice: Choice) -> Signals:
+    load = reader.signals
+    assert load is not None, "all of these formats hold signals"
+    return load(path, choice)
+
+
+READER = TimeReader(
+    "time-records",
+    "displacement and force against time in MATLAB .mat, TDMS and RepTate .laos",
+    recognises,
+    read,
+)

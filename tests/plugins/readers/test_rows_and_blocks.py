@@ -1,0 +1,245 @@
+"""Storage and loss that do not stand beside each other: in rows of their own, one below the other, in wide tables."""
+
+import io
+import re
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.errors import DataError
+
+OMEGA = np.logspace(-1.0, 2.0, 8)
+G = 1000.0 + 500.0 * np.sqrt(1j * OMEGA)
+DEG = 180.0 / np.pi
+FREQUENCIES, WARM = np.array([25.0, 10.0, 1.0, 0.1]), np.array([-10.0, 4.4, 21.1])
+E = (5000.0 + 100.0 * np.outer(1.0 / (WARM + 20.0), FREQUENCIES)) * np.exp(0.3j + 0.01j * WARM)[:, None]
+
+
+def in_rows(names=("G'", "G''"), parts=(G.real, G.imag), more="", of_name=("", "")):
+    """One value in each row, storage and loss by turns."""
+    lines = []
+    for i, omega in enumerate(OMEGA):
+        for name, values, last in zip(names, parts, of_name, strict=True):
+            lines.append(f"{omega:.17g},{name},{values[i]:.17g}{more}{last}")
+    return "\n".join(lines) + "\n"
+
+
+def wide(values, names="temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz"):
+    rows = [",".join(f"{x:.12g}" for x in [t, *row]) for t, row in zip(WARM, values, strict=True)]
+    return "\n".join([names, *rows]) + "\n"
+
+
+def is_sweep(found, unit="Pa"):
+    np.testing.assert_allclose(found.omega, OMEGA, rtol=1e-10)
+    np.testing.assert_allclose(found.stiffness, G, rtol=1e-10)
+    assert found.units.stiffness == unit
+
+
+def is_table(found):
+    assert len(found) == E.size
+    for kelvin, frequency, value in zip(
+        found.conditions["temperature"], found.frequency, found.stiffness, strict=True
+    ):
+        i, j = np.argmin(abs(WARM - kelvin)), np.argmin(abs(FREQUENCIES - frequency))
+        assert value == pytest.approx(E[i, j], rel=1e-9)
+    assert found.units.stiffness == "MPa"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "omega [rad/s],quantity,value [Pa]\n" + in_rows(),
+        "omega [rad/s],variable,value [Pa]\n" + in_rows(("Storage modulus", "Loss modulus")),
+        "omega [rad/s],type,modulus [Pa]\n" + in_rows(("storage", "loss")),
+        "omega [rad/s],type,value\n" + in_rows(("G' [Pa]", "G'' [Pa]")),
+        "omega [rad/s],what,value,unit\n" + in_rows(("Storage modulus", "Loss modulus"), more=",Pa"),
+        "omega [rad/s],what,value [Pa]\n" + in_rows(("|G*|", "phase [deg]"), (abs(G), np.angle(G) * DEG)),
+        "omega [rad/s],what,value,unit\n"
+        + in_rows(("|G*|", "phase angle"), (abs(G), np.angle(G) * DEG), of_name=(",Pa", ",deg")),
+    ],
+)
+def test_a_value_in_each_row(folder, text):
+    found = folder.open(text)
+    is_sweep(found)
+    assert "in columns of their own" in found.provenance["note layout"]
+
+
+def test_a_row_of_storage_may_stand_far_from_its_loss(folder):
+    lines = in_rows().splitlines()
+    is_sweep(folder.open("omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines[::2] + lines[1::2]) + "\n"))
+
+
+def test_conditions_of_rows_are_kept_and_what_differs_within_a_point_is_told(folder):
+    lines = [f"{i},{line},{t}" for t in (20, 40) for i, line in enumerate(in_rows().splitlines(), 100 * t)]
+    found = folder.open("id,omega [rad/s],quantity,value [Pa],temperature [degC]\n" + "\n".join(lines) + "\n")
+    np.testing.assert_allclose(found.conditions["temperature"], np.repeat([20.0, 40.0], len(OMEGA)))
+    np.testing.assert_allclose(found.stiffness, np.tile(G, 2), rtol=1e-10)
+    assert "without 'id'" in found.provenance["note layout"]
+
+
+def test_units_of_values_in_rows_are_asked_for_by_a_command_that_works(folder):
+    text = "omega,quantity,value\n" + in_rows()
+    asked = re.search(r"data\.txt(\?[^']+)'", folder.complaint(text))
+    assert asked, folder.complaint(text)
+    is_sweep(folder.open(text, asked[1]))
+
+
+def test_values_that_could_be_several_columns_are_not_guessed(folder):
+    text = "omega [rad/s],quantity,first,second\n" + in_rows(more=",1.5", of_name=("", "3"))
+    says = folder.complaint(text)
+    assert "call it value" in says
+    assert "first, second" in says
+    is_sweep(folder.open(text.replace("first", "value [Pa]")))
+
+
+def test_words_that_are_no_quantities_do_not_turn_a_table(folder):
+    lines = [
+        f"{w:.17g},{s},{g.real:.17g},{g.imag:.17g}" for s in ("soft", "stiff") for w, g in zip(OMEGA, G, strict=True)
+    ]
+    found = folder.open("omega [rad/s],sample,G' [Pa],G'' [Pa]\n" + "\n".join(lines) + "\n")
+    assert len(found) == 2 * len(OMEGA)
+    assert "note layout" not in found.provenance
+
+
+def column(values):
+    return "\n".join(f"{w:.17g},{g:.17g}" for w, g in zip(OMEGA, values, strict=True)) + "\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{column(G.imag)}",
+        f"omega,G'\nrad/s,Pa\n{column(G.real)}\nomega,G''\nrad/s,Pa\n{column(G.imag)}",
+        f"Storage modulus\nomega [rad/s],y [Pa]\n{column(G.real)}\n"
+        f"Loss modulus\nomega [rad/s],y [Pa]\n{column(G.imag)}",
+        f"omega [rad/s],|G*| [Pa]\n{column(abs(G))}\nomega [rad/s],tan delta\n{column(G.imag / G.real)}",
+    ],
+)
+def test_a_block_of_storage_above_one_of_loss(folder, text):
+    is_sweep(folder.open(text))
+    assert folder.parts(text) == ()
+
+
+def test_blocks_at_other_frequencies_are_not_put_together(folder):
+    other = column(G.imag).replace(f"{OMEGA[0]:.17g}", "0.5")
+    shifted = "\n".join(f"{1.01 * w:.17g},1" for w in OMEGA)
+    says = folder.complaint(f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{shifted}\n")
+    assert "different omega" in says
+    assert "same values" in says
+    found = folder.open(f"omega [rad/s],G' [Pa]\n{column(G.real)}\nomega [rad/s],G'' [Pa]\n{other}")
+    assert len(found) == len(OMEGA) - 1
+    assert "left out" in found.provenance["note rows"]
+
+
+ANGLE = np.angle(E) * DEG
+BLOCKS = f"|E*| [MPa]\n{wide(abs(E))}\nphase angle [deg]\n{wide(ANGLE)}"
+BESIDE = (
+    ",|E*| [MPa],,,,phase [deg],,,\nT [degC],25 Hz,10 Hz,1 Hz,0.1 Hz,25 Hz,10 Hz,1 Hz,0.1 Hz\n"
+    + wide(np.hstack([abs(E), ANGLE]), "").lstrip()
+)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BLOCKS,
+        BLOCKS.replace("|E*| [MPa]", "Dynamic modulus |E*| (MPa)").replace("phase angle [deg]", "Phase angle (°)"),
+        BLOCKS.replace("temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "T [degC] \\ f [Hz],25,10,1,0.1"),
+        BLOCKS.replace("temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "Temp (°C),Frequency (Hz)\n,25,10,1,0.1"),
+        BESIDE,
+        f"|E*| [MPa]\n{wide(abs(E))}\nloss factor\n{wide(np.tan(np.angle(E)))}",
+    ],
+)
+def test_columns_that_go_by_frequency(folder, text):
+    is_table(folder.open(text))
+
+
+def test_columns_that_go_by_temperature(folder):
+    def turned(values):
+        return (
+            "\n".join(",".join(f"{x:.12g}" for x in [f, *row]) for f, row in zip(FREQUENCIES, values.T, strict=True))
+            + "\n"
+        )
+
+    names = "frequency [Hz],-10 °C,4.4 °C,21.1 °C\n"
+    is_table(folder.open(f"|E*| [MPa]\n{names}{turned(abs(E))}\nphase [deg]\n{names}{turned(ANGLE)}"))
+
+
+@pytest.mark.parametrize("text", [BLOCKS, BESIDE])
+def test_numbers_above_columns_are_asked_for(folder, text):
+    text = text.replace(" Hz", "")
+    asked = re.search(r"data\.txt(\?[^']+)'", folder.complaint(text))
+    assert asked
+    assert "go by 25, 10, 1" in folder.complaint(text)
+    is_table(folder.open(text, asked[1]))
+
+
+def test_a_second_question_keeps_the_answer_to_the_first(folder):
+    text = BLOCKS.replace("temperature [degC],25 Hz,10 Hz,1 Hz,0.1 Hz", "T,25,10,1,0.1")
+    said = ""
+    for _ in range(2):
+        with pytest.raises(DataError) as asked:
+            folder.open(text, said)
+        said = re.search(r"data\.txt(\?[^']+)'", str(asked.value))[1]
+    is_table(folder.open(text, said))
+
+
+def test_one_quantity_alone_names_the_other(folder):
+    says = folder.complaint(f"|E*| [MPa]\n{wide(abs(E))}")
+    assert "add below it a line 'phase [deg]'" in says
+    is_table(folder.open(f"|E*| [MPa]\n{wide(abs(E))}phase [deg]\n{wide(ANGLE)}"))
+
+
+def test_a_wide_table_of_nobody_knows_what_shows_how_to_write_it(folder):
+    says = folder.complaint(wide(abs(E)))
+    shown = re.search(r"a line '([^']+)', below it '([^']+),\.\.\.' .* a line '([^']+)'", says)
+    assert shown, says
+    assert "temperature [degC]" in shown[2]
+    assert "25 Hz" in shown[2]
+    is_table(folder.open(f"{shown[1]}\n{wide(abs(E))}{shown[3]}\n{wide(ANGLE)}"))
+
+
+def test_the_frequency_in_titles_does_not_lack(folder):
+    titles = ",".join(f"|E*| {f:g} Hz [MPa]" for f in FREQUENCIES)
+    says = folder.complaint(wide(abs(E), f"T [degC],{titles}"))
+    assert "missing phase [deg] or loss_factor [-]" in says
+    assert "missing frequency" not in says
+
+
+def test_the_same_in_a_workbook(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for line in io.StringIO(BLOCKS):
+        book.active.append([_cell(cell) for cell in line.strip().split(",")])
+    book.save(tmp_path / "ampt.xlsx")
+    is_table(springpot.read(tmp_path / "ampt.xlsx"))
+    book.active.delete_rows(1)
+    book.save(tmp_path / "unnamed.xlsx")
+    with pytest.raises(DataError, match="which quantity they hold"):
+        springpot.read(tmp_path / "unnamed.xlsx")
+
+
+def _cell(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+@pytest.mark.parametrize("size", ["|G*| [Pa]", "|eta*| [Pa s]"])
+def test_a_size_without_phase_and_frequency_names_both(folder, size):
+    rows = "".join(f"{t},{1000 + t}\n" for t in range(20, 26))
+    says = folder.complaint(f"temperature [degC],{size}\n{rows}")
+    assert "missing frequency [Hz] or omega [rad/s], and phase [deg] or loss_factor [-]" in says
+    assert "columns phase [deg] and frequency [Hz]" in says
+    # What it says works: the angle in a column, the frequency in either way.
+    angled = "".join(f"{t},{1000 + t},30\n" for t in range(20, 26))
+    said = re.search(r"data\.txt(\?[^']+)'", says)[1]
+    assert len(folder.open(f"temperature [degC],{size},phase [deg]\n{angled}", said)) == 6
+
+
+def test_a_size_without_phase_is_not_mended_by_the_loss(folder):
+    says = folder.complaint("omega [rad/s],|G*| [Pa]\n1,2\n2,3\n3,4\n")
+    assert "missing phase [deg] or loss_factor [-]; export the phase angle" in says
+    assert "loss [unit]" not in says
