@@ -31,7 +31,9 @@ MOST_SAID = 8
 LEGEND = 8
 """Levels that a legend names; more are told by a bar of colours."""
 DECADE = 10.0
-"""Values that differ by more than this are drawn on a logarithmic axis."""
+"""Values that differ by more than this are drawn on a logarithmic axis, and of an interval are no result."""
+EXACT = "exact by construction"
+"""How far a law with as many constants as factors is off."""
 SMOOTH = 400
 """Points of a drawn curve."""
 
@@ -88,9 +90,11 @@ def _levels(master: MasterCurve) -> Table:
         # Factors at the reference are one by definition: an interval would look like a measurement.
         if level.value == master.reference:
             a, a_between, b, b_between = "1", "reference", "1", ""
-        # An interval that spans all that was tried would be read as a result.
+        # A factor that may be anything would be read as a result, with or without its interval.
         elif not level.determined:
-            a_between, b_between = "not determined", ""
+            a, a_between = "-", "not determined"
+            if level.b_high > DECADE * level.b_low:
+                b, b_between = "-", ""
         name = level_text(master.factors.column, level.value).removesuffix(" degC")
         name = name.removeprefix(f"{master.factors.column} ")
         rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])
@@ -120,6 +124,9 @@ def _laws(master: MasterCurve) -> Table:
         most = level_text(master.factors.column, law.worst)
         # A departure is a difference of logarithms.
         off = percent(float(np.expm1(law.departure)), 2)
+        if law.verdict == "cannot-tell":
+            # As many constants as factors: what is left is rounding, and no quality of the law.
+            off, most = EXACT, "-"
         factor = _factor(master, "a")
         if law.law.vertical:
             factor = _factor(master, "b")

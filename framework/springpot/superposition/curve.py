@@ -15,6 +15,7 @@ from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
 from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
+from springpot.identification.uncertainty import student
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
@@ -39,6 +40,10 @@ DIFFER = 0.005
 WIDE = float(np.log(10.0))
 """Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
 
+SEEN = 0.999
+"""Probability with which a modulus that goes with the frequency does so by more than its scatter."""
+FEWEST = 3
+"""Points of a sweep that a slope and its scatter take up."""
 FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
 ROUNDING = 1e-9
@@ -168,7 +173,7 @@ class MasterCurve:
     def _repr_html_(self) -> str:
         headers = (f"{self.factors.column} [{self.unit}]", "a", "b", "error", "alone")
         rows = [
-            (f"{one.value:g}", f"{one.a:.4g}", f"{one.b:.4g}", f"{100 * one.error:.2g} %", f"{100 * one.alone:.2g} %")
+            (f"{one.value:g}", _shown(one), f"{one.b:.4g}", f"{100 * one.error:.2g} %", f"{100 * one.alone:.2g} %")
             for one in self.levels
         ]
         whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
@@ -252,7 +257,7 @@ def mastercurve(
     told = told_by_data(rows, at)
     notes += [
         *remarks,
-        *_undetermined(factors, connected, determined),
+        *_undetermined(factors, connected, determined, _flat(rows)),
         *slower_when_hot(factors, determined),
         *_not_told_apart(factors, told),
         *_vertical_range(factors, told),
@@ -282,6 +287,13 @@ def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objec
     if not vertical:
         return alone, Rows.of(alone)
     return alone, lifted(alone, column)
+
+
+def _shown(level: Level) -> str:
+    """The factor of frequency, where the data tell it."""
+    if not level.determined:
+        return "-"
+    return f"{level.a:.4g}"
 
 
 def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:
@@ -370,8 +382,32 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     return np.asarray(reached)
 
 
-def _undetermined(factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_]) -> list[str]:
-    """One sentence for the levels that do not overlap, one for those that hardly do."""
+def _flat(rows: Rows) -> NDArray[np.bool_]:
+    """Levels (m,) whose storage and loss neither rise nor fall with the frequency beyond their scatter."""
+    data = rows.fit.measurement
+    flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)
+    for level in range(len(flat)):
+        here = rows.number == level
+        x = np.log(data.omega[here])
+        if len(x) <= FEWEST or np.ptp(x) == 0.0:
+            continue
+        flat[level] = not any(_rises(x, part[here]) for part in (data.storage, data.loss))
+    return flat
+
+
+def _rises(x: Real, values: Real) -> bool:
+    """Whether values (n,) go with x (n,) along a straight line, by its slope over the standard deviation of this."""
+    away = x - x.mean()
+    slope = float(away @ values / (away @ away))
+    left = values - values.mean() - slope * away
+    sd = float(np.sqrt(left @ left / (len(x) - 2) / (away @ away)))
+    return abs(slope) > student(SEEN, len(x) - 2) * sd + ROUNDING * float(np.abs(values).max())
+
+
+def _undetermined(
+    factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_], flat: NDArray[np.bool_]
+) -> list[str]:
+    """One sentence for the levels that do not overlap, one for flat ones, one for those that hardly overlap."""
 
     def named(which: NDArray[np.bool_]) -> str:
         return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
@@ -380,11 +416,18 @@ def _undetermined(factors: Factors, connected: NDArray[np.bool_], determined: ND
     if np.any(~connected):
         notes.append(
             f"{named(~connected)}: the sweeps do not overlap with the rest; their factors are not "
-            "determined, and shown is one of many that fit"
+            "determined, as many fit alike"
         )
-    if np.any(connected & ~determined):
+    nothing = connected & ~determined & flat
+    if np.any(nothing):
         notes.append(
-            f"{named(connected & ~determined)}: the sweeps overlap too little or are too straight; "
+            f"{named(nothing)}: storage and loss are flat within their scatter, so that there is nothing to shift "
+            "by: any factor a fits"
+        )
+    hardly = connected & ~determined & ~flat
+    if np.any(hardly):
+        notes.append(
+            f"{named(hardly)}: the sweeps overlap too little or are too straight; "
             "their factors are known to no better than a decade"
         )
     return notes

@@ -12,12 +12,14 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.measurement import Choice, Reader, Signals, TimeReader, TimeTest
 
-from ..readers import reptate_laos, signals_mat, signals_tdms
 from ..readers.grid import is_number
 from ..readers.reptate import first_line
+from ..readers.reptate_laos import READER as LAOS
+from ..readers.signals_mat import READER as MATLAB
+from ..readers.signals_tdms import READER as TDMS
 from ..readers.text import head_text
 
-_FORMATS = (reptate_laos.READER, signals_mat.READER, signals_tdms.READER)
+_FORMATS = (LAOS, MATLAB, TDMS)
 _HEAD = 1 << 13
 """Bytes in which the first line of a .laos lies."""
 
