@@ -31,7 +31,7 @@ MOST_SAID = 8
 LEGEND = 8
 """Levels that a legend names; more are told by a bar of colours."""
 DECADE = 10.0
-"""Values that differ by more than this are drawn on a logarithmic axis, and of an interval are no result."""
+"""Values that differ by more than this are drawn on a logarithmic axis."""
 EXACT = "exact by construction"
 """How far a law with as many constants as factors is off."""
 SMOOTH = 400
@@ -92,9 +92,7 @@ def _levels(master: MasterCurve) -> Table:
             a, a_between, b, b_between = "1", "reference", "1", ""
         # A factor that may be anything would be read as a result, with or without its interval.
         elif not level.determined:
-            a, a_between = "-", "not determined"
-            if level.b_high > DECADE * level.b_low:
-                b, b_between = "-", ""
+            a, a_between, b_between = "-", "not determined", ""
         name = level_text(master.factors.column, level.value).removesuffix(" degC")
         name = name.removeprefix(f"{master.factors.column} ")
         rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])

@@ -15,12 +15,12 @@ from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
 from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
-from springpot.identification.uncertainty import student
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
 from .factors import Factors, Rows, factors_of, told_by_data
+from .flatness import flat_levels
 from .laws import LawFit, judged_laws, slower_when_hot
 from .simplicity import Alone, Simplicity, each_alone, simplicity
 from .vertical import lifted
@@ -40,10 +40,6 @@ DIFFER = 0.005
 WIDE = float(np.log(10.0))
 """Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
 
-SEEN = 0.999
-"""Probability with which a modulus that goes with the frequency does so by more than its scatter."""
-FEWEST = 3
-"""Points of a sweep that a slope and its scatter take up."""
 FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
 ROUNDING = 1e-9
@@ -253,11 +249,13 @@ def mastercurve(
     connected = _connected(rows, at)
     # A factor at the end of the search is where this ended, whatever its interval.
     searched = np.abs(fitted.log_a) < (1.0 - ROUNDING) * WIDEST
-    determined = connected & searched & (factors.reach_a < WIDE)
+    # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
+    flat = flat_levels(rows) & (np.arange(len(factors)) != at)
+    determined = connected & searched & (factors.reach_a < WIDE) & ~flat
     told = told_by_data(rows, at)
     notes += [
         *remarks,
-        *_undetermined(factors, connected, determined, _flat(rows)),
+        *_undetermined(factors, connected, determined, flat),
         *slower_when_hot(factors, determined),
         *_not_told_apart(factors, told),
         *_vertical_range(factors, told),
@@ -382,46 +380,24 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     return np.asarray(reached)
 
 
-def _flat(rows: Rows) -> NDArray[np.bool_]:
-    """Levels (m,) whose storage and loss neither rise nor fall with the frequency beyond their scatter."""
-    data = rows.fit.measurement
-    flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)
-    for level in range(len(flat)):
-        here = rows.number == level
-        x = np.log(data.omega[here])
-        if len(x) <= FEWEST or np.ptp(x) == 0.0:
-            continue
-        flat[level] = not any(_rises(x, part[here]) for part in (data.storage, data.loss))
-    return flat
-
-
-def _rises(x: Real, values: Real) -> bool:
-    """Whether values (n,) go with x (n,) along a straight line, by its slope over the standard deviation of this."""
-    away = x - x.mean()
-    slope = float(away @ values / (away @ away))
-    left = values - values.mean() - slope * away
-    sd = float(np.sqrt(left @ left / (len(x) - 2) / (away @ away)))
-    return abs(slope) > student(SEEN, len(x) - 2) * sd + ROUNDING * float(np.abs(values).max())
-
-
 def _undetermined(
     factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_], flat: NDArray[np.bool_]
 ) -> list[str]:
-    """One sentence for the levels that do not overlap, one for flat ones, one for those that hardly overlap."""
+    """One sentence for flat levels, one for those that do not overlap, one for those that hardly do."""
 
     def named(which: NDArray[np.bool_]) -> str:
         return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
 
     notes = []
-    if np.any(~connected):
+    apart = ~connected & ~flat
+    if np.any(apart):
         notes.append(
-            f"{named(~connected)}: the sweeps do not overlap with the rest; their factors are not "
+            f"{named(apart)}: the sweeps do not overlap with the rest; their factors are not "
             "determined, as many fit alike"
         )
-    nothing = connected & ~determined & flat
-    if np.any(nothing):
+    if np.any(flat):
         notes.append(
-            f"{named(nothing)}: storage and loss are flat within their scatter, so that there is nothing to shift "
+            f"{named(flat)}: storage and loss are flat within their scatter, so that there is nothing to shift "
             "by: any factor a fits"
         )
     hardly = connected & ~determined & ~flat

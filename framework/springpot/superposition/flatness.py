@@ -1,0 +1,47 @@
+"""Sweeps that are flat, such as those of a rubbery plateau: no shift of one is better than another."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification.uncertainty import student
+from springpot.rheology import Real
+
+from .factors import LEVEL, Rows
+
+SEEN = 0.999
+"""Probability with which a modulus that goes with the frequency does so by more than its scatter."""
+FLAT = 0.05
+"""Share of the stiffness by which storage and loss of a flat sweep change over a decade at most."""
+FEWEST = 3
+"""Points of a sweep that a slope and its scatter take up."""
+EXACT = 1e-9
+"""Share of the stiffness that is rounding."""
+DECADE = float(np.log(10.0))
+
+
+def flat_levels(rows: Rows) -> NDArray[np.bool_]:
+    """Levels (m,) whose storage and loss neither rise nor fall with the frequency, as surely as they scatter."""
+    data = rows.fit.measurement
+    flat = np.zeros(len(rows.elements[0].values), dtype=np.bool_)
+    for level in range(len(flat)):
+        here = rows.number == level
+        x = np.log(data.omega[here])
+        if len(x) <= FEWEST or np.ptp(x) == 0.0:
+            continue
+        shares = data.stiffness[here] / np.median(data.magnitude[here])
+        flat[level] = all(_is_level(x, part) for part in (shares.real, shares.imag))
+    return flat
+
+
+def _is_level(x: Real, values: Real) -> bool:
+    """Whether values (n,) do not go with x (n,) beyond their scatter, and cannot go with it by much."""
+    away = x - x.mean()
+    slope = abs(float(away @ values / (away @ away)))
+    left = values - values.mean() - away * (away @ values / (away @ away))
+    freedom = len(x) - 2
+    sd = float(np.sqrt(left @ left / freedom / (away @ away)))
+    # Few points or a short sweep show no slope either, and leave room for a large one.
+    room = slope + student(LEVEL, freedom) * sd
+    return slope <= student(SEEN, freedom) * sd + EXACT and DECADE * room < FLAT
