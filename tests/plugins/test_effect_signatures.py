@@ -251,3 +251,34 @@ def test_dahl_friction_has_a_loop_of_two_exponentials():
     for n, found in ((1, effect.element.respond(theta, at).value), (3, effect.third_harmonic(theta, at))):
         expected = 2.0 * force / amplitude * np.mean(falling * np.exp(-1j * n * angle))
         np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_softening_of_the_whole_halves_k_at_its_amplitude_and_leaves_the_phase():
+    found = measured("strain-softening", Xc=1.2, n=1.6) / K
+    np.testing.assert_allclose(found, 1.0 / (1.0 + (X / 1.2) ** 1.6), rtol=1e-12)
+    x = np.array([1e-6, 1.2, 1.2e5, 1.2e6])
+    value = EFFECTS["strain-softening"].element.respond(np.array([1.2, 1.6]), Points(np.zeros(4), amplitude=x)).value
+    assert value[0] == pytest.approx(1.0, rel=1e-9)
+    assert value[1] == pytest.approx(0.5)
+    assert np.log10(value[2].real / value[3].real) == pytest.approx(1.6, rel=1e-6)
+
+
+def test_a_little_softening_with_the_square_is_the_intrinsic_nonlinearity():
+    softened = measured("strain-softening", Xc=100.0, n=2.0)
+    np.testing.assert_allclose(softened, measured("intrinsic-nonlinearity", q=-1e-4), rtol=2e-7)
+
+
+def test_shear_thinning_knows_only_frequency_times_amplitude():
+    rate = np.array([0.01, 5.0, 500.0])
+    own = np.array([5.0, 0.8])
+    element = EFFECTS["shear-thinning"].element
+    slow = element.respond(own, Points(np.log(rate / 10.0), amplitude=np.full(3, 10.0))).value
+    fast = element.respond(own, Points(np.log(rate / 0.1), amplitude=np.full(3, 0.1))).value
+    np.testing.assert_allclose(slow, fast, rtol=1e-12)
+    np.testing.assert_allclose(slow, 1.0 / (1.0 + (rate / 5.0) ** 0.8), rtol=1e-12)
+
+
+def test_nobody_says_of_softening_how_loud_its_third_harmonic_is():
+    for name in ("strain-softening", "shear-thinning"):
+        model, theta = grown("fractional-zener", name)
+        assert np.all(np.isinf(model.third_harmonic_range(theta, POINTS)[1]))

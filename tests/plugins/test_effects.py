@@ -173,6 +173,8 @@ LABELS = {
     "dead-zone": {"k": "kN/m", "b": "mm"},
     "payne": {"k": "kN/m", "h": "-", "Xc": "mm", "m": "-"},
     "intrinsic-nonlinearity": {"q": "mm^-2"},
+    "strain-softening": {"Xc": "mm", "n": "-"},
+    "shear-thinning": {"Vc": "mm/s", "n": "-"},
     "self-heating": {"s": "1/W"},
     "time-delay": {"tau": "s"},
     "phase-error": {"phi": "rad"},

@@ -443,7 +443,7 @@ def test_every_effect_answers_in_time_or_is_refused_by_name(effect: str):
 
 NO_LAW = {
     *("phase-error", "fixture-resonance", "crosstalk", "frequency-error", "backlash", "hysteretic-loss"),
-    *("smooth-hysteresis", "hardening-mount", "power-law-slip"),
+    *("smooth-hysteresis", "hardening-mount", "power-law-slip", "strain-softening", "shear-thinning"),
     *("frame-resonance", "self-heating", "payne", "intrinsic-nonlinearity", "specimen-inertia"),
     "specimen-inertia-fixed",
 }

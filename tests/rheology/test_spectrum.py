@@ -235,7 +235,7 @@ def test_every_effect_has_a_spectrum_or_is_refused_by_name(effect: str):
 REFUSED = {
     *("time-delay", "phase-error", "gain-error", "filter-mismatch", "fixture-resonance", "crosstalk"),
     *("frequency-error", "backlash", "hysteretic-loss", "basset", "frame-resonance", "self-heating"),
-    *("smooth-hysteresis", "hardening-mount", "power-law-slip"),
+    *("smooth-hysteresis", "hardening-mount", "power-law-slip", "strain-softening", "shear-thinning"),
     *("friction", "elasto-sliding", "power-law-damper", "cubic-damping", "dead-zone", "cubic-stiffness", "payne"),
     *("intrinsic-nonlinearity", "specimen-inertia", "specimen-inertia-fixed"),
 }

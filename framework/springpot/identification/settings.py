@@ -90,10 +90,12 @@ def _reach(parameter: Parameter, window: Window) -> float:
     unit = parameter.unit
     if unit.stiffness:
         return DECADES
-    if unit.time and isinstance(unit.time, int | float):
-        return 0.5 * abs(unit.time) * window.time_decades + BEYOND
-    if unit.amplitude:
-        return 0.5 * abs(unit.amplitude) * window.amplitude_decades + BEYOND
+    # One whose power of time hangs on an order always has a stiffness too.
+    assert not isinstance(unit.time, str)
+    if unit.amplitude or unit.time:
+        # A rate lies anywhere between the lowest frequency and amplitude, and the highest.
+        reached = abs(unit.time) * window.time_decades + abs(unit.amplitude) * window.amplitude_decades
+        return 0.5 * reached + BEYOND
     return 1.5
 
 

@@ -25,6 +25,11 @@ from .points import Points
 FOUR_OVER_PI = 4.0 / np.pi
 CUBIC = Dimension(stiffness=1, amplitude=-2)
 CUBIC_RATE = Dimension(stiffness=1, time=3, amplitude=-2)
+RATE = Dimension(time=-1, amplitude=1)
+TYPICAL_LIMIT = 3.0
+"""Where softening is sought, over the middle of what was measured: mostly a test ends soon after it has begun."""
+STEEPEST = 3.0
+"""Power of the amplitude with which K falls at most: a yielding gel's falls as its square, and a little faster."""
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X: half of what an elastic law makes (a sixth for
 a cubic spring, up to a third for dry friction), which is 3 % of a force whose K falls as X^-0.35."""
@@ -295,6 +300,68 @@ def amplitude_gain(q: str = "q") -> Formula:
     """
     free = (Parameter(q, "q", Dimension(amplitude=-2), -np.inf, scale="linear"),)
     return Formula(free, _stretch, NEEDS_AMPLITUDE, "amplitude gain")
+
+
+def _damped(log_ratio: Any, limit: Any, n: Any) -> tuple[Any, tuple[Any, Any], Any]:
+    """1 / (1 + u) with u = ratio^n, its derivatives by the limit and by n, and that by ln ratio."""
+    u = np.exp(n * log_ratio)
+    kept = 1.0 / (1.0 + u)
+    by_log_u = -u * kept**2
+    return kept, (-by_log_u * n / limit, by_log_u * log_ratio), by_log_u * n
+
+
+def _softened(at: Points, limit: Any, n: Any) -> Any:
+    kept, slopes, _ = _damped(np.log(at.need("amplitude") / limit), limit, n)
+    return kept, slopes, 0.0
+
+
+def damping_function(limit: str = "Xc", exponent: str = "n") -> Formula:
+    """The factor 1 / (1 + (X / Xc)^n) by which a material softens as a whole, the same at all frequencies.
+
+    The damping function of Soskey and Winter 1984 (doi:10.1122/1.549770), 1 / (1 + a X^n) with a = Xc^-n, applied to
+    the first harmonic: storage and loss fall together, and the phase stays. The third harmonic has no formula: a
+    network that stays broken through the cycle makes hardly any, one that yields in each cycle a loud one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, damping_function
+    >>> at = Points.at([1.0, 1.0, 1.0], amplitude=[0.5, 2.0, 6.0])
+    >>> damping_function().respond(np.array([2.0, 1.0]), at).value.real
+    array([0.8 , 0.5 , 0.25])
+    """
+    free = (
+        Parameter(limit, "X_c", AMPLITUDE, typical=TYPICAL_LIMIT),
+        Parameter(exponent, "n", PURE, 0.3, STEEPEST, "linear", 1.0),
+    )
+    return Formula(free, _softened, NEEDS_AMPLITUDE, "damping function")
+
+
+def _thinned(at: Points, limit: Any, n: Any) -> Any:
+    log_ratio = at.log_omega + np.log(at.need("amplitude") / limit)
+    return _damped(log_ratio, limit, n)
+
+
+def thinning(limit: str = "Vc", exponent: str = "n") -> Formula:
+    """The factor 1 / (1 + (omega X / Vc)^n) by which a liquid thins with the rate at which it is moved.
+
+    Cross's law (1965, doi:10.1016/0095-8522(65)90022-X) of the rate omega X, after the rule that a liquid's viscosity
+    in large oscillations is that of steady flow at the same rate (Doraiswamy et al. 1991, doi:10.1122/1.550184). The
+    stress of steady flow does not fall with the rate: n is one at most.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.rheology import Points, thinning
+    >>> at = Points.at([1.0, 10.0, 30.0], amplitude=0.2)
+    >>> thinning().respond(np.array([2.0, 1.0]), at).value.real.round(3)
+    array([0.909, 0.5  , 0.25 ])
+    """
+    free = (
+        Parameter(limit, "V_c", RATE, typical=TYPICAL_LIMIT),
+        Parameter(exponent, "n", PURE, 0.3, 1.0, "linear", 0.8),
+    )
+    return Formula(free, _thinned, NEEDS_AMPLITUDE, "thinning")
 
 
 def _leak(at: Points, force: Any, angle: Any) -> Any:

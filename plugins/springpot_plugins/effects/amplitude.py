@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from springpot.rheology import (
     Effect,
     Layer,
@@ -10,6 +12,7 @@ from springpot.rheology import (
     coulomb_friction,
     cubic_dashpot,
     cubic_spring,
+    damping_function,
     elasto_sliding,
     gapped_spring,
     heated,
@@ -19,6 +22,7 @@ from springpot.rheology import (
     play,
     power_law_damper,
     smooth_hysteresis,
+    thinning,
 )
 
 WARMEST = 0.01
@@ -119,6 +123,30 @@ EFFECTS = (
         aliases=("maos",),
         prior=0.3,
         equation="K * (1 + q * X^2)",
+    ),
+    Effect(
+        "strain-softening",
+        chain,
+        damping_function("Xc", "n"),
+        "the whole material softens beyond an amplitude: storage and loss fall by one factor at all frequencies",
+        citation="Soskey and Winter 1984, doi:10.1122/1.549770",
+        aliases=("damping-function", "strain-thinning"),
+        approximate="first harmonic: the factor is of the amplitude, not of the history",
+        # Where Xc is far beyond all amplitudes nothing softens.
+        absent_at=inf,
+        equation="K / (1 + (X / Xc)^n)",
+    ),
+    Effect(
+        "shear-thinning",
+        chain,
+        thinning("Vc", "n"),
+        "a liquid flows the more easily the faster it is moved: storage and loss fall with frequency times amplitude",
+        citation="Cross 1965, doi:10.1016/0095-8522(65)90022-X; Doraiswamy et al. 1991, doi:10.1122/1.550184",
+        aliases=("rate-thinning", "cross-thinning"),
+        approximate="first harmonic: the factor is of the largest rate, not of the momentary one",
+        absent_at=inf,
+        prior=0.3,
+        equation="K / (1 + (omega * X / Vc)^n)",
     ),
     Effect(
         "self-heating",
