@@ -19,7 +19,7 @@ from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .diagnose import Case, Progress, examine, silent, within
-from .result import Diagnosis, Verdict
+from .result import Candidate, Diagnosis, Verdict
 from .scan import scan_effects
 from .search import at_its_limit
 
@@ -221,19 +221,31 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
         return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
+    first = _first_named(case.diagnosis)
     # Where the evidence prefers what has no name, an effect goes in unasked only if it takes most of the error.
-    little = candidates[0].error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
+    little = first.error_after > VERDICT.takes_most * case.diagnosis.error.relative_rms
     if verdicts[-1] == "unexplained" and little:
         return None
     # An effect that shows only beside another may head the table without a fit of its own.
-    fitted = case.evidence.likeliest_with().get(candidates[0].effect)
-    if fitted is not None and at_its_limit(fitted, candidates[0].physics):
+    fitted = case.evidence.likeliest_with().get(first.effect)
+    if fitted is not None and at_its_limit(fitted, first.physics):
         return None
     # The headline offers a drift in its place: only another experiment decides between the two.
     drift = case.evidence.drift
-    if drift is not None and drift.effect == candidates[0].effect:
+    if drift is not None and drift.effect == first.effect:
         return None
-    return candidates[0].physics
+    return first.physics
+
+
+def _first_named(diagnosis: Diagnosis) -> Candidate:
+    """The candidate that the headline names first, and the next step with it; else the first of the table.
+
+    The table may begin with one of a pair, of which another effect does more by itself than either.
+    """
+    for candidate in diagnosis.candidates:
+        if diagnosis.leading and candidate.effect == diagnosis.leading[0]:
+            return candidate
+    return diagnosis.candidates[0]
 
 
 def _explained(steps: list[Step]) -> list[Step]:
@@ -241,7 +253,9 @@ def _explained(steps: list[Step]) -> list[Step]:
 
     Effects that hide one another can leave a rung unexplained that two more steps explain; where they do not, they
     may only have been fitted to what is no effect of the library. What predicts data that were left out much better
-    than the model before, such as a shift of moduli beside a shift of times, stays; the rest is still unexplained.
+    than the model before, such as a shift of moduli beside a shift of times, stays, and so does what takes nearly all
+    of the misfit: sweeps at temperatures too far apart to overlap predict one another by no law. The rest is still
+    unexplained.
     """
     verdicts = [step.case.diagnosis.verdict for step in steps]
     if "unexplained" not in verdicts:
@@ -253,11 +267,16 @@ def _explained(steps: list[Step]) -> list[Step]:
     kept = first + 1
     # One after the other: a rung that predicts nothing new ends what may be believed of those above it.
     while kept < len(steps):
-        before, after = steps[kept - 1].case.search.base, steps[kept].case.search.base
-        if prediction_gain(before, after) > VERDICT.predicts:
+        before, after = steps[kept - 1], steps[kept]
+        left = (after.relative_rms / before.relative_rms) ** 2
+        if left > VERDICT.remainder and _prediction_gain(before, after) > VERDICT.predicts:
             break
         kept += 1
     return steps[:kept]
+
+
+def _prediction_gain(before: Step, after: Step) -> float:
+    return prediction_gain(before.case.search.base, after.case.search.base)
 
 
 def _needless(steps: Sequence[Step]) -> str:

@@ -1,0 +1,32 @@
+"""Sweeps at temperatures too far apart to overlap: the shift is taken all the same, though something is left."""
+
+import numpy as np
+
+import springpot
+
+TEMPERATURES = np.repeat([-30.0, -12.0, 6.0, 24.0, 45.0], 11)
+OMEGA = np.tile(np.geomspace(0.3, 30.0, 11), 5)
+
+
+def foam(rng):
+    """A Huet-Sayegh material that follows WLF, with a gain and a phase of its own at each temperature."""
+    reduced = OMEGA * 10.0 ** (-35.0 * (TEMPERATURES + 10.0) / (130.0 + TEMPERATURES + 10.0))
+    x = 30j * reduced
+    stiffness = 0.3 + 90.0 / (1.0 + 1.5 * x**-0.32 + 0.2 * x**-0.08)
+    phase, gain = 0.01 * np.repeat(rng.normal(size=(2, 5)), 11, axis=1)
+    real, imaginary = 0.0008 * rng.normal(size=(2, len(OMEGA)))
+    stiffness = stiffness * np.exp(1j * phase) * (1.0 + gain) * (1.0 + real + 1j * imaginary)
+    return springpot.Measurement(
+        OMEGA, stiffness, conditions={"temperature": TEMPERATURES}, units=springpot.Units("MPa", "-")
+    )
+
+
+def test_what_takes_nearly_all_of_the_misfit_stays():
+    ladder = springpot.discover(foam(np.random.default_rng(3)))
+    assert ladder.steps[1].accepted in ("wlf-shift", "arrhenius-shift")
+    assert ladder.steps[-1].relative_rms < 0.02 < 0.5 < ladder.steps[0].relative_rms
+
+
+def test_the_first_step_is_the_one_that_the_headline_names():
+    ladder = springpot.discover(foam(np.random.default_rng(4)))
+    assert ladder.steps[1].accepted == ladder.steps[0].case.diagnosis.leading[0]
