@@ -116,6 +116,10 @@ class Evidence:
         # What only helps beside a resonance may mend the wrong shape of it: it shares that one's doubt.
         leaning = frozenset(name for each in tried for name in each.names) - asked_for - imitators
         found = [Explanation(each, weight) for each, weight in zip(tried, weights[1:].tolist(), strict=True)]
+        # What fits best only beyond what any specimen reaches tells that something is missing, but not its name.
+        impossible = sum(one.probability for one in found if one.grown.beyond_physics)
+        found = [replace(one, probability=0.0) if one.grown.beyond_physics else one for one in found]
+        unknown = min(unknown + impossible, EVIDENCE.most_unknown)
         found.sort(key=lambda one: -one.probability)
         # What needs a condition that was not varied by itself shares the place of the likeliest explanation: that it
         # fits as well or better is no evidence, as the data cannot tell the two apart.

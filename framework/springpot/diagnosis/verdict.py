@@ -242,9 +242,12 @@ def _all_but_explained(search: Search) -> bool:
     Real measurements always keep some structure at the level of their noise; it is noted, not made the verdict.
     """
     spare = search.base.fit.dof
+    # What no specimen makes is no explanation, however well it fits.
+    possible = [search.base, *(grown.refit for grown in search.grown if not grown.beyond_physics)]
+    best = max(possible, key=lambda refit: refit.log_evidence)
     # The degrees of freedom of the base in both: those that the effects spent must not count for them.
-    before, after = (refit.rss - spare for refit in (search.base, search.best))
-    small = search.best.relative_rms < VERDICT.small_rest * search.best.floor
+    before, after = (refit.rss - spare for refit in (search.base, best))
+    small = best.relative_rms < VERDICT.small_rest * best.floor
     return before > spare and after < max(VERDICT.remainder * before, VERDICT.nothing_left) and small
 
 
