@@ -255,18 +255,33 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
     as_near.sort(key=lambda one: len(one.refit.theta))
-    adequate = [one for one in as_near if one.adequate]
+    adequate = _no_worse_than_rejected([one for one in as_near if one.adequate], ordered)
     near: list[Judgement] = []
     # Where a material is adequate, a model that is not lacks what the material has: only chance made it as near.
     judged = Judgement(floor, error_of(floor, lowest), 0.0, rng)
     if not judged.adequate:
-        near = [one for one in as_near if not one.adequate]
+        near = [one for one in as_near if one not in adequate]
     others = [one for one in ordered if one not in adequate and one not in near]
     # Where any material is far beyond the floor, no smaller noise is to blame.
     outgrown = not near and judged.error.relative_rms < VERDICT.small_rest * floor.floor
     if adequate:
         outgrown = adequate[0] is not as_near[0] or spends_most(adequate[0].refit)
     return _Order(adequate, near, others, outgrown)
+
+
+def _no_worse_than_rejected(adequate: Sequence[Judgement], ordered: Sequence[Judgement]) -> list[Judgement]:
+    """Those of the adequate models that are nearer than every model of no more parameters which is not adequate.
+
+    The fewer numbers a model leaves to judge it by, the larger an error passes for noise: without this a richer model
+    could be adequate at an error at which a simpler one is not.
+    """
+    rejected = [one for one in ordered if one not in adequate]
+    return [one for one in adequate if not any(_is_simpler_and_nearer(other, one) for other in rejected)]
+
+
+def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
+    nearer = other.error.relative_rms / other.error.noise_floor <= one.error.relative_rms / one.error.noise_floor
+    return nearer and len(other.refit.theta) <= len(one.refit.theta)
 
 
 def _quietest_alone(others: Sequence[Judgement], lowest: MaterialFloor, rng: np.random.Generator) -> Refit | None:
