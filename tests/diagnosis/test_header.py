@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis.notes import header_notes
 
 INERTIA = 0.002
 OMEGA = np.geomspace(1.0, 300.0, 40)
@@ -47,3 +48,13 @@ def test_the_unit_of_the_data_is_converted(measured):
 def test_nothing_is_said_without_a_header_or_of_a_damper(measured):
     assert notes(measured, None) == []
     assert notes(measured, INERTIA, "N/m") == []
+
+
+def test_an_inertia_of_which_nothing_is_known_agrees_with_nothing(measured):
+    said = replace(measured, provenance={"inertia as modulus": "1.4 Pa s^2"}, units=springpot.Units("Pa", "-"))
+    [found] = [row for row in springpot.diagnose(said, "fractional-maxwell").candidates if row.effect == "inertia"]
+    [known] = found.parameters.values()
+    open_ended = replace(found, verdict="cannot-tell", parameters={"m": replace(known, low=0.0, high=np.inf)})
+    assert list(header_notes([open_ended], said)) == []
+    closed = replace(found, parameters={"m": replace(known, low=0.0, high=2.0)})
+    assert "agrees with it" in next(header_notes([closed], said))

@@ -246,7 +246,11 @@ def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> I
         if stated is None:
             continue
         factor = _to_si(candidate.physics, constant.parameter, measurement)
-        compared = _beside(float(stated.split()[0]), candidate.parameters[constant.parameter], factor, candidate)
+        found = candidate.parameters[constant.parameter]
+        # An interval without an end holds every number: that it holds this one is no agreement.
+        if not np.isfinite(found.high):
+            continue
+        compared = _beside(float(stated.split()[0]), found, factor, candidate)
         yield f"the file's header gives {constant.says.format(stated=stated)}; {compared}"
 
 
