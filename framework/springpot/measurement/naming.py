@@ -16,7 +16,8 @@ _TEMPERATURE = re.compile(
     r"(?<![A-Za-z0-9.])(?:T\s?=?\s?)?([-+−]?\d{1,3}(?:[.,]\d{1,2})?)[ _]?(°C|deg ?C|C|K|°F|deg ?F)(?![A-Za-z0-9])"
 )
 _NAMED = re.compile(r"(?<![A-Za-z0-9.])(?:T|Temp|temp)[=_ ]?(-?\d{1,3}(?:[.,]\d{1,2})?)(?![A-Za-z0-9])")
-_NUMBER = re.compile(r"(?<!\d)\d{2,3}(?!\d)")
+# A minus after a letter or a digit joins two words, as in ps-130; after another mark it is a sign.
+_NUMBER = re.compile(r"(?<!\d)(?:(?<![A-Za-z0-9])[-−])?\d{2,3}(?!\d)")
 COLDEST_KELVIN = 100.0
 """Below it a K in a name is more likely a thousand, as in PS5K."""
 SIBLINGS = 2
@@ -124,10 +125,16 @@ def _number_among_siblings(path: Path) -> tuple[str, str, str] | None:
     except OSError:
         return None
     for match in numbers:
-        pattern = re.escape(path.name[: match.start()]) + r"(\d{2,3})" + re.escape(path.name[match.end() :])
-        others = [int(match_of_other[1]) for name in names if (match_of_other := re.fullmatch(pattern, name))]
-        values = sorted([int(match[0]), *others])
+        before, after = path.name[: match.start()], path.name[match.end() :]
+        pattern = re.escape(before) + r"([-−]?\d{1,3})" + re.escape(after)
+        others = [_integer(match_of_other[1]) for name in names if (match_of_other := re.fullmatch(pattern, name))]
+        values = sorted([_integer(match[0]), *others])
         # Numbers that only count the tests lie closer together than temperatures that somebody chose.
         if len(others) >= SIBLINGS and min(b - a for a, b in pairwise(values)) >= APART:
-            return match[0], match[0], "degC"
+            return match[0], str(_integer(match[0])), "degC"
     return None
+
+
+def _integer(text: str) -> int:
+    """A number of a file's name, with either sign for minus."""
+    return int(text.replace("−", "-"))

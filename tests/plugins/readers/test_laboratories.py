@@ -238,6 +238,17 @@ def test_a_number_in_which_several_names_differ_is_offered(folder):
 
 
 @pytest.mark.parametrize(
+    ("stem", "said"), [("foam_-10", "-10"), ("foam_-25", "-25"), ("foam_20", "20"), ("ps-130", "130")]
+)
+def test_a_minus_is_a_sign_unless_it_joins_two_words(folder, stem, said):
+    for other in ("foam_-25", "foam_-10", "foam_5", "foam_20", "ps-130", "ps-145", "ps-160"):
+        folder.write(SWEEP_TEXT, name=f"{other}.csv")
+    note = folder.open(SWEEP_TEXT, name=f"{stem}.csv").provenance["note temperature"]
+    assert f"'{said}' in its name" in note
+    assert f"?temperature={said}[degC]'" in note
+
+
+@pytest.mark.parametrize(
     ("said", "told"),
     [
         ("?G'=kPa", "'G' [Pa]' is in kPa as you said; the file says Pa"),
