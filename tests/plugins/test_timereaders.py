@@ -80,6 +80,7 @@ REFUSED = {
     "time [s],relaxation [Pa]\n-1,2\n1,3\n": "lies before the load",
     "time [s],relaxation [N]\n1,2\n2,3\n": "no unit of a modulus",
     "time [s],force [N]\n1,2\n2,3\n": "a force without a displacement",
+    "time [s],stress [Pa],shear rate [1/s],viscosity [Pa s]\n1,20,1,20\n2,30,1,30\n": "steady flow, neither an osc",
     "time [s],displacement [mm]\n1,2\n2,3\n": "a displacement without a force",
     "time [s],displacement [mm],force [Pa]\n1,2,1\n2,3,1\n": "units that make no stiffness",
     "time [s],compliance [Pa]\n1,2\n2,3\n": "no unit of a compliance",

@@ -34,6 +34,7 @@ from springpot.rheology import Real
 
 from ..readers.blocks import blocks_of
 from ..readers.grid import Grid, grid_of, head_grid
+from ..readers.names import role_of
 from ..readers.text import head_text, text_of
 from ..readers.titles import apart_from_sign, heading, is_unit
 from .sections import Section, Title, sections_of, title_of
@@ -314,6 +315,12 @@ def _lacking(section: Section, path: Path) -> DataError:
     there = ", ".join(title.text for title in section.titles[:12])
     if section.roles >= {"displacement", "force"}:
         return DataError(f"{path}: displacement and force are in units that make no stiffness (columns: {there})")
+    if any(role_of(title.text.partition("[")[0]) == "flow" for title in section.titles):
+        # A rate or a viscosity beside a stress: no column of it, whatever it is called, would make it a test.
+        return DataError(
+            f"{path}: steady flow, neither an oscillation nor a test in time; give the step that oscillates, "
+            f"creeps or relaxes (columns: {there})"
+        )
     lacks, has = "force", "displacement"
     if "force" in section.roles:
         lacks, has = has, lacks
