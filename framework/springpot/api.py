@@ -20,6 +20,7 @@ from springpot.identification import Identification, Objective, Optimiser, requi
 from springpot.identification import identify as identify_objects
 from springpot.measurement import Measurement, OpenQuestion
 from springpot.misfit import any_material
+from springpot.policy import INTERVALS
 from springpot.registry import open_in_time, open_measurement, parse_model, plugins
 from springpot.rheology import Effect, Model
 from springpot.standing import standing_of
@@ -27,8 +28,6 @@ from springpot.superposition import MasterCurve, level_of
 from springpot.superposition import mastercurve as mastercurve_of
 
 T = TypeVar("T", Model, Effect)
-
-INTERVALS = ("jacobian", "profile", "bootstrap")
 
 
 def read(spec: str | Path) -> Measurement:

@@ -21,6 +21,7 @@ from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
 from springpot.misfit.error import Error
 from springpot.misfit.values import Value
 from springpot.misfit.where import Where
+from springpot.misfit.words import over_floor
 from springpot.registry import parse_model, plugins
 from springpot.rheology import Model
 from springpot.standing import standing_of
@@ -64,7 +65,7 @@ class KeptStep:
     alike: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Step {self.model.name}: error {self.relative_rms / self.noise_floor:.3g} x floor>"
+        return f"<Step {self.model.name}: error {over_floor(self.relative_rms, self.noise_floor)} x floor>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ class KeptLadder:
         return dict(self.kept)
 
     def __repr__(self) -> str:
-        errors = " -> ".join(f"{step.relative_rms / step.noise_floor:.3g}" for step in self.steps)
+        errors = " -> ".join(over_floor(step.relative_rms, step.noise_floor) for step in self.steps)
         return f"<KeptLadder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
 
 
@@ -108,7 +109,7 @@ class KeptJudgement:
     where: tuple[Where, ...]
 
     def __repr__(self) -> str:
-        return f"<{self.model.name}: {self.error.relative_rms / self.error.noise_floor:.3g} x floor>"
+        return f"<{self.model.name}: {over_floor(self.error.relative_rms, self.error.noise_floor)} x floor>"
 
 
 @dataclass(frozen=True, eq=False)

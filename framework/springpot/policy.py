@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import log, pi, sqrt
 
+INTERVALS = ("jacobian", "profile", "bootstrap")
+"""Ways in which intervals of parameters are worked out, the usual first: the more it takes, the less it assumes."""
+
 
 @dataclass(frozen=True)
 class ScatterLevels:

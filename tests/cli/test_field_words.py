@@ -91,7 +91,7 @@ def test_far_from_the_noise_without_a_pattern_is_no_noise(springpot, write, rng)
 def test_where_the_floor_moves_a_line_says_why(springpot):
     """Amplitudes that differ from point to point leave no smooth curve whose scatter could be taken."""
     import springpot as package
-    from springpot.report.answers import ladder_text
+    from springpot.report.climbed import ladder_text
 
     ladder = package.discover("artificial-hidden", "fractional-maxwell", accept=["inertia", "time-delay"])
     floors = [step.noise_floor for step in ladder.steps]
@@ -107,7 +107,7 @@ def test_where_the_floor_moves_a_line_says_why(springpot):
 def test_no_reason_is_given_where_nothing_moved():
     from types import SimpleNamespace
 
-    from springpot.report.answers import floor_moved
+    from springpot.report.climbed import floor_moved
 
     def steps(*floors, source="estimated"):
         error = SimpleNamespace(noise_source=source)

@@ -15,7 +15,7 @@ from springpot.diagnosis.experiment import Clash, actions
 from springpot.identification import Window, shown
 from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
-from springpot.report.answers import doubt_text
+from springpot.report.climbed import doubt_text
 
 WARM = design(8, temperatures=(15.0, 25.0, 35.0))
 NARROW = design(60, 0.1, 100.0)

@@ -7,7 +7,8 @@ import pytest
 
 import springpot
 from springpot.measurement import Measurement, Units
-from springpot.report.answers import beside_floor, change, changes_text, diagnosis_text, ladder_text, worth_showing
+from springpot.report.answers import beside_floor, diagnosis_text, worth_showing
+from springpot.report.climbed import change, changes_text, ladder_text
 from springpot.report.html import report_html
 from springpot.report.numbers import number, percent
 from springpot.report.reference import reference_note
@@ -196,3 +197,15 @@ def test_a_hopeless_effect_is_not_shown_as_a_suggestion():
     kept = replace(told, candidates=(replace(hopeless[0], probability=0.02), *hopeless[1:]))
     assert [row.effect for row in worth_showing(kept)] == [name]
     assert f">{name}</td>" in kept._repr_html_()
+
+
+def test_a_notebook_shows_exact_data_without_a_ratio_to_no_floor():
+    data = damper()
+    ladder = springpot.discover(data, "fractional-maxwell")
+    exact = replace(ladder, steps=[replace(step, noise_floor=0.0) for step in ladder.steps])
+    assert ">-</td>" in exact._repr_html_()
+    comparison = springpot.compare(data, ["fractional-maxwell", "kelvin"])
+    first = comparison.judgements[0]
+    floorless = replace(first, error=replace(first.error, noise_floor=0.0))
+    page = replace(comparison, judgements=(floorless, *comparison.judgements[1:]))._repr_html_()
+    assert 'data-label="x floor">-</td>' in page

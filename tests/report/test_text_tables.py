@@ -1,6 +1,6 @@
 """Tables as text."""
 
-from springpot.report.text import Table, indented, width
+from springpot.report.text import Table, cut, indented, paragraphs, width
 
 
 def test_columns_line_up():
@@ -26,3 +26,14 @@ def test_markup_in_data_is_printed_as_it_is(capsys, monkeypatch):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     Table(("name",), [["[red]not markup[/red]"]]).show()
     assert "[red]not markup[/red]" in capsys.readouterr().out
+
+
+def test_a_long_name_is_cut_to_its_place():
+    assert cut("as it is", 8) == "as it is"
+    assert cut("too long by far", 8) == "too lon…"
+
+
+def test_sentences_are_broken_and_tables_stay_as_they_are():
+    table = Table(("a long name of a column", "size"), [["x", "1"]]).plain()
+    told = paragraphs(["one two three", "", table], 8)
+    assert told == f"one two\n  three\n\n{table}"

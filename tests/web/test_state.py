@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import runpy
 import shlex
+from collections import OrderedDict
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from springpot.measurement import Measurement
 from springpot.report.interactive.answers import proposed_points
 from springpot.report.interactive.scene import MOST_POINTS, PageScene, relative_error, rounded
 from springpot.report.jsontext import to_json
-from springpot.web import leaving
+from springpot.web import leaving, tasks
 from springpot.web.answers import answer, ladder_of
 from springpot.web.datatext import joined, kept, measured_in, measurement_of, safe_name, text_of
 from springpot.web.sessions import is_session, session_of
@@ -347,3 +348,24 @@ def test_the_error_is_relative_to_what_was_measured_as_the_page_says(data: Measu
     assert relative_error(one, model, half) == pytest.approx(exact)
     words = (Path(springpot.__file__).parent / "web" / "page" / "main.js").read_text(encoding="utf-8")
     assert "|K_model - K| / |K|" in words
+
+
+def test_the_ladder_that_was_asked_for_last_is_remembered_longest(monkeypatch):
+    climbed = []
+
+    def climb(state, measurement, told):
+        climbed.append(state.model)
+        return state.model
+
+    monkeypatch.setattr(tasks, "_ladders", OrderedDict())
+    monkeypatch.setattr(tasks, "ladder_of", climb)
+    monkeypatch.setattr(tasks, "_measured", lambda text: None)
+    states = [State("data", f"prony-{i}") for i in range(1, tasks.LADDERS + 2)]
+    for each in states[: tasks.LADDERS]:
+        tasks._ladder(each, "", print)
+    # The first is worked with: another one that is new must not push it out.
+    for each in (states[0], states[-1], states[0]):
+        assert tasks._ladder(each, "", print) == each.model
+    assert climbed == [each.model for each in states]
+    tasks._ladder(states[1], "", print)
+    assert climbed[-1] == states[1].model

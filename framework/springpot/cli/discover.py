@@ -75,7 +75,7 @@ def command(
     Ctrl-C ends with the answer of the last step that was reached.
     """
     from springpot.registry import effect_in_time, for_sweeps, parse_timed, plugins
-    from springpot.report.answers import ladder_text
+    from springpot.report.climbed import ladder_text
 
     # As in: --accept inertia time-delay.
     accept = (*accept, *more)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.errors import OptionError
+from springpot.policy import INTERVALS
 
 from . import completion, timetests
 from .common import (
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from springpot.identification import Identification
     from springpot.rheology import Model
 
-INTERVALS = ("jacobian", "profile", "bootstrap")
 OBJECTIVE = "See 'springpot list objectives'; suited to the data by default."
 OPTIMISER = (
     "With options as in pso-paper:particles=40; see 'springpot list optimisers'. By default the native solver."

@@ -24,7 +24,7 @@ from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
 from springpot.misfit.values import Value, printed
 from springpot.misfit.where import Where, where
-from springpot.misfit.words import times
+from springpot.misfit.words import over_floor, percent, times
 from springpot.rheology import Model
 
 if TYPE_CHECKING:
@@ -117,7 +117,9 @@ class Judgement:
     @property
     def says(self) -> str:
         """The judgement in one sentence."""
-        ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
+        ratio = f"error {percent(self.error.relative_rms)}, without a noise floor"
+        if self.error.noise_floor > 0.0:
+            ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"
         if self.unclear and self.error.is_hardly_noise and not beyond_floor(self.refit):
             return f"{ratio}; nothing is left but noise, but {self.error.advice}"
         # Before "nothing is left but noise", which no error beyond the floor may be called.
@@ -206,7 +208,8 @@ class Comparison:
 
     def __repr__(self) -> str:
         errors = ", ".join(
-            f"{one.model.name} {one.error.relative_rms / one.error.noise_floor:.3g} x floor" for one in self.shown
+            f"{one.model.name} {over_floor(one.error.relative_rms, one.error.noise_floor)} x floor"
+            for one in self.shown
         )
         return f"<Comparison of {self.data}: {errors}>"
 

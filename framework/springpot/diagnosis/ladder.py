@@ -15,6 +15,7 @@ from springpot.measurement import Measurement
 from springpot.misfit.refit import refit
 from springpot.misfit.unseen import prediction_gain
 from springpot.misfit.values import Value, printed
+from springpot.misfit.words import over_floor
 from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
@@ -70,7 +71,7 @@ class Step:
     alike: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Step {self.model.name}: error {self.relative_rms / self.noise_floor:.3g} x floor>"
+        return f"<Step {self.model.name}: error {over_floor(self.relative_rms, self.noise_floor)} x floor>"
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
@@ -105,7 +106,7 @@ class Ladder:
         return text_of(self)
 
     def __repr__(self) -> str:
-        errors = " -> ".join(f"{step.relative_rms / step.noise_floor:.3g}" for step in self.steps)
+        errors = " -> ".join(over_floor(step.relative_rms, step.noise_floor) for step in self.steps)
         return f"<Ladder {self.model.name} of {self.data}: error {errors} x floor; {self.verdict}>"
 
     def to_dict(self) -> dict[str, Any]:

@@ -35,7 +35,6 @@ MORE_STARTS = 32
 """Starts of a fit that has not been confirmed, or that a simpler model beats."""
 RESAMPLES = 400
 """Of a bootstrap: ten of them lie beyond each end of a 95 % interval."""
-INTERVALS = ("jacobian", "profile", "bootstrap")
 NESTING = 1e-6
 """A richer model may be worse than one it contains by this fraction, from rounding."""
 

@@ -11,6 +11,13 @@ def times(ratio: float) -> str:
     return f"{ratio:.2g} x"
 
 
+def over_floor(error: float, floor: float) -> str:
+    """An error in noise floors with three digits, such as ``1.24``; a dash where exact data have no floor."""
+    if not floor > 0.0:
+        return "-"
+    return f"{error / floor:.3g}"
+
+
 def percent(fraction: float) -> str:
     """A share of |K| with three digits, such as ``0.572 %``."""
     return f"{100.0 * fraction:.3g} %"

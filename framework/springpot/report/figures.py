@@ -16,6 +16,7 @@ from .curves import Fit
 from .floors import DASHES
 from .numbers import percent
 from .scene import Scene
+from .text import cut
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,22 +83,16 @@ def _headline(scene: Scene) -> str:
         drawn = f"; {scene.drawn}"
     # Data alone have no error to tell.
     if not scene.fits:
-        return f"{_cut(data.name)}{drawn}"
+        return f"{cut(data.name, TITLE_WIDTH)}{drawn}"
     # Of several models each has its error in the table, and its name in the legend.
     if len(scene.fits) > 1:
-        return f"{_cut(data.name)}\npoints measured, lines fitted{drawn}"
+        return f"{cut(data.name, TITLE_WIDTH)}\npoints measured, lines fitted{drawn}"
     fit = scene.fits[0]
     # Of all points, those among them that are too many to be drawn.
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
     error = percent(float(np.sqrt(np.mean(share**2))))
-    fitted = _cut(f"{fit.name} fitted to {data.name}")
+    fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
     return f"{fitted}\npoints measured, lines fitted; error {error} of {data.units.magnitude}{drawn}"
-
-
-def _cut(text: str) -> str:
-    if len(text) <= TITLE_WIDTH:
-        return text
-    return f"{text[: TITLE_WIDTH - 1]}…"
 
 
 def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False) -> None:
@@ -120,7 +115,7 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
         handles=marks,
-        title=_literal(_headline(scene)),
+        title=literal(_headline(scene)),
         title_fontsize=11.0,
         alignment="left",
         loc="outside upper left",
@@ -175,9 +170,9 @@ def _mark(label: str, color: str, **style: Any) -> Line2D:
     # Loaded when something is drawn: text needs no matplotlib.
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], color=color, label=_literal(label), **style)
+    return Line2D([], [], color=color, label=literal(label), **style)
 
 
-def _literal(text: str) -> str:
+def literal(text: str) -> str:
     """Text from data, in which a dollar sign must not start a formula."""
     return text.replace("$", r"\$")

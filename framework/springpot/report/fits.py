@@ -15,7 +15,7 @@ from springpot.rheology.drawing import drawing_of
 from .numbers import number, percent, seconds, told_range
 from .reference import reference_note
 from .spectrum import in_words
-from .text import Table, cut, indented, wrapped
+from .text import Table, cut, indented, paragraphs, wrapped
 from .values import OPEN, shown
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
     ranked = ""
     if rows:
         ranked = Table(headers, rows, frozenset(headers[2:4])).without(("delta BIC",), width).plain()
-    sentences = [
+    parts = [
         f"{diagnosis.base.model.name}: {diagnosis.verdict}\n{diagnosis.says}",
         "\n".join(f"where: {place.says}" for place in diagnosis.where),
     ]
@@ -144,12 +144,7 @@ def diagnosed_in_time_text(diagnosis: TimeDiagnosis, width: int = 120) -> str:
     absent = {each.effect for each in diagnosis.candidates if each.verdict == "absent"}
     open_classes = [names for names in diagnosis.classes if names[0] not in absent]
     physics += [f"these tests cannot tell apart: {', '.join(names)}" for names in open_classes]
-    # The table has its own widths; what is told in sentences is broken at words.
-    parts = [wrapped(part, width) for part in sentences if part]
-    if ranked:
-        parts.append(ranked)
-    parts += [wrapped(part, width) for part in physics]
-    return "\n\n".join(parts)
+    return paragraphs([*parts, ranked, *physics], width)
 
 
 def _briefly(parameters: Mapping[str, Mapping[str, Any]]) -> str:

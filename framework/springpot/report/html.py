@@ -18,9 +18,7 @@ from springpot.versions import versions
 
 from .answers import (
     absent_effects,
-    accepted_name,
     beside_floor,
-    moves_text,
     nowhere,
     over_floor,
     probability,
@@ -29,6 +27,7 @@ from .answers import (
     worth_showing,
 )
 from .canvas import require_matplotlib
+from .climbed import accepted_name, moves_text
 from .curves import Fit
 from .interactive.answers import rungs
 from .interactive.bench import Bench, bench_of

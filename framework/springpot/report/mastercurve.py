@@ -14,7 +14,7 @@ from springpot.superposition.laws import LawFit
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
 from .numbers import number, percent, seconds, with_interval
-from .text import Table, wrapped
+from .text import Table, fitted_to
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,13 +55,7 @@ def mastercurve_text(master: MasterCurve, width: int = 120) -> str:
     if len(rest.failures) > MOST_SAID:
         lines.append(f"  - and {len(rest.failures) - MOST_SAID} places more, see --json")
     lines += [f"note: {note}" for note in master.notes]
-    broken = []
-    for line in lines:
-        # A table has its own widths; what is told in sentences is broken at words.
-        if "\n---" not in line:
-            line = wrapped(line, width)
-        broken.append(line)
-    return "\n".join(broken)
+    return "\n".join(fitted_to(line, width) for line in lines)
 
 
 def _factor(master: MasterCurve, letter: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from springpot.comparison import Comparison
 from springpot.diagnosis import Diagnosis, Ladder
 from springpot.markup import Html, html, table, tag
-from springpot.misfit.words import percent
+from springpot.misfit.words import over_floor, percent
 
 from .answers import probability, worth_showing
 
@@ -72,8 +72,8 @@ def _of_ladder(ladder: Ladder) -> Html:
         if step["predicted_error"] is not None:
             predicted = percent(step["predicted_error"])
         errors = [percent(step[name]) for name in ("relative_rms", "noise_floor", "material_floor")]
-        ratio = step["relative_rms"] / step["noise_floor"]
-        rows.append((step["accepted"] or step["model"], predicted, *errors, f"{ratio:.3g}"))
+        ratio = over_floor(step["relative_rms"], step["noise_floor"])
+        rows.append((step["accepted"] or step["model"], predicted, *errors, ratio))
     headers = ("accepted", "predicted error", "error", "noise floor", "material floor", "x floor")
     return tag(
         "div",
@@ -103,7 +103,7 @@ def _of_comparison(comparison: Comparison) -> Html:
             (
                 name,
                 *(percent(error[line]) for line in ("relative_rms", "noise_floor", "material_floor")),
-                f"{error['relative_rms'] / error['noise_floor']:.3g}",
+                over_floor(error["relative_rms"], error["noise_floor"]),
                 f"{one['delta_bic']:.3g}",
                 word,
             )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from springpot.comparison import Judgement, Ranking
 
-from .answers import USUAL, doubt_text, floors, times_floor, value_text
+from .answers import USUAL, floors, times_floor, value_text
+from .climbed import doubt_text
 from .numbers import number, percent
 from .reference import reference_note
-from .text import Table, wrapped
+from .text import Table, paragraphs
 
 HEADERS = ("model", "verdict", "error", "x floor", "delta BIC", "parameters")
 NAMED = 12
@@ -28,13 +29,7 @@ def ranked_text(ranking: Ranking, width: int = USUAL) -> str:
         "\n".join(filter(None, map(doubt_text, ranking.ladder.steps))),
         "\n".join(f"note: {note}" for note in ranking.notes),
     ]
-    paragraphs = []
-    for part in filter(None, parts):
-        # A table has its own widths; what is told in sentences is broken at words.
-        if "\n---" not in part:
-            part = wrapped(part, width)
-        paragraphs.append(part)
-    return "\n\n".join(paragraphs)
+    return paragraphs(parts, width)
 
 
 def _floors(ranking: Ranking) -> str:

@@ -25,10 +25,11 @@ from . import views
 from .bands import draw_bands
 from .canvas import QUIET, blank, finished, logarithmic
 from .curves import Fit
-from .figures import headed
+from .figures import headed, literal
 from .floors import DASHES
 from .numbers import percent
 from .scene import Scene
+from .text import cut
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,18 +172,11 @@ def _row_of_residuals(row: Sequence[Axes], scene: Scene, error: Error, named: bo
     title = f"error {percent(error.relative_rms)}, material floor {percent(error.material_floor)}"
     # The headline names a single model.
     if named:
-        title = f"{_cut(scene.fits[0].name)}\n{title}"
+        title = f"{literal(cut(scene.fits[0].name, TITLE))}\n{title}"
     row[0].set_title(title)
     for axes, plane in zip(row[1:], PLANES, strict=True):
         draw_plane(axes, scene, plane)
         axes.set_title(f"{plane.name} plane")
-
-
-def _cut(text: str) -> str:
-    if len(text) > TITLE:
-        text = f"{text[: TITLE - 1]}…"
-    # A dollar sign would begin a formula.
-    return text.replace("$", r"\$")
 
 
 def with_noise_of(measurement: Measurement, sd: Complex) -> Measurement:

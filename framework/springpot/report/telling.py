@@ -8,7 +8,8 @@ from springpot.comparison import Comparison, Ranking
 from springpot.diagnosis import Diagnosis, Ladder
 from springpot.identification import Identification
 
-from .answers import comparison_text, diagnosis_text, ladder_text
+from .answers import comparison_text, diagnosis_text
+from .climbed import ladder_text
 from .fits import identification_text
 from .ranking import ranked_text
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Literal
@@ -129,3 +129,15 @@ def wrapped(text: str, columns: int, by: str = "  ") -> str:
         # Neither within words nor at hyphens: names such as fractional-maxwell are to be copied whole.
         lines += wrap(line, columns, subsequent_indent=start + by, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines)
+
+
+def fitted_to(part: str, columns: int) -> str:
+    """Sentences broken at words to fit so many columns; a table has its own widths, and stays as it is."""
+    if "\n---" in part:
+        return part
+    return wrapped(part, columns)
+
+
+def paragraphs(parts: Iterable[str], columns: int) -> str:
+    """The parts that say anything, fitted to so many columns, an empty line between them."""
+    return "\n\n".join(fitted_to(part, columns) for part in parts if part)

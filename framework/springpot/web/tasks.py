@@ -55,6 +55,8 @@ def _ladder(state: State, text: str, told: Told) -> Ladder:
         _ladders[state.key] = ladder_of(state, _measured(text), told)
         while len(_ladders) > LADDERS:
             _ladders.popitem(last=False)
+    # The one asked for last goes last: what somebody works with stays, however early it was climbed.
+    _ladders.move_to_end(state.key)
     return _ladders[state.key]
 
 
