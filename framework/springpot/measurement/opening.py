@@ -215,7 +215,9 @@ def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
     list_parts = reader.parts
     if list_parts is None:
         return ()
-    return tuple(guarded(reader, path, lambda: list_parts(path)))
+    listed = guarded(reader, path, lambda: list_parts(path))
+    # A reader does not know under which name the user opened the file.
+    return tuple(replace(part, says=part.says.replace("'FILE", f"'{path}")) for part in listed)
 
 
 def signals_to_measurement(

@@ -50,6 +50,8 @@ _PAIRS = (
 """What gives a complex modulus, best first."""
 _REPEATED = set(FREQUENCIES).union(*_PAIRS)
 """Columns that say once more what the chosen ones say."""
+SAME_FREQUENCY = 0.01
+"""Share by which two columns of one frequency may differ, as what was set and what was measured do."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
 _MEANT = {*UNITS, "repeat"} - {"time"}
@@ -271,6 +273,7 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     # What the user says goes before what the file says.
     constants = {**block.constants, **chosen.constants}
     columns += [_constant(title, value, block) for title, value in constants.items()]
+    _require_one_clock(columns)
     roles = _roles(columns)
     _require_units(roles)
     used = {column.title for column in roles.values()}
@@ -289,6 +292,28 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     if chosen.overruled:
         notes["note columns"] = "; ".join(chosen.overruled)
     return replace(measured, provenance={**measured.provenance, **notes})
+
+
+def _require_one_clock(columns: Sequence[Column]) -> None:
+    """Refuse a table in which storage and loss each have frequencies of their own, as curves that were read off."""
+    clocks = [(place, each) for place, each in enumerate(columns, 1) if each.name in FREQUENCIES]
+    for place, other in clocks[1:]:
+        first = clocks[0][1]
+        if other.title != first.title:
+            # A frequency that was set, beside the measured one.
+            continue
+        for one, two in zip(first.cells, other.cells, strict=True):
+            if is_number(one) and is_number(two) and not _is_near(one, two):
+                raise DataError(
+                    f"'{first.title}' stands twice, with {one.strip()} and {two.strip()} in one row: storage and "
+                    f"loss need the same frequencies; bring them there, or leave out the second by 'FILE?{place}=ignore'"
+                )
+
+
+def _is_near(one: str, two: str) -> bool:
+    """Whether two cells are one frequency, to 1 %."""
+    first, second = (float(cell.replace(",", ".").replace("−", "-")) for cell in (one, two))
+    return abs(first - second) <= SAME_FREQUENCY * abs(first)
 
 
 def _named(columns: Sequence[Column], name: str) -> Column | None:

@@ -31,10 +31,8 @@ _FEWEST = 2
 """Columns of a table that go by values of one condition."""
 _MOST_LINES = 5000
 """Lines beyond which a file is no such table: a sweep has some hundred points."""
-_REMEDY = (
-    "write a line '|E*| [MPa]', below it 'temperature [degC],25 Hz,10 Hz,...' and the numbers, then a line "
-    "'phase [deg]' and its table in the same way"
-)
+_NAMES = {True: "temperature [degC],25 Hz,10 Hz", False: "frequency [Hz],20 degC,40 degC"}
+"""Names of a table whose columns go by frequency, and of one whose columns go by temperature."""
 _CORNER = re.compile(r"\s*[\\/|]\s+|\s+[\\/|]\s*|\\")
 """Between the names of both sides in the first cell: ``T [degC] \\ f [Hz]``."""
 
@@ -191,13 +189,23 @@ def _wide(row: Sequence[str], above: Sequence[Sequence[str]], choice: Choice) ->
     if quantities and heading(key).role in _AXES and not across and len(filled) > 1 and all(map(is_number, filled)):
         raise _ask_across(filled, heading(key).role)
     if len(conditions) < max(_FEWEST, len(filled)):
+        others = [heading(cell) for j, cell in enumerate(row) if j and cell and j not in conditions]
+        if len(conditions) >= _FEWEST and all(each.curve is not None and each.role in VALUES for each in others):
+            raise DataError(
+                f"'{filled[0]}' says at what, but not which quantity it holds: write it before, with its unit, as in "
+                f"'|E*| {filled[0]} [MPa]', above each such column"
+            )
         return None
     columns = f"its columns go by {', '.join(filled[:3])} ..."
     role = heading(next(iter(conditions.values()))[0]).role
+    remedy = (
+        f"write a line '|E*| [MPa]', below it '{_NAMES[role in FREQUENCIES]},...' and the numbers, then a line "
+        "'phase [deg]' and its table in the same way"
+    )
     if heading(key).role not in _AXES or (heading(key).role in FREQUENCIES) == (role in FREQUENCIES):
-        raise DataError(f"{columns}, but it is not said what its rows go by; {_REMEDY}")
+        raise DataError(f"{columns}, but it is not said what its rows go by; {remedy}")
     if quantities is None:
-        raise DataError(f"{columns}, but it is not said which quantity they hold; {_REMEDY}")
+        raise DataError(f"{columns}, but it is not said which quantity they hold; {remedy}")
     return _Columns({0: key}, quantities, conditions)
 
 

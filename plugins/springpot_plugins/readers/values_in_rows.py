@@ -13,7 +13,7 @@ from .blocks import is_dynamic
 from .grid import COMMENT, MISSING, Grid, holds_number, is_number
 from .names import FREQUENCIES, fold, names_a_modulus
 from .side_by_side import VALUES
-from .titles import UNITS, heading, is_unit
+from .titles import UNITS, heading
 
 _SEARCHED = 200
 """Lines in which the names of such a table are sought."""
@@ -116,7 +116,19 @@ def from_rows(grid: Grid) -> tuple[Grid, str] | None:
         named = next((j for j, column in enumerate(columns) if _names_quantities(column)), None)
         if named is not None:
             return _from_columns(titles, columns, [line for _, line in below], named)
+        _require_all_parts(titles, columns)
     return None
+
+
+def _require_all_parts(titles: Sequence[str], columns: Sequence[Sequence[str]]) -> None:
+    """Refuse a table whose rows all say that they are one part of a modulus."""
+    for title, column in zip(titles, columns, strict=True):
+        words = set(column) - MISSING
+        if len(words) == 1 and heading(min(words)).role in VALUES:
+            raise DataError(
+                f"all rows of '{title}' say {min(words)}; add rows of what lacks: loss beside storage, phase "
+                "beside a magnitude"
+            )
 
 
 def _names_quantities(column: Sequence[str]) -> bool:
@@ -132,7 +144,7 @@ def _from_columns(
     names = columns[named]
     place = _place_of_values(titles, columns, named)
     others = [j for j in range(len(titles)) if j not in (named, place)]
-    units = next((j for j in others if all(is_unit(cell) for cell in columns[j])), None)
+    units = next((j for j in others if _holds_units(columns[j], names)), None)
     keys = [j for j in others if j != units and _is_condition(titles[j], columns[j], names)]
     values = []
     for k, line in enumerate(lines):
@@ -144,10 +156,18 @@ def _from_columns(
         conditions = tuple((titles[j], columns[j][k]) for j in keys)
         values.append(Value(conditions, _with_unit(names[k], unit), columns[place][k], line))
     note = f"the words of '{titles[named]}' say what '{titles[place]}' is in each row: put in columns of their own"
-    left_out = [f"'{titles[j]}'" for j in others if j not in (units, *keys)]
+    # A column without a name counts the rows.
+    left_out = [f"'{titles[j]}'" for j in others if titles[j] and j not in (units, *keys)]
     if left_out:
-        note += f", without {', '.join(left_out)}, which differ between rows of one point"
+        note += f"; left out, as not the same in all rows of a point: {', '.join(left_out)}"
     return side_by_side(values), note
+
+
+def _holds_units(column: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether each cell is a unit of what its row names: a sample that is called A is no ampere."""
+    pairs = set(zip(column, names, strict=True))
+    known = [(unit, heading(name).role) for unit, name in pairs if heading(name).role in UNITS]
+    return bool(known) and all(normal_unit(unit) in UNITS[str(role)] for unit, role in known)
 
 
 def _place_of_values(titles: Sequence[str], columns: Sequence[Sequence[str]], named: int) -> int:

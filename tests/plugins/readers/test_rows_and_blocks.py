@@ -75,7 +75,7 @@ def test_conditions_of_rows_are_kept_and_what_differs_within_a_point_is_told(fol
     found = folder.open("id,omega [rad/s],quantity,value [Pa],temperature [degC]\n" + "\n".join(lines) + "\n")
     np.testing.assert_allclose(found.conditions["temperature"], np.repeat([20.0, 40.0], len(OMEGA)))
     np.testing.assert_allclose(found.stiffness, np.tile(G, 2), rtol=1e-10)
-    assert "without 'id'" in found.provenance["note layout"]
+    assert ": 'id'" in found.provenance["note layout"]
 
 
 def test_units_of_values_in_rows_are_asked_for_by_a_command_that_works(folder):
@@ -183,6 +183,48 @@ def test_a_second_question_keeps_the_answer_to_the_first(folder):
             folder.open(text, said)
         said = re.search(r"data\.txt(\?[^']+)'", str(asked.value))[1]
     is_table(folder.open(text, said))
+
+
+def test_a_sample_that_is_called_like_a_unit_is_a_label(folder):
+    lines = in_rows(("Storage modulus", "Loss modulus")).splitlines()
+    text = "sample,omega [rad/s],what,Result (Pa)\n" + "".join(f"A,{line}\n" for line in lines)
+    found = folder.open(text)
+    is_sweep(found)
+    assert set(found.labels["sample"]) == {"A"}
+
+
+def test_rows_of_storage_alone_name_what_lacks(folder):
+    lines = in_rows().splitlines()
+    says = folder.complaint("omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines[::2]) + "\n")
+    assert "all rows of 'quantity' say G'; add rows of what lacks" in says
+    is_sweep(folder.open("omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines) + "\n"))
+
+
+def test_curves_that_were_read_off_at_frequencies_of_their_own_are_refused(folder):
+    def beside(factor):
+        rows = [f"{w:.9g},{g.real:.17g},{factor * w:.9g},{g.imag:.17g}" for w, g in zip(OMEGA, G, strict=True)]
+        return "omega [rad/s],G' [Pa],omega [rad/s],G'' [Pa]\n" + "\n".join(rows) + "\n"
+
+    says = folder.complaint(beside(1.05))
+    assert "'omega [rad/s]' stands twice, with 0.1 and 0.105 in one row" in says
+    assert len(folder.open(beside(1.05), re.search(r"data\.txt(\?[^']+)'", says)[1])) == len(OMEGA)
+    assert len(folder.open(beside(1.0))) == len(OMEGA)
+
+
+def test_frequencies_in_place_of_quantities_beside_named_ones(folder):
+    bare = ",".join(f"{f:g} Hz" for f in FREQUENCIES)
+    angles = ",".join(f"phase {f:g} Hz [deg]" for f in FREQUENCIES)
+    text = wide(np.hstack([abs(E), ANGLE]), f"T [degC],{bare},{angles}")
+    shown = re.search(r"as in '(.+?) 25 Hz (.+?)'", folder.complaint(text))
+    named = ",".join(f"{shown[1]} {f:g} Hz {shown[2]}" for f in FREQUENCIES)
+    is_table(folder.open(text.replace(bare, named)))
+
+
+def test_what_a_part_leaves_open_names_the_file(folder):
+    text = f"T [degC],{','.join(f'|E*| {f:g} Hz [MPa],phase {f:g} Hz' for f in FREQUENCIES)}\n4,1,2,3,4,5,6,7,8\n"
+    text += "20,1,2,3,4,5,6,7,8\n"
+    for part in folder.parts(text):
+        assert f"open '{folder.path / 'data.txt'}?phase=deg'" in part.says
 
 
 def test_one_quantity_alone_names_the_other(folder):
