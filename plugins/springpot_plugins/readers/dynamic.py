@@ -305,8 +305,8 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
         for one, two in zip(first.cells, other.cells, strict=True):
             if is_number(one) and is_number(two) and not _is_near(one, two):
                 raise DataError(
-                    f"'{first.title}' stands twice, with {one.strip()} and {two.strip()} in one row: storage and loss "
-                    "need the same frequencies; bring them there, or leave out the second by "
+                    f"'{first.title}' stands twice, with {one.strip()} and {two.strip()} in one row: storage and "
+                    "loss need the same frequencies; bring them there, or leave out the second by "
                     f"'FILE?{place}=ignore'"
                 )
 
