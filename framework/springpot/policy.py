@@ -296,3 +296,19 @@ class ExperimentLevels:
 
 
 EXPERIMENT = ExperimentLevels()
+
+
+@dataclass(frozen=True)
+class CourseLevels:
+    """When a specimen is held to change with time."""
+
+    largest_mutation: float = 0.1
+    """Relative change within one period up to which a point is of one state, a tenth as where Mours and Winter 1994
+    (doi:10.1007/BF00369354) hold a test to be quasi-steady."""
+    held_force: float = 0.2
+    """Spread of the logarithm of the force over that of the amplitude, and the same of their scatter from point to
+    point, below which the force was held and the amplitude followed the specimen: of an amplitude that was chosen
+    the second is one or more."""
+
+
+COURSE = CourseLevels()

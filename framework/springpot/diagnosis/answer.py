@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
 
 from springpot.measurement import Measurement
+from springpot.misfit.course import Course, change_in_order, course_behind
 from springpot.misfit.leftover import Column, column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier
@@ -31,7 +35,40 @@ BESIDE_MATERIAL = {
 """What is added where effects are named beside a free spectrum."""
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
+Behind: TypeAlias = Column | Course | None
+"""What the misfit goes with that no effect knows: a column of settings, or the time."""
 HARMONICS = "; the force holds harmonics that this model does not make"
+
+
+def course_instead(evidence: Evidence, verdict: Verdict) -> Course | None:
+    """How the specimen changed with time, where that explains the misfit and no effect explains it better.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of every effect, with the search behind it.
+    verdict : {"adequate", "effect-missing", "unexplained", "inconclusive"}
+        What they amount to without the time.
+    """
+    search = evidence.search
+    drifts = search.repeats.p_value < VERDICT.repeats_alarm
+    if verdict == "adequate" and not drifts:
+        return None
+    frame = search.base.frame()
+    # The mean of repeats knows no time: they are looked at one by one.
+    if drifts:
+        frame = search.base.frame_of(search.base.data.raw)
+    course = course_behind(frame)
+    if course is None or verdict != "effect-missing":
+        return course
+    # An amplitude that only followed the specimen explains whatever the specimen did.
+    if course.force_held and any("amplitude" in effect.needs for effect in search.grown[0].effects):
+        return course
+    spent = len(search.best.own) - len(search.base.own)
+    gain = search.base.fair_rss - search.best.fair_rss - spent * float(np.log(frame.size))
+    if gain > course.gain:
+        return None
+    return course
 
 
 def answer(
@@ -42,6 +79,7 @@ def answer(
     outliers: Sequence[Outlier],
     verdict: Verdict,
     library: Sequence[Effect],
+    course: Course | None = None,
 ) -> Diagnosis:
     """Tell what was found, of the user's own model whatever the names were found beside.
 
@@ -61,16 +99,24 @@ def answer(
         Overall.
     library : sequence of Effect
         Those with a factor for each level tell whether any shift would do.
+    course : Course, optional
+        How the specimen changed with time, where that is what the misfit goes with.
     """
     error = error_of(search.base, floor)
     # Noise that is hard to believe is told of first: until it is smaller, none of the rest is worth reading.
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
-    leading = leading_names(search, evidence, verdict)
-    column, one_test, split, classes, experiment = None, "", "", [], None
-    if verdict in OPEN:
+    leading: Sequence[str] = []
+    behind: Behind = course
+    one_test, split, classes, experiment = "", "", [], None
+    if course is not None:
+        one_test = course.last_round
+    else:
+        leading = leading_names(search, evidence, verdict)
+    if course is None and verdict in OPEN:
         column = column_behind(evidence.search.best.frame())
         one_test, _ = one_test_of(search.base.data.raw, column)
+        behind = column
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
@@ -78,8 +124,9 @@ def answer(
         classes = evidence.classes
         # To look at one test needs no measurement: it comes first.
         if not one_test:
-            experiment = _next_experiment(search, evidence, verdict, outliers, leading)
-    sentences = list(notes(evidence, verdict, outliers, column, len(measurement), library))
+            experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
+    sentences = list(notes(evidence, verdict, outliers, behind, len(measurement), library))
+    sentences += filter(None, [_in_order_of_time(search, behind)])
     sentences += header_notes(candidates, measurement)
     if doubted:
         sentences.insert(0, error.advice)
@@ -88,7 +135,7 @@ def answer(
         model=search.base.model,
         error=error,
         verdict=verdict,
-        says=_says(search, evidence, verdict, outliers, column),
+        says=_says(search, evidence, verdict, outliers, behind),
         split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
@@ -100,6 +147,9 @@ def answer(
         leading=tuple(leading),
         one_test=one_test,
     )
+    # A factor at each temperature would be another name for the time.
+    if course is not None:
+        return diagnosis
     return _with_factors(diagnosis, search, evidence, library)
 
 
@@ -120,11 +170,21 @@ def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, libr
     )
 
 
-def _says(
-    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], column: Column | None
-) -> str:
+def _in_order_of_time(search: Search, behind: Behind) -> str:
+    """What changed from one value of a column to the next, or from repeat to repeat, if one came after another."""
+    if isinstance(behind, Column):
+        return change_in_order(search.base.data.raw, behind.name)
+    if behind is None and drifted(search):
+        return change_in_order(search.base.data.raw, "repeat")
+    return ""
+
+
+def _says(search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], behind: Behind) -> str:
     """The sentence of the verdict, with what was seen beside any material and in the force's harmonics."""
-    says = sentence(search, evidence, verdict, outliers, column)
+    if isinstance(behind, Course):
+        ratio = search.base.relative_rms / search.base.floor
+        return f"the error is {times(ratio)} the noise floor; {behind.headline}"
+    says = sentence(search, evidence, verdict, outliers, behind)
     if evidence.search is not search:
         says = f"{says}{BESIDE_MATERIAL[verdict]}"
     if unexplained_harmonics(evidence.search, verdict):
@@ -157,9 +217,16 @@ def _places(search: Search, outliers: Sequence[Outlier], verdict: Verdict) -> It
 
 
 def _next_experiment(
-    search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], leading: Sequence[str]
+    search: Search,
+    evidence: Evidence,
+    verdict: Verdict,
+    outliers: Sequence[Outlier],
+    leading: Sequence[str],
+    course: Course | None,
 ) -> NextExperiment | None:
     """What would decide between effects that may be it, or where none may be, what would tell of the unknown."""
+    if course is not None:
+        return NextExperiment(course.advice, (), None)
     # Whatever else is open: first the frequency and the amplitude must be told from each other.
     names = [grown.names[0] for grown in evidence.search.confounded]
     if evidence.moved:

@@ -11,12 +11,13 @@ import numpy as np
 from springpot.errors import ModelError
 from springpot.identification import is_material, require_conditions
 from springpot.measurement import Measurement, steadied, thinned
+from springpot.misfit.course import Course
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.outliers import Outlier
 from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
-from .answer import answer
+from .answer import answer, course_instead
 from .evidence import Evidence
 from .result import Diagnosis
 from .scan import scan_effects
@@ -77,6 +78,8 @@ class Case:
         Points set aside.
     diagnosis : Diagnosis
         The answer.
+    course : Course or None
+        How the specimen changed with time, where that is what the misfit goes with.
     """
 
     search: Search
@@ -85,6 +88,7 @@ class Case:
     evidence: Evidence
     outliers: tuple[Outlier, ...]
     diagnosis: Diagnosis
+    course: Course | None = None
 
     def __repr__(self) -> str:
         return f"<Case {self.diagnosis!r:.200}>"
@@ -186,13 +190,17 @@ def examine(
     if verdict == "adequate" and error_of(search.base, floor).is_hardly_noise:
         # Nothing is adequate beside an error of 40 %, whatever the scatter looks like.
         verdict = "inconclusive"
+    course = course_instead(evidence, verdict)
+    if course is not None:
+        # What only the time tells has no name in any library, however well an effect imitates a part of it.
+        verdict = "unexplained"
     # The chance of "unknown" must agree with the verdict, which rests on more than the evidence.
     if verdict == "effect-missing":
         evidence = evidence.without_unknown().beside_drift()
     elif verdict == "unexplained":
         evidence = evidence.doubted(naming.left.p_value).beside_drift()
-    diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library)
-    return Case(search, naming, floor, evidence, tuple(outliers), diagnosis)
+    diagnosis = answer(measurement, search, floor, evidence, outliers, verdict, library, course)
+    return Case(search, naming, floor, evidence, tuple(outliers), diagnosis, course)
 
 
 def _prepared(measurement: Measurement, model: Model) -> Measurement:

@@ -106,7 +106,9 @@ def _sweep(says: str, measurement: Measurement, omega: Real, effort: float) -> A
     """A sweep of frequencies under the middle conditions of the data."""
     at = measurement.points
     middle = [None if c is None else np.full(len(omega), np.median(c)) for c in (at.amplitude, at.temperature)]
-    points = Points(np.log(omega), middle[0], middle[1], at.reference_temperature)
+    # A model may have factors by any column: at its middle there is a level, or two to lie between.
+    columns = {name: np.full(len(omega), np.median(column)) for name, column in at.columns.items()}
+    points = Points(np.log(omega), middle[0], middle[1], at.reference_temperature, columns)
     return Action(says, points, effort, action={"omega": omega.tolist()})
 
 

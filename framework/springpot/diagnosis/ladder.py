@@ -220,6 +220,9 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # "Inconclusive" is no ground for a decision that nobody looks at.
     if verdicts[-1] not in ("effect-missing", "unexplained") or not candidates:
         return None
+    # What changes with time is mended by no effect, however much of it one takes.
+    if case.course is not None:
+        return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     first = _first_named(case.diagnosis)

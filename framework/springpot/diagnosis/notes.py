@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_sf
 from springpot.measurement import PRESSURE_UNITS, Averaged, Measurement, at_one_frequency, moved_along
 from springpot.misfit.battery import Finding
+from springpot.misfit.course import Course, moves_with_frequency
 from springpot.misfit.floor import scatter_about
 from springpot.misfit.leftover import Column, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels
@@ -42,7 +43,7 @@ def notes(
     evidence: Evidence,
     verdict: Verdict,
     outliers: Sequence[Outlier],
-    column: Column | None,
+    behind: Column | Course | None,
     measured: int,
     library: Sequence[Effect],
 ) -> Iterator[str]:
@@ -56,8 +57,8 @@ def notes(
         Overall.
     outliers : sequence of Outlier
         Points set aside.
-    column : Column or None
-        With which of the file's columns the misfit goes.
+    behind : Column or Course or None
+        With which of the file's columns the misfit goes, or how the specimen changed with time.
     measured : int
         Rows of the data before thinning.
     library : sequence of Effect
@@ -72,16 +73,26 @@ def notes(
     kind = ""
     # Rows that stand by a setting differ "from row to row" too: where a column or a condition that moved may be the
     # cause, nobody is to look for it in the measuring chain.
-    if verdict == "unexplained" and column is None and not search.confounded:
+    if verdict == "unexplained" and behind is None and not search.confounded:
         unknown = explaining_unknown(search)
         if unknown is not None:
             kind = unknown.says
-    if column is not None:
-        yield column.says
+    if verdict != "adequate" and behind is None and moves_with_frequency(search.base.data.raw):
+        yield (
+            "the time was not varied by itself but goes with the frequency: what the specimen did meanwhile, no fit "
+            "can tell; measure the first frequencies again at the end"
+        )
+    if behind is not None:
+        yield behind.says
     elif kind:
         yield f"what is missing looks like {kind}: the measuring chain rather than the material"
     elif search.left.p_value < VERDICT.structure_alarm:
         yield from _of_rest(search)
+    if isinstance(behind, Course):
+        # What else would explain it, or cannot be told, is told of what stands still.
+        if behind.last_round:
+            yield behind.advice
+        return
     if verdict == "unexplained":
         yield from notes_on_levels(search.best, library)
     if evidence.narrow > VERDICT.worth_a_word:

@@ -295,7 +295,13 @@ NAMES: dict[str, tuple[str, ...]] = {
         *("deplacementdynamique", "deformationdynamique", "amplitudedynamique", "deformaciondinamica"),
     ),
     "repeat": ("repeat", "rep", "replicate", "repetition", "replica", "wiederholung", "repeticion", "ripetizione"),
-    "time": ("time", "steptime", "runtime", "time(action)", "temps", "zeit", "tiempo", "tempo", "abschnittszeit"),
+    "time": (
+        # Of several the one that runs through all steps, by which a specimen ages.
+        *("time", "elapsedtime", "timeelapsed", "totaltime", "testtime", "experimenttime", "curetime", "curingtime"),
+        *("ageingtime", "agingtime", "gelationtime", "waitingtime", "steptime", "runtime", "time(action)"),
+        *("temps", "tempsecoule", "zeit", "gesamtzeit", "messzeit", "versuchszeit", "verstrichenezeit", "laufzeit"),
+        *("tiempo", "tiempotranscurrido", "tempo", "tempotrascorso", "tempodecorrido", "abschnittszeit"),
+    ),
     "gap": ("gap", "entrefer", "spalt", "messspalt", "entrehierro", "fessura", "traferro", "spaltweite"),
     "normal_force": ("normalforce", "axialforce", "forcenormale", "normalkraft", "fuerzanormal", "forzanormale"),
     "torque": ("oscillationtorque", "torque", "couple", "drehmoment", "moment", "par", "momentotorsor", "coppia"),
