@@ -106,17 +106,9 @@ def answer(
     # Noise that is hard to believe is told of first: until it is smaller, none of the rest is worth reading.
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
-    leading: Sequence[str] = []
-    behind: Behind = course
-    one_test, split, classes, experiment = "", "", [], None
-    if course is not None:
-        one_test = course.last_round
-    else:
-        leading = leading_names(search, evidence, verdict)
-    if course is None and verdict in OPEN:
-        column = column_behind(evidence.search.best.frame())
-        one_test, _ = one_test_of(search.base.data.raw, column)
-        behind = column
+    leading = _leading(search, evidence, verdict, course)
+    behind, one_test = _cause(search, evidence, verdict, course)
+    split, classes, experiment = "", [], None
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
@@ -126,8 +118,7 @@ def answer(
         if not one_test:
             experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
     sentences = list(notes(evidence, verdict, outliers, behind, len(measurement), library))
-    sentences += filter(None, [_in_order_of_time(search, behind)])
-    sentences += header_notes(candidates, measurement)
+    sentences += [*_in_order_of_time(search, behind), *header_notes(candidates, measurement)]
     if doubted:
         sentences.insert(0, error.advice)
     diagnosis = Diagnosis(
@@ -148,9 +139,27 @@ def answer(
         one_test=one_test,
     )
     # A factor at each temperature would be another name for the time.
+    if course is None:
+        diagnosis = _with_factors(diagnosis, search, evidence, library)
+    return diagnosis
+
+
+def _leading(search: Search, evidence: Evidence, verdict: Verdict, course: Course | None) -> Sequence[str]:
+    """Effects to add next: none is where the specimen changes."""
     if course is not None:
-        return diagnosis
-    return _with_factors(diagnosis, search, evidence, library)
+        return []
+    return leading_names(search, evidence, verdict)
+
+
+def _cause(search: Search, evidence: Evidence, verdict: Verdict, course: Course | None) -> tuple[Behind, str]:
+    """What the misfit goes with that no effect knows, and how to choose the rows of one test; both may be empty."""
+    if course is not None:
+        return course, course.last_round
+    if verdict not in OPEN:
+        return None, ""
+    column = column_behind(evidence.search.best.frame())
+    one_test, _ = one_test_of(search.base.data.raw, column)
+    return column, one_test
 
 
 def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, library: Sequence[Effect]) -> Diagnosis:
@@ -170,13 +179,15 @@ def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, libr
     )
 
 
-def _in_order_of_time(search: Search, behind: Behind) -> str:
+def _in_order_of_time(search: Search, behind: Behind) -> Iterator[str]:
     """What changed from one value of a column to the next, or from repeat to repeat, if one came after another."""
+    says = ""
     if isinstance(behind, Column):
-        return change_in_order(search.base.data.raw, behind.name)
-    if behind is None and drifted(search):
-        return change_in_order(search.base.data.raw, "repeat")
-    return ""
+        says = change_in_order(search.base.data.raw, behind.name)
+    elif behind is None and drifted(search):
+        says = change_in_order(search.base.data.raw, "repeat")
+    if says:
+        yield says
 
 
 def _says(search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], behind: Behind) -> str:

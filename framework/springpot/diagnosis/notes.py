@@ -69,25 +69,7 @@ def notes(
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
-    # Either the fault that has a description or what is left in general: the second would only repeat the first.
-    kind = ""
-    # Rows that stand by a setting differ "from row to row" too: where a column or a condition that moved may be the
-    # cause, nobody is to look for it in the measuring chain.
-    if verdict == "unexplained" and behind is None and not search.confounded:
-        unknown = explaining_unknown(search)
-        if unknown is not None:
-            kind = unknown.says
-    if verdict != "adequate" and behind is None and moves_with_frequency(search.base.data.raw):
-        yield (
-            "the time was not varied by itself but goes with the frequency: what the specimen did meanwhile, no fit "
-            "can tell; measure the first frequencies again at the end"
-        )
-    if behind is not None:
-        yield behind.says
-    elif kind:
-        yield f"what is missing looks like {kind}: the measuring chain rather than the material"
-    elif search.left.p_value < VERDICT.structure_alarm:
-        yield from _of_rest(search)
+    yield from _of_cause(search, verdict, behind)
     if isinstance(behind, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
         if behind.last_round:
@@ -109,6 +91,27 @@ def notes(
         yield from validation(search.base, evidence.likeliest_with()[evidence.leader])
     yield from _confounded(evidence)
     yield from _beyond_physics(search)
+
+
+def _of_cause(search: Search, verdict: Verdict, behind: Column | Course | None) -> Iterator[str]:
+    """With what the misfit goes, else what is left: either as a fault that has a description, or in general."""
+    if behind is not None:
+        yield behind.says
+        return
+    if verdict != "adequate" and moves_with_frequency(search.base.data.raw):
+        yield (
+            "the time was not varied by itself but goes with the frequency: what the specimen did meanwhile, no fit "
+            "can tell; measure the first frequencies again at the end"
+        )
+    # Rows that stand by a setting differ "from row to row" too: where a condition that moved may be the cause, nobody
+    # is to look for it in the measuring chain.
+    kind = None
+    if verdict == "unexplained" and not search.confounded:
+        kind = explaining_unknown(search)
+    if kind is not None and kind.says:
+        yield f"what is missing looks like {kind.says}: the measuring chain rather than the material"
+    elif search.left.p_value < VERDICT.structure_alarm:
+        yield from _of_rest(search)
 
 
 def _beyond_physics(search: Search) -> Iterator[str]:
