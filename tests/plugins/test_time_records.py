@@ -39,6 +39,15 @@ def test_a_matlab_file_is_a_test_in_time_without_its_gaps(tmp_path):
     assert (test.units.stiffness, len(test)) == ("kN/mm", len(T) - 1)
 
 
+def test_what_is_said_of_the_whole_test_is_taken(tmp_path):
+    path = tmp_path / "film.laos"
+    path.write_text(laos())
+    [test] = open_in_time(f"{path}?temperature=300[K],control=force")
+    assert test.temperature == pytest.approx(26.85)
+    assert test.control == "force"
+    assert test.response == pytest.approx(MOVED)
+
+
 def test_what_a_matlab_file_lacks_is_asked_for(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     path = tmp_path / "run.mat"

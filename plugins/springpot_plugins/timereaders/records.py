@@ -5,6 +5,7 @@ The readers that give a stiffness for each record know these formats; here the r
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..readers.reptate_laos import READER as LAOS
 from ..readers.signals_mat import READER as MATLAB
 from ..readers.signals_tdms import READER as TDMS
 from ..readers.text import head_text
+from .table import manner_of
 
 _FORMATS = (LAOS, MATLAB, TDMS)
 _HEAD = 1 << 13
@@ -34,14 +36,15 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     with path.open("rb") as stream:
         head = stream.read(_HEAD)
     reader = max(_FORMATS, key=lambda each: each.recognises(head))
+    manner, columns = manner_of(choice, path)
     try:
-        signals = _signals(reader, path, choice)
+        signals = _signals(reader, path, replace(choice, columns=columns))
     except DataError:
         # What lacks is asked for by the reader that finds a stiffness, which knows sweeps in such files as well.
         return []
     known = np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
-    temperature = None
-    if (warm := first_line(head_text(head)).get("T")) is not None and is_number(warm):
+    temperature = manner.temperature
+    if temperature is None and (warm := first_line(head_text(head)).get("T")) is not None and is_number(warm):
         temperature = float(warm.replace(",", "."))
     test = TimeTest.of_history(
         signals.time[known],
@@ -49,6 +52,8 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         signals.force[known],
         signals.displacement_unit,
         signals.force_unit,
+        control=manner.control,
+        rise=manner.ramp,
         temperature=temperature,
         name=path.stem,
         provenance={"file": path.name, **signals.provenance},

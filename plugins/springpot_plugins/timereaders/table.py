@@ -107,7 +107,7 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     DataError
         One line that says what is missing and how to say it.
     """
-    manner, columns = _manner(choice, path)
+    manner, columns = manner_of(choice, path)
     text = text_of(path)
     sections = [section for section in sections_of(text) if _is_test(section)]
     tests = []
@@ -142,7 +142,7 @@ def _is_meant(part: str, number: int, name: str) -> bool:
     return part.casefold() in name.casefold()
 
 
-def _manner(choice: Choice, path: Path) -> tuple[Manner, dict[str, str]]:
+def manner_of(choice: Choice, path: Path) -> tuple[Manner, dict[str, str]]:
     """What is said of the whole test, and the rest, which is of columns."""
     columns = dict(choice.columns)
     control = columns.pop("control", None)
