@@ -192,6 +192,9 @@ class VerdictLevels:
     """Drop of the information criterion from which something counts as missing."""
     misfit: float = 1.3
     """Error over noise floor from which a fit does not hold."""
+    certified: float = 0.013
+    """Error below which what is missing is told to be little: the standard uncertainty to which NIST certifies the
+    moduli of its fluid SRM 2491, at most frequencies. No rig is right to better, however little it scatters."""
     seen: float = 0.05
     """Relative change of K: an effect that would have been seen at this size is called absent."""
     worth_a_word: float = 0.03
@@ -279,6 +282,19 @@ class WhereLevels:
 
 
 WHERE = WhereLevels()
+
+
+@dataclass(frozen=True)
+class SuperpositionLevels:
+    """Whether sweeps at several temperatures are one curve."""
+
+    nearly: float = 1.5
+    """Error over that of each level by itself up to which superposition is good enough for most uses."""
+    added: float = 0.01
+    """Error that superposition may add and still be good enough: specimens and loadings hardly repeat to 1 %."""
+
+
+SUPERPOSITION = SuperpositionLevels()
 
 
 @dataclass(frozen=True)

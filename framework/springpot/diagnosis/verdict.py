@@ -310,6 +310,10 @@ def sentence(
         missing = moved
     if column is not None:
         missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
+    if own.base.relative_rms < VERDICT.certified:
+        # A pattern is certain however small it is; whether it matters is for the user to say, who must know its size.
+        little = f"{percent(own.base.relative_rms)} of {own.base.fit.measurement.units.magnitude}"
+        missing = f"{missing}. It is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)}"
     return f"{error}; {missing}"
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.identification import is_material
 from springpot.measurement import Measurement
-from springpot.policy import VERDICT
+from springpot.policy import SUPERPOSITION, VERDICT
 from springpot.rheology import Continuum, Effect, Model, Real
 
 from .battery import Battery, battery
@@ -222,8 +222,9 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
     if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
         return
-    # With many points the slightest difference is sure; it must be large enough to matter too.
-    if together.relative_rms < VERDICT.misfit * _rms(levels):
+    # With many points the slightest difference is sure; it must be large enough to matter too, as `mastercurve` asks.
+    added = together.relative_rms**2 - _rms(levels) ** 2
+    if together.relative_rms <= SUPERPOSITION.nearly * _rms(levels) or added <= SUPERPOSITION.added**2:
         return
     yield (
         f"no shift of times and moduli lays the {name}s over one another: each by itself is a linear material to "

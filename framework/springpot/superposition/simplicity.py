@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf, normal_sf
 from springpot.identification import Objective, fit, weighted
 from springpot.measurement import Measurement
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import Continuum, Model, Real
 
 from .factors import Rows, without
@@ -22,10 +23,6 @@ from .factors import Rows, without
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 ALARM = 0.005
 """Chance below which what is left is no noise, all places that are looked at counted together."""
-NEARLY = 1.5
-"""Error over that of each level by itself up to which superposition is good enough for most uses."""
-ADDED = 0.01
-"""Error that superposition may add and still be good enough: specimens and loadings hardly repeat to 1 %."""
 STANDS_OUT = 3.0
 """Error of a material at one level alone, over the median of the levels, from which it is no material."""
 BAND = float(np.log(10.0))
@@ -161,7 +158,8 @@ class Alone:
         if not np.any(judged):
             return judged
         error = np.where(judged, self.error, 0.0)
-        return np.asarray((error > STANDS_OUT * np.median(error[judged])) & (error > NEARLY * self.repeats))
+        far_off = error > STANDS_OUT * np.median(error[judged])
+        return np.asarray(far_off & (error > SUPERPOSITION.nearly * self.repeats))
 
     def weighted_by(self, share: Real) -> Alone:
         """The same at other weights of the levels."""
@@ -214,7 +212,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     verdict: Verdict = "not-simple"
     if chance >= ALARM:
         verdict = "simple"
-    elif shared <= NEARLY * own or added <= ADDED:
+    elif shared <= SUPERPOSITION.nearly * own or added <= SUPERPOSITION.added:
         verdict = "nearly-simple"
     failures = strange
     # Where superposition holds, what is found among so many places is chance.
@@ -320,7 +318,7 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
     excess, judged = alone.excess(rows), alone.judged
     whole = _total(excess)
     values, failures = rows.elements[0].shown, []
-    for level in np.flatnonzero(judged & (error > NEARLY * alone.error)).tolist():
+    for level in np.flatnonzero(judged & (error > SUPERPOSITION.nearly * alone.error)).tolist():
         count = 2.0 * float(np.sum(rows.number == level))
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.
