@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from native_problems import OMEGA, POINTS, noisy, relative_weights, setup
 
+from springpot.identification import Window, settings
 from springpot.identification.branches import Branches, interleaved, non_negative, project
 from springpot.identification.starts import low_discrepancy, thinned
 from springpot.identification.task import Task
 from springpot.registry import parse_model
-from springpot.rheology import GRADIENT
+from springpot.rheology import GRADIENT, Dimension, Parameter
 
 
 def task(expression, stiffness):
@@ -117,3 +118,11 @@ def test_interleaving_keeps_every_number(rng):
     parts = interleaved(values)
     assert np.array_equal(parts[:, ::2] + 1j * parts[:, 1::2], values)
     assert len(OMEGA) == 14
+
+
+def test_a_rate_is_sought_over_frequencies_and_amplitudes_together():
+    """Slowest at the lowest of both, fastest at the highest: three decades and two make five."""
+    window = Window(stiffness=1.0, time=1.0, amplitude=1.0, time_decades=3.0, amplitude_decades=2.0)
+    rate = Parameter("Vc", "V_c", Dimension(time=-1, amplitude=1))
+    found = settings((rate,), window, 200)[:, 0]
+    assert found.min() < 10.0**-2.5 < 10.0**2.5 < found.max()
