@@ -19,7 +19,7 @@ from springpot.diagnosis import Progress, silent
 from springpot.diagnosis.ladder import Ladder, discover
 from springpot.errors import DataError
 from springpot.identification import is_material, weighted
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, at_one_frequency
 from springpot.misfit import any_material
 from springpot.misfit.floor import beyond_floor, fitted_to_floor
 from springpot.misfit.frame import chance_of_squares
@@ -50,6 +50,10 @@ MOST_DRAWN = 6
 """Models in a picture: more colours are not told apart."""
 TOO_FREE = "what a free spectrum leaves is less, but by it none or only models of many parameters would be adequate"
 """Why the floor of any material is not taken."""
+MOST_AT_ONE_FREQUENCY = 2
+"""Parameters of a linear model that can be told there: a storage and a loss are all that it has."""
+ONE_FREQUENCY = "at one frequency any two parameters do the same"
+"""Why a model of more is not fitted there."""
 FIRST_MEMBER, LAST_MEMBER = 2, 6
 """Members of a family of sums that are tried; the first of each has a name of its own."""
 
@@ -364,6 +368,9 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
     # As many parameters as numbers follow anything: such a model would come first for no reason.
     elif len(grown.parameters) >= 2 * len(data.mean):
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
+    # Every further one is the same curve, and its fit only costs time.
+    elif at_one_frequency(data.mean) and not model.needs and len(model.parameters) > MOST_AT_ONE_FREQUENCY:
+        skipped.append(Skipped(grown.name, ONE_FREQUENCY))
     else:
         yield refit(grown, data, floor.noise, starts=STARTS)
 

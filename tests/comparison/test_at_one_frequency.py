@@ -1,0 +1,24 @@
+"""A linear model has a storage and a loss at one frequency: of models with more parameters none is fitted there."""
+
+import numpy as np
+
+import springpot
+
+
+def strain_sweep():
+    """A gel at 1 Hz that softens as a whole beyond a strain of 0.1."""
+    rng = np.random.default_rng(5)
+    strain = np.geomspace(0.001, 1.0, 16)
+    real, imaginary = 0.01 * rng.normal(size=(2, len(strain)))
+    modulus = (900.0 + 120.0j) / (1.0 + (strain / 0.1) ** 1.2) * (1.0 + real + 1j * imaginary)
+    omega = np.full(len(strain), 2.0 * np.pi)
+    return springpot.Measurement(omega, modulus, amplitude=strain, units=springpot.Units("Pa", "-"))
+
+
+def test_only_models_that_can_be_told_are_fitted():
+    ranking = springpot.compare(strain_sweep())
+    sizes = {one.model.name: len(one.model.parameters) for one in ranking.judgements if not one.model.effects}
+    assert sizes
+    assert max(sizes.values()) <= 2
+    reasons = {one.reason for one in ranking.skipped}
+    assert any("at one frequency" in reason for reason in reasons)
