@@ -12,7 +12,7 @@ def strain_sweep():
     real, imaginary = 0.01 * rng.normal(size=(2, len(strain)))
     modulus = (900.0 + 120.0j) / (1.0 + (strain / 0.1) ** 1.2) * (1.0 + real + 1j * imaginary)
     omega = np.full(len(strain), 2.0 * np.pi)
-    return springpot.Measurement(omega, modulus, amplitude=strain, units=springpot.Units("Pa", "-"))
+    return springpot.Measurement(omega, modulus, conditions={"amplitude": strain}, units=springpot.Units("Pa", "-"))
 
 
 def test_only_models_that_can_be_told_are_fitted():

@@ -1,4 +1,4 @@
-"""A pattern is certain however small it is; the headline tells its size, so that the user can say whether it matters."""
+"""A pattern is certain however small; the headline tells its size, so that the user can say whether it matters."""
 
 import numpy as np
 import pytest
