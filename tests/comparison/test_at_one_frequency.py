@@ -1,4 +1,4 @@
-"""A linear model has a storage and a loss at one frequency: of models with more parameters none is fitted there."""
+"""A linear model has a storage and a loss at one frequency: models with more parameters need a shift to be told."""
 
 import numpy as np
 
@@ -22,3 +22,19 @@ def test_only_models_that_can_be_told_are_fitted():
     assert max(sizes.values()) <= 2
     reasons = {one.reason for one in ranking.skipped}
     assert any("at one frequency" in reason for reason in reasons)
+
+
+def test_a_ramp_of_temperature_reads_the_curve_of_a_model_at_many_places():
+    """A shift of times makes one frequency at forty temperatures a sweep, which tells five parameters."""
+    rng = np.random.default_rng(1)
+    celsius = np.linspace(-20.0, 100.0, 40)
+    shifted = np.exp(60e3 / 8.314 * (1.0 / (celsius + 273.15) - 1.0 / 313.15))
+    along = (0.6j * np.pi * shifted) ** 0.8
+    real, imaginary = 0.005 * rng.normal(size=(2, len(celsius)))
+    modulus = (1e6 + 5e6 * along / (1.0 + along)) * (1.0 + real + 1j * imaginary)
+    omega = np.full(len(celsius), 2.0 * np.pi)
+    data = springpot.Measurement(
+        omega, modulus, conditions={"temperature": celsius}, units=springpot.Units("Pa", "-")
+    )
+    ranking = springpot.compare(data)
+    assert "fractional-zener + arrhenius-shift" in {one.model.name for one in ranking.adequate}

@@ -369,10 +369,17 @@ def _one(model: Model, effects: tuple[Effect, ...], floor: Refit, skipped: list[
     elif len(grown.parameters) >= 2 * len(data.mean):
         skipped.append(Skipped(grown.name, f"{len(grown.parameters)} parameters for {len(data.mean)} points"))
     # Every further one is the same curve, and its fit only costs time.
-    elif at_one_frequency(data.mean) and not model.needs and len(model.parameters) > MOST_AT_ONE_FREQUENCY:
+    elif len(model.parameters) > MOST_AT_ONE_FREQUENCY and _is_read_at_one_frequency(model, effects, data.mean):
         skipped.append(Skipped(grown.name, ONE_FREQUENCY))
     else:
         yield refit(grown, data, floor.noise, starts=STARTS)
+
+
+def _is_read_at_one_frequency(model: Model, effects: Sequence[Effect], data: Measurement) -> bool:
+    """Whether all that the data hold of a linear model is one storage and one loss."""
+    # A shift of times reads the same curve at another place for each temperature, as in a ramp at 1 Hz.
+    shifted = any(effect.plane == "shift" for effect in (*model.effects, *effects))
+    return at_one_frequency(data) and not model.needs and not shifted
 
 
 def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...]:
