@@ -27,7 +27,7 @@ from .proposals import condition_name, offers, unit_proposal
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
 from .titles import UNITS, Heading, heading
-from .written import as_measured
+from .written import as_measured, value_of
 
 KEPT = ("time", "gap", "normal_force", "torque", "displacement", "raw_phase", "stress")
 """Further columns of instruments that are kept as conditions."""
@@ -313,7 +313,7 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
 
 def _is_near(one: str, two: str) -> bool:
     """Whether two cells are one frequency, to 1 %."""
-    first, second = (float(cell.replace(",", ".").replace("−", "-")) for cell in (one, two))
+    first, second = value_of(one), value_of(two)
     return abs(first - second) <= SAME_FREQUENCY * abs(first)
 
 

@@ -14,6 +14,7 @@ from .grid import COMMENT, MISSING, Grid, holds_number, is_number
 from .names import FREQUENCIES, fold, names_a_modulus
 from .side_by_side import VALUES
 from .titles import UNITS, heading
+from .written import value_of
 
 _SEARCHED = 200
 """Lines in which the names of such a table are sought."""
@@ -89,7 +90,7 @@ def side_by_side(values: Sequence[Value]) -> Grid:
 def _same(cell: str) -> str:
     """A cell by its value: ``1`` and ``1.0`` are one frequency."""
     if is_number(cell):
-        return f"{float(cell.replace('−', '-').replace(',', '.').lower().replace('d', 'e')):.12g}"
+        return f"{value_of(cell):.12g}"
     return cell
 
 

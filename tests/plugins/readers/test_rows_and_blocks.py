@@ -209,6 +209,9 @@ def test_curves_that_were_read_off_at_frequencies_of_their_own_are_refused(folde
     assert "'omega [rad/s]' stands twice, with 0.1 and 0.105 in one row" in says
     assert len(folder.open(beside(1.05), re.search(r"data\.txt(\?[^']+)'", says)[1])) == len(OMEGA)
     assert len(folder.open(beside(1.0))) == len(OMEGA)
+    fortran = re.sub(r"(?<=[0-9])(?=[,\n])", "D+00", beside(1.0))
+    assert "D+00" in fortran
+    assert len(folder.open(fortran)) == len(OMEGA)
 
 
 def test_frequencies_in_place_of_quantities_beside_named_ones(folder):
