@@ -9,6 +9,7 @@ import pytest
 
 import springpot
 from soaked import soaked
+from springpot.misfit.course import change_in_order
 
 LONG = np.linspace(60.0, 3600.0, 60)
 ROUND = np.array([0.5, 1.0, 2.0, 5.0, 10.0])
@@ -98,6 +99,27 @@ def test_where_nothing_changes_with_time_nothing_is_said_of_it(seed):
         found = springpot.diagnose(data)
         assert found.verdict == "adequate"
         assert "time" not in said(found)
+
+
+def test_where_no_point_was_measured_twice_no_start_and_no_end_are_made_up():
+    hertz, celsius = (each.ravel() for each in np.meshgrid(np.geomspace(0.1, 10.0, 8), np.linspace(20.0, 60.0, 5)))
+    order = np.random.default_rng(2).permutation(40)
+    hertz, celsius, time = hertz[order], celsius[order], 30.0 * np.arange(40)
+    found = springpot.diagnose(
+        measured(hertz, (1000.0 + 200.0j * hertz) * broken_down(time), time, temperature=celsius), "kelvin"
+    )
+    assert "the specimen changes with time" in found.says
+    assert "no point was measured again" in found.says
+    # One point is neither a start nor an end, and a row of each frequency at any temperature is no test.
+    assert "stays near" not in found.says
+    assert "breaks down" not in said(found)
+    assert found.one_test == ""
+
+
+def test_what_was_left_empty_in_a_column_has_no_place_in_the_order_of_time():
+    batch = np.repeat([1.0, np.nan, 2.0], 20)
+    data = measured(np.ones(60), (1000.0 + 200.0j) * dried(LONG), LONG, batch=batch)
+    assert "storage rises from" in change_in_order(data, "batch")
 
 
 @pytest.mark.parametrize("upwards", [True, soaked(False)])

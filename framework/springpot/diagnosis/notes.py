@@ -73,7 +73,7 @@ def notes(
     if isinstance(behind, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
         if behind.last_round:
-            yield behind.advice
+            yield f"{behind.advice}{_by_rounds(library)}"
         return
     if verdict == "unexplained":
         yield from notes_on_levels(search.best, library)
@@ -112,6 +112,14 @@ def _of_cause(search: Search, verdict: Verdict, behind: Column | Course | None) 
         yield f"what is missing looks like {kind.says}: the measuring chain rather than the material"
     elif search.left.p_value < VERDICT.structure_alarm:
         yield from _of_rest(search)
+
+
+def _by_rounds(library: Sequence[Effect]) -> str:
+    """How to join rounds of which each is a material of its own: by moduli that change, not by times."""
+    factors = [effect.name for effect in library if effect.by_levels and effect.plane != "shift"]
+    if not factors:
+        return ""
+    return f" and add {factors[0]} by it"
 
 
 def _beyond_physics(search: Search) -> Iterator[str]:

@@ -83,6 +83,11 @@ class Course:
     last_round: str
 
     @property
+    def has_ends(self) -> bool:
+        """Whether some point was measured at two times, so that a start and an end can be told."""
+        return self.end > self.start
+
+    @property
     def ends(self) -> str:
         """What changed, from where to where."""
         when = f"between {plain(self.start, 4)} and {plain(self.end, 4)} {self.unit}".rstrip()
@@ -93,6 +98,11 @@ class Course:
     @property
     def headline(self) -> str:
         """The end of the diagnosis's first sentence."""
+        if not self.has_ends:
+            return (
+                "the specimen changes with time: neither frequency nor what was set is what moves it; from what to "
+                "what is not known, as no point was measured again later"
+            )
         return f"the specimen changes with time: {self.ends}; frequency is not what moves it"
 
     @property
@@ -106,10 +116,12 @@ class Course:
     @property
     def says(self) -> str:
         """What the misfit goes with, and how much of a change one point holds."""
+        change = "the specimen changes"
+        if self.has_ends:
+            change = f"{change} ({self.meaning})"
         taken = (
             f"what is missing goes with the time: a slow course of gain and phase takes {100 * self.share:.0f} % of "
-            "the misfit, beyond all that frequency, temperature and amplitude could; "
-            f"the specimen changes ({self.meaning}), or the rig does"
+            f"the misfit, beyond all that frequency, temperature and amplitude could; {change}, or the rig does"
         )
         if self.mutation is None:
             return taken
@@ -125,7 +137,7 @@ class Course:
         if self.last_round:
             return (
                 "measure until the moduli stand still, or sweep faster than they move; until then each round is a "
-                "material of its own: number the rounds in a column and add free-vertical-shift by it"
+                "material of its own: number the rounds in a column"
             )
         return (
             "hold the frequency until storage and loss stand still, and sweep the frequency then; or sweep several "
@@ -204,10 +216,13 @@ def change_in_order(measurement: Measurement, column: str) -> str:
     values = {**measurement.conditions, **measurement.labels, "repeat": measurement.repeat}.get(column)
     if time is None or values is None:
         return ""
-    spans = sorted((time[values == value].min(), time[values == value].max()) for value in np.unique(values))
-    if any(earlier[1] >= later[0] for earlier, later in pairwise(spans)):
+    each = [time[values == value] for value in np.unique(values)]
+    # A cell that was left empty is equal to none.
+    spans = sorted((times.min(), times.max()) for times in each if len(times))
+    course = _told(measurement, time, 0.0, 0.0)
+    if not course.has_ends or any(earlier[1] >= later[0] for earlier, later in pairwise(spans)):
         return ""
-    return f"in the order of time, as which {column} stands, {_told(measurement, time, 0.0, 0.0).ends}"
+    return f"in the order of time, as which {column} stands, {course.ends}"
 
 
 def _name_of_time(data: Measurement) -> str:
@@ -293,6 +308,10 @@ def _told(data: Measurement, time: Real, share: float, gain: float) -> Course:
     count = max(1, round(END * len(rows)))
     first, last = (np.mean(data.stiffness[part]) for part in (rows[:count], rows[-count:]))
     unit = data.provenance.get(f"unit {_name_of_time(data)}", "")
+    last_round = ""
+    # Where no point comes again there are no rounds.
+    if time[rows[-1]] > time[rows[0]]:
+        last_round = _last_round(data, time)
     return Course(
         start=float(time[rows[0]]),
         end=float(time[rows[-1]]),
@@ -305,7 +324,7 @@ def _told(data: Measurement, time: Real, share: float, gain: float) -> Course:
         share=share,
         gain=gain,
         force_held=_force_was_held(data),
-        last_round=_last_round(data, time),
+        last_round=last_round,
     )
 
 
@@ -349,6 +368,8 @@ def _last_round(data: Measurement, time: Real) -> str:
 def _moved(name: str, ends: tuple[float, float], unit: str) -> str:
     """How one part changed, such as ``storage rises from 12.1 to 1010 Pa (83 times)``."""
     before, after = ends
+    if before == after:
+        return f"{name} stays at {plain(before)} {unit}"
     verb = "rises"
     if after < before:
         verb = "falls"
