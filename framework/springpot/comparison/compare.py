@@ -96,6 +96,9 @@ class Judgement:
     @property
     def fails(self) -> bool:
         """Whether it leaves more than noise, by the tests that `diagnose` makes too."""
+        # What rounding leaves of computed data is full of patterns, and nothing is missing.
+        if is_arithmetic(self.refit):
+            return False
         return self.battery.alarm
 
     @property
@@ -117,6 +120,8 @@ class Judgement:
     @property
     def says(self) -> str:
         """The judgement in one sentence."""
+        if is_arithmetic(self.refit):
+            return f"error {percent(self.error.relative_rms)}: that of arithmetic, and nothing is missing"
         ratio = f"error {percent(self.error.relative_rms)}, without a noise floor"
         if self.error.noise_floor > 0.0:
             ratio = f"error {times(self.error.relative_rms / self.error.noise_floor)} the noise floor"

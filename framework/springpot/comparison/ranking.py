@@ -21,7 +21,7 @@ from springpot.errors import DataError
 from springpot.identification import is_material, weighted
 from springpot.measurement import Measurement, at_one_frequency
 from springpot.misfit import any_material
-from springpot.misfit.floor import beyond_floor, fitted_to_floor
+from springpot.misfit.floor import beyond_floor, fitted_to_floor, is_arithmetic
 from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.leftover import column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
@@ -324,6 +324,9 @@ def chance_beside(found: Refit, floor: Refit) -> float:
 
 def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
     """Whether a richer model is decisively better; that a simpler one does as well is no fault."""
+    # Of computed data only rounding is left, and it is no merit to follow that.
+    if is_arithmetic(one.refit):
+        return False
     # A free spectrum may fail to gain beyond chance where a model of a few more parameters does.
     limit, size = one.delta_bic - SEARCH.decisive, len(one.refit.theta)
     better = [other for other in others if other.delta_bic < limit and len(other.refit.theta) > size]
