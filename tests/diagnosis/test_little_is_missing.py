@@ -21,5 +21,5 @@ def stepped(size, noise):
 def test_the_headline_says_where_it_is_little(size, noise, little):
     found = stepped(size, noise)
     assert found.verdict == "unexplained"
-    assert ("It is little" in found.says) is little
+    assert ("(it is little" in found.says) is little
     assert (" % of |K|" in found.says) is little

@@ -313,7 +313,10 @@ def sentence(
     if own.base.relative_rms < VERDICT.certified:
         # A pattern is certain however small it is; whether it matters is for the user to say, who must know its size.
         little = f"{percent(own.base.relative_rms)} of {own.base.fit.measurement.units.magnitude}"
-        missing = f"{missing}. It is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)}"
+        # In brackets: the headline may go on, and what follows is not of the fluid.
+        missing = (
+            f"{missing} (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
+        )
     return f"{error}; {missing}"
 
 
