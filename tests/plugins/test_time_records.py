@@ -30,6 +30,13 @@ def test_a_laos_file_is_a_test_in_time(tmp_path):
     assert signals_to_measurement([path]).stiffness[0] == pytest.approx(3.0 * np.exp(0.5j), rel=1e-5)
 
 
+def test_a_minus_of_typographers_is_a_minus(tmp_path):
+    path = tmp_path / "film.laos"
+    path.write_text(laos("omega=2;gamma=1;T=\u22125;"), encoding="utf-8")
+    [test] = open_in_time(path)
+    assert test.temperature == -5.0
+
+
 def test_a_matlab_file_is_a_test_in_time_without_its_gaps(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     pulled = PULLED.copy()

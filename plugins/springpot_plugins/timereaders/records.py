@@ -19,6 +19,7 @@ from ..readers.reptate_laos import READER as LAOS
 from ..readers.signals_mat import READER as MATLAB
 from ..readers.signals_tdms import READER as TDMS
 from ..readers.text import head_text
+from ..readers.written import value_of
 from .table import manner_of
 
 _FORMATS = (LAOS, MATLAB, TDMS)
@@ -45,7 +46,7 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
     known = np.isfinite(signals.time) & np.isfinite(signals.displacement) & np.isfinite(signals.force)
     temperature = manner.temperature
     if temperature is None and (warm := first_line(head_text(head)).get("T")) is not None and is_number(warm):
-        temperature = float(warm.replace(",", "."))
+        temperature = value_of(warm)
     test = TimeTest.of_history(
         signals.time[known],
         signals.displacement[known],
