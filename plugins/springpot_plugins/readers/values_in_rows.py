@@ -184,6 +184,11 @@ def _place_of_values(titles: Sequence[str], columns: Sequence[Sequence[str]], na
     for places in (sure, moving, numeric):
         if len(places) == 1:
             return places[0]
+    for title, column in zip(titles, columns, strict=True):
+        wrong = [cell for cell in column if not _is_value(cell)]
+        # A few words among numbers: the column is known, and its name is not what is to be mended.
+        if _is_called_value(title) and 0 < 2 * len(wrong) <= len(column):
+            raise DataError(f"'{title}' holds '{wrong[0]}', which is no number; leave that cell empty")
     shown = ", ".join(titles[j] for j in numeric) or "none holds numbers"
     raise DataError(
         f"'{titles[named]}' says which rows are storage and which loss, but not which column holds their values "

@@ -200,6 +200,16 @@ def test_rows_of_storage_alone_name_what_lacks(folder):
     is_sweep(folder.open("omega [rad/s],quantity,value [Pa]\n" + "\n".join(lines) + "\n"))
 
 
+def test_a_word_among_the_values_is_named(folder):
+    text = "omega [rad/s],quantity,value [Pa]\n" + in_rows()
+    first, *others = text.splitlines()
+    spoilt = [first, f"{others[0].rpartition(',')[0]},below", *others[1:]]
+    says = folder.complaint("\n".join(spoilt) + "\n")
+    assert "'value [Pa]' holds 'below', which is no number" in says
+    assert "call it value" not in says
+    is_sweep(folder.open(text))
+
+
 def test_curves_that_were_read_off_at_frequencies_of_their_own_are_refused(folder):
     def beside(factor):
         rows = [f"{w:.9g},{g.real:.17g},{factor * w:.9g},{g.imag:.17g}" for w, g in zip(OMEGA, G, strict=True)]
