@@ -90,6 +90,18 @@ def test_the_change_within_one_period_is_told(hertz):
     assert "10.1007/BF00369354" in said(found)
 
 
+def test_points_that_came_in_pairs_make_no_change_quicker():
+    time = np.repeat(60.0 + 100.0 * np.arange(30), 2) + np.tile([0.0, 0.1], 30)
+    found = springpot.diagnose(measured(np.ones(60), (1000.0 + 200.0j) * broken_down(time), time))
+    told = re.search(r"changes by at most (\S+) % within one period", said(found))
+    assert float(told[1]) == pytest.approx(100.0 / 2000.0, rel=0.3)
+
+
+def test_a_phase_that_moves_while_the_size_stays_is_no_cure():
+    found = springpot.diagnose(measured(np.ones(60), 1000.0 * np.exp(1j * (0.1 + LONG / 3600.0)), LONG, noise=0.003))
+    assert "the specimen changes (its phase, while |K| stays)" in said(found)
+
+
 @pytest.mark.parametrize("seed", [1, *map(soaked, range(2, 6))])
 def test_where_nothing_changes_with_time_nothing_is_said_of_it(seed):
     for data in (

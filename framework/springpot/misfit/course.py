@@ -109,6 +109,8 @@ class Course:
     def meaning(self) -> str:
         """What does so."""
         before, after = (float(np.hypot(*pair)) for pair in zip(self.storage, self.loss, strict=True))
+        if abs(after / before - 1.0) < SMALL_MOVE:
+            return "its phase, while |K| stays"
         if after > before:
             return "it cures, sets, ages or dries"
         return "it breaks down, softens, swells or loses its hold"
@@ -348,8 +350,10 @@ def _mutation(data: Measurement, time: Real, rows: NDArray[np.int64], unit: str)
     degree = max(1, min(STEADY_DEGREE, len(rows) // ROWS_OF_A_DEGREE))
     x = np.linspace(-1.0, 1.0, len(rows))
     curve = np.polynomial.Legendre.fit(x, size, degree)(x)
-    steps = np.diff(seconds)
-    rate = np.max(np.abs(np.diff(curve)[steps > 0.0] / steps[steps > 0.0]))
+    # Over some rows: the curve goes by order, and points that came in pairs lie much nearer in time than the next.
+    apart = max(1, len(rows) // (2 * degree))
+    steps, moved = seconds[apart:] - seconds[:-apart], curve[apart:] - curve[:-apart]
+    rate = np.max(np.abs(moved[steps > 0.0] / steps[steps > 0.0]))
     return float(rate / np.min(data.frequency))
 
 
