@@ -126,3 +126,12 @@ def test_a_rate_is_sought_over_frequencies_and_amplitudes_together():
     rate = Parameter("Vc", "V_c", Dimension(time=-1, amplitude=1))
     found = settings((rate,), window, 200)[:, 0]
     assert found.min() < 10.0**-2.5 < 10.0**2.5 < found.max()
+
+
+def test_a_power_of_time_that_is_itself_sought_needs_no_stiffness():
+    """A time to the power of an order, as a plugin may have it."""
+    window = Window(stiffness=1.0, time=10.0, amplitude=1.0, time_decades=3.0, amplitude_decades=2.0)
+    order = Parameter("n", "n", Dimension(), 0.0, 1.0, "linear", 0.5)
+    found = settings((order, Parameter("A", "A", Dimension(time="n"))), window, 50)
+    assert np.all(np.isfinite(found))
+    assert found[:, 1].min() < 1.0 < 10.0 < found[:, 1].max()
