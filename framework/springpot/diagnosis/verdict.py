@@ -310,14 +310,16 @@ def sentence(
         missing = moved
     if column is not None:
         missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
-    if own.base.relative_rms < VERDICT.certified:
-        # A pattern is certain however small it is; whether it matters is for the user to say, who must know its size.
-        little = f"{percent(own.base.relative_rms)} of {own.base.fit.measurement.units.magnitude}"
-        # In brackets: the headline may go on, and what follows is not of the fluid.
-        missing = (
-            f"{missing} (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
-        )
-    return f"{error}; {missing}"
+    return f"{error}; {missing}{_if_little(own.base)}"
+
+
+def _if_little(base: Refit) -> str:
+    """The size of what is missing, where a pattern is certain but so small that it may not matter to the user."""
+    if base.relative_rms >= VERDICT.certified:
+        return ""
+    little = f"{percent(base.relative_rms)} of {base.fit.measurement.units.magnitude}"
+    # In brackets: the headline may go on, and what follows is not of the fluid.
+    return f" (it is little, {little}: a reference fluid is certified to {percent(VERDICT.certified)})"
 
 
 def _by_confounded(search: Search) -> str:
