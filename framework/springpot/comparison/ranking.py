@@ -199,7 +199,8 @@ def rank(
             fits = _fits(installed, floor, [], progress)
             order = _in_order(fits, floor, material_floor(floor, rng), rng)
     one_test = ladder.diagnosis.one_test
-    if one_test:
+    # What goes with the time is told of in the notes of the ladder already.
+    if one_test and case.course is None:
         found = case.naming.best
         notes.append(one_test_of(found.data.raw, column_behind(found.frame()))[1])
     notes += [*floor.noise.doubt.splitlines(), *ladder.diagnosis.notes]
@@ -284,7 +285,8 @@ def _no_worse_than_rejected(adequate: Sequence[Judgement], ordered: Sequence[Jud
 
 
 def _is_simpler_and_nearer(other: Judgement, one: Judgement) -> bool:
-    nearer = other.error.relative_rms / other.error.noise_floor <= one.error.relative_rms / one.error.noise_floor
+    # Crosswise, as a floor may be zero.
+    nearer = other.error.relative_rms * one.error.noise_floor <= one.error.relative_rms * other.error.noise_floor
     return nearer and len(other.refit.theta) <= len(one.refit.theta)
 
 
