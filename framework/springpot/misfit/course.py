@@ -366,6 +366,10 @@ def _last_round(data: Measurement, time: Real) -> str:
     needed = max(int(np.flatnonzero(number[order] == each)[0]) for each in range(count)) + 1
     if 2 * needed > len(order):
         return ""
+    chosen = order[:needed]
+    # A round at two temperatures is no sweep of one material.
+    if any(np.ptp(data.levels(name)[chosen]) > 0 for name in CONDITIONS if name in data.conditions):
+        return ""
     return f"{_name_of_time(data)}={time[order[needed - 1]]:.10g}..{time[order[0]]:.10g}"
 
 

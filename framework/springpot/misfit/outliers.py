@@ -198,7 +198,8 @@ def _worst(frame: Frame, followed: NDArray[np.float64], rows: NDArray[np.int64])
         return int(rows[worst]), float(chi2_sf(scaled[worst], 2))
     # The others are judged without it: a bad point drags the curve from its neighbours, whose tails then seem long.
     others, variance = _squares(frame, followed, np.delete(rows, worst))
-    return int(rows[worst]), _chance(np.append(others, scaled[worst]) / variance)
+    # Exact data leave no variance at all.
+    return int(rows[worst]), _chance(np.append(others, scaled[worst]) / max(variance, np.finfo(float).tiny))
 
 
 def _squares(
