@@ -110,3 +110,27 @@ def test_runs_that_go_one_way_are_said_to_drift_if_they_are_one_specimen(gains, 
     assert found.verdict == "adequate"
     assert "each run was given a gain of its own" in notes
     assert ("if they are one specimen, it drifts" in notes) is told
+
+
+@pytest.mark.parametrize(("shared", "verdict"), [(0.012, "unexplained"), (0.0, "adequate")])
+def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_together(shared, verdict):
+    """Neither alone is beyond chance; of the product of two chances it is."""
+    rng = np.random.default_rng(11)
+    omega = np.geomspace(1.0, 300.0, 40)
+    x = np.log(omega)
+    alike = np.exp(-0.5 * ((x[:, None] - x[None, :]) / 0.4) ** 2) + 1e-9 * np.eye(40)
+    smooth = np.linalg.cholesky(alike) @ rng.normal(size=(40, 8))
+    runs = []
+    for number in range(4):
+        error = shared * (smooth[:, 2 * number] + 1j * smooth[:, 2 * number + 1])
+        real, imaginary = 0.02 * rng.normal(size=(2, 40))
+        runs.append((50.0 + 8.0 * (1j * omega) ** 0.5) * (1.0 + error + real + 1j * imaginary))
+    data = springpot.Measurement(
+        np.tile(omega, 4),
+        np.concatenate(runs),
+        repeat=np.repeat(np.arange(4), 40),
+        units=springpot.Units("kN/m", "mm"),
+    )
+    found = springpot.diagnose(data, "fractional-kelvin")
+    assert found.verdict == verdict
+    assert ("goes on from point to point" in found.says) is (verdict == "unexplained")

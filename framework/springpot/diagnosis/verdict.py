@@ -14,7 +14,7 @@ from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known,
 from springpot.misfit.leftover import Column
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
-from springpot.misfit.repeats import WITHIN, sets_apart
+from springpot.misfit.repeats import NEIGHBOURS, sets_apart
 from springpot.misfit.words import percent, times
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
 
@@ -229,11 +229,17 @@ def drifted(search: Search) -> bool:
 
 
 def _carried_on(search: Search) -> bool:
-    """Whether the errors of repeats go on from point to point: then the scatter that they tell is not the noise."""
-    beyond_chance = search.repeats.p_value < VERDICT.repeats_alarm
-    go_on = beyond_chance and search.repeats.parts[WITHIN] < VERDICT.repeats_alarm
+    """Whether errors go on from point to point: then the scatter that repeats tell is not the noise."""
+    chances = search.repeats.parts
+    if not chances:
+        return False
+    in_repeats = max(search.repeats.p_value, chances[NEIGHBOURS]) < VERDICT.repeats_alarm
+    # The mean of the repeats holds a part of the same errors, at right angles to what sets them apart: a second
+    # witness. Of the product x of two chances that of noise is x - x ln x (Fisher 1932).
+    both = chances[NEIGHBOURS] * search.structure.parts["runs"]
+    in_both = both - both * float(np.log(both)) < VERDICT.repeats_alarm
     # Where a gain, a slope and a bend of each run are the cause, they are specimens: that is told in a note.
-    return go_on and sets_apart(search.base.data).curves < VERDICT.own_curves
+    return (in_repeats or in_both) and sets_apart(search.base.data).curves < VERDICT.own_curves
 
 
 def _all_but_explained(search: Search) -> bool:

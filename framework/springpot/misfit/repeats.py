@@ -12,6 +12,8 @@ from springpot.policy import VERDICT
 from .battery import Battery, judged, kinship
 from .frame import DRAWS, Drawn, drift_curves, orthonormal
 
+NEIGHBOURS = "neighbours"
+"""The test of repeats for errors that neighbours share, be it as specimens with curves of their own do."""
 WITHIN = "within runs"
 """The test of repeats for errors that go on from point to point."""
 FEWEST_REPEATS = 8
@@ -48,7 +50,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     lines = [sweep.rows for sweep in sweeps_of(data.raw)]
     statistics = {
         "drift": np.sum((sample @ drift) ** 2, axis=(1, 2)),
-        "neighbours": sum(np.sum(kinship(sample[:, :, rows]), axis=1) for rows in lines),
+        NEIGHBOURS: sum(np.sum(kinship(sample[:, :, rows]), axis=1) for rows in lines),
         WITHIN: sum(np.sum(kinship(_without_bend(sample[:, :, rows])), axis=1) for rows in lines),
     }
     return judged(statistics)
