@@ -223,8 +223,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
         return
     # With many points the slightest difference is sure; it must be large enough to matter too, as `mastercurve` asks.
-    added = together.relative_rms**2 - _rms(levels) ** 2
-    if together.relative_rms <= SUPERPOSITION.nearly * _rms(levels) or added <= SUPERPOSITION.added**2:
+    if together.relative_rms <= SUPERPOSITION.nearly * _rms(levels):
         return
     yield (
         f"no shift of times and moduli lays the {name}s over one another: each by itself is a linear material to "
