@@ -102,3 +102,11 @@ def test_what_changes_storage_and_loss_unequally_is_no_softening_of_the_whole(ef
 @pytest.mark.parametrize("seed", [1, *map(soaked, range(2, 8))])
 def test_a_material_that_does_not_soften_lacks_nothing(seed):
     assert springpot.diagnose(measured(gel(OMEGA), seed=seed), GEL).verdict == "adequate"
+
+
+def test_at_one_amplitude_no_rate_is_made_of_the_frequency():
+    """K / (1 + (omega X)^n) would be a factor of the frequency there, which no liquid has."""
+    omega = 2.0 * np.pi * np.geomspace(0.1, 10.0, 25)
+    data = measured(gel(omega) * thinned(omega, 0.01, limit=0.5), omega, np.full(25, 0.01))
+    found = springpot.diagnose(data, GEL)
+    assert "shear-thinning" not in {candidate.effect for candidate in found.candidates}

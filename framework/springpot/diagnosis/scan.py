@@ -250,9 +250,11 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
     Factors without a law are left out: they can imitate every law.
     """
     columns = telling(measurement)
+    held = {name for name, values in measurement.conditions.items() if np.ptp(values) == 0.0}
     # One without parameters has no size to be found.
     sized = [effect for effect in library if effect.element.parameters]
-    return [effect for effect in sized if effect.needs <= columns and not effect.by_levels]
+    shown = [effect for effect in sized if effect.needs <= columns and not effect.by_levels]
+    return [effect for effect in shown if not (effect.only_varied and effect.needs & held)]
 
 
 def shifted_twice(model: Model, effect: Effect) -> bool:

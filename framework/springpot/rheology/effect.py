@@ -90,6 +90,9 @@ class Effect:
     largest_of_modulus : float, optional
         Largest size, in the unit in which it is printed, that physics allows where a modulus was measured; of a
         stiffness the size of the specimen would decide.
+    only_varied : bool
+        Whether the conditions that it needs must have been varied: at one value of them it would be a factor that
+        goes with the frequency alone, as many a fault of a measuring chain does.
 
     Examples
     --------
@@ -113,6 +116,7 @@ class Effect:
     equation: str = ""
     constant: InstrumentConstant | None = None
     largest_of_modulus: float = inf
+    only_varied: bool = False
 
     @property
     def vanishes_at(self) -> float:

@@ -147,6 +147,7 @@ EFFECTS = (
         absent_at=inf,
         prior=0.3,
         equation="K / (1 + (omega * X / Vc)^n)",
+        only_varied=True,
     ),
     Effect(
         "self-heating",
