@@ -85,7 +85,8 @@ def test_what_looks_like_a_resonance_may_be_another_narrow_feature(rungs):
 
 
 def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
-    pair = Explanation(SimpleNamespace(names=("a", "b")), 0.8)
+    effects = [plugins().effect(name) for name in ("inertia", "frame-resonance")]
+    pair = Explanation(SimpleNamespace(names=("a", "b"), effects=effects), 0.8)
     chances = Evidence(SimpleNamespace(), 0.0, 0.2, (pair,), frozenset({"b"})).without_unknown()
     assert chances.effects == pytest.approx({"a": 1.0, "b": 0.7})
     assert chances.narrow == pytest.approx(0.3)
