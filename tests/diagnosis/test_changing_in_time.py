@@ -166,6 +166,7 @@ def test_strain_that_a_held_stress_makes_of_a_curing_gel_is_no_cause():
     assert found.leading == ()
 
 
+@pytest.mark.soak
 def test_strains_that_were_set_one_after_another_are_the_cause():
     strain = np.geomspace(0.01, 5.0, 20)
     for stiffness, name in (
