@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import springpot
+from soaked import soaked
 
 SAMPLES = 256
 SOFT = pytest.param({"stiff": 100.0, "cubic": 20.0}, marks=pytest.mark.soak)
@@ -66,7 +67,7 @@ def test_a_hardening_spring_in_series_is_no_nonlinearity_of_the_material(own):
     assert found.best.parameters["Xh"].value == pytest.approx(np.sqrt(stiff / (0.75 * cubic)), rel=0.05)
 
 
-@pytest.mark.parametrize("own", [{}, QUARTIC], ids=["cubic", "quartic"])
+@pytest.mark.parametrize("own", [soaked({}), QUARTIC], ids=["cubic", "quartic"])
 def test_slip_that_grows_with_the_stress_is_no_heat(own):
     found = springpot.diagnose(measured(slipping_film, **own), "maxwell")
     assert found.verdict == "effect-missing"

@@ -80,7 +80,8 @@ def test_the_shift_of_the_melt_is_that_of_its_certificate(shared):
     assert after.relative_rms < 0.05 * before.relative_rms
 
 
-@pytest.mark.parametrize("model", ["kelvin", soaked("fractional-kelvin")])
+@pytest.mark.soak
+@pytest.mark.parametrize("model", ["kelvin", "fractional-kelvin"])
 def test_a_banded_friction_damper_rubs(shared, model):
     diagnosis = rubbing(shared, model).steps[0].case.diagnosis
     assert diagnosis.verdict == "effect-missing"

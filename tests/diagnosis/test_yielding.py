@@ -71,6 +71,7 @@ def test_a_damper_that_yields_gradually_is_no_filled_rubber(theta):
         assert interval.low < value < interval.high
 
 
+@pytest.mark.soak
 def test_where_k_alone_cannot_tell_them_apart_the_third_harmonic_does():
     stiffness, third = damper(*DAHL)
     alone = springpot.diagnose(measured(stiffness), "fractional-kelvin")
