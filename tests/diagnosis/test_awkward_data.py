@@ -160,6 +160,7 @@ def test_rows_that_were_copied_are_no_repeats():
     assert error.noise_floor == pytest.approx(0.014, rel=0.5)
 
 
+@pytest.mark.soak
 def test_computed_data_are_exact_beside_their_own_model_only():
     omega = np.geomspace(1.0, 100.0, 20)
     diagnosis = springpot.diagnose(springpot.Measurement(omega, 100.0 + 20.0 * (1j * omega) ** 0.3), "kelvin")

@@ -160,6 +160,7 @@ def held_force(hertz, stiffness, time):
     return measured(hertz, stiffness, time, amplitude=strain)
 
 
+@pytest.mark.soak
 def test_strain_that_a_held_stress_makes_of_a_curing_gel_is_no_cause():
     found = springpot.diagnose(held_force(np.ones(60), (1000.0 + 200.0j) * cured(LONG), LONG))
     assert "the specimen changes with time" in found.says

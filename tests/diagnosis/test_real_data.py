@@ -125,6 +125,7 @@ def of_elastomer():
     return diagnosis
 
 
+@pytest.mark.soak
 def test_a_filled_elastomer_softens_with_amplitude(shared, of_elastomer):
     diagnosis = of_elastomer(shared)
     assert diagnosis.verdict == "effect-missing"
@@ -132,6 +133,7 @@ def test_a_filled_elastomer_softens_with_amplitude(shared, of_elastomer):
     assert diagnosis.best.error_after < 0.5 * diagnosis.error.relative_rms
 
 
+@pytest.mark.soak
 def test_a_filled_elastomer_needs_nothing_but_its_softening(shared, of_elastomer):
     assert missing(of_elastomer(shared)) == {"payne"}
 
@@ -143,6 +145,7 @@ def test_a_filled_elastomer_at_one_frequency(shared):
     assert {"payne", "elasto-sliding", "cubic-stiffness"} & set(diagnosis.best.alike)
 
 
+@pytest.mark.soak
 def test_the_bad_highest_frequency_of_a_soft_solid_is_found(shared):
     """Loss is negative at 100 Hz alone: no effect is proven by it, but the point is told."""
     data = shared("hermes-multi-technique@step=frequency")
