@@ -134,3 +134,19 @@ def test_errors_that_neighbours_share_are_seen_in_repeats_and_in_their_mean_toge
     found = springpot.diagnose(data, "fractional-kelvin")
     assert found.verdict == verdict
     assert ("goes on from point to point" in found.says) is (verdict == "unexplained")
+
+
+def test_one_specimen_that_drifts_is_not_taken_for_several():
+    """Four runs, one after another, while the stiffness settles: with a gain of each run the drift were hidden."""
+    drifts, specimens = 0, 0
+    for seed in range(20):
+        rng = np.random.default_rng([17, seed])
+        omega, repeat = np.tile(np.geomspace(1.0, 100.0, 20), 4), np.repeat(np.arange(4), 20)
+        noise = 0.005 * (rng.standard_normal(80) + 1j * rng.standard_normal(80))
+        stiffness = 1e4 * omega**0.3 * (1.0 + 0.2j) * (1.0 + noise)
+        settling = 1.0 + 0.04 * np.exp(-np.arange(80) / 30.0)
+        gains = 1.0 + 0.02 * rng.standard_normal(4)[repeat]
+        drifts += average_repeats(Measurement(omega, stiffness * settling, repeat=repeat)).own_gain == 0.0
+        specimens += average_repeats(Measurement(omega, stiffness * gains, repeat=repeat)).own_gain > 0.0
+    assert drifts >= 18
+    assert specimens >= 18

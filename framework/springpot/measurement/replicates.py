@@ -25,6 +25,11 @@ POINTS_OF_A_RUN = 6
 """Points of a run from which its own gain says little of each of them."""
 RUNS_DIFFER = 0.0001
 """Chance of replicates that differ as a whole by so much where only their points scatter."""
+DRIFT_ODDS = 20.0
+"""Odds for one settling curve against a gain of each run from which it is a drift: strong evidence (Kass and Raftery
+1995, doi:10.1080/01621459.1995.10476572)."""
+SETTLING_TIMES = np.geomspace(0.03, 3.0, 8)
+"""Times to settle that are tried, as shares of all rows: from a thirtieth to what is all but a straight line."""
 MOST_POINTS = 1500
 """Points that are kept at most: more tell a smooth curve no better and cost time."""
 FEWEST_OF_A_SWEEP = 10
@@ -118,7 +123,7 @@ def average_repeats(measurement: Measurement) -> Averaged:
     if np.all(np.abs(measurement.stiffness / mean[group] - 1.0) < LEAST_RELATIVE):
         # Rows that were written again are no repeats: they tell nothing of the noise.
         return average_repeats(replace(measurement.subset(first), repeat=None))
-    gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, count[group])
+    gains, spent = _replicate_gains(measurement, measurement.stiffness / mean[group] - 1.0, group)
     stiffness = measurement.stiffness
     if gains is not None:
         stiffness = stiffness / (1.0 + gains)
@@ -141,17 +146,14 @@ def _means(values: Complex, group: Rows) -> Complex:
     return np.asarray((np.bincount(group, values.real) + 1j * np.bincount(group, values.imag)) / count)
 
 
-def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -> tuple[Complex | None, float]:
+def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -> tuple[Complex | None, float]:
     """The gain (N,) of the run that each row belongs to, and how many were estimated.
 
     A run is what was measured in one repeat under one set of conditions. None where runs do not differ as a whole by
-    an analysis of variance, or where they differ in slope as well: then only their full scatter is honest.
+    an analysis of variance, or where they differ in slope as well: then only their full scatter is honest. None, too,
+    where one settling curve from row to row tells the runs apart better: one specimen that drifts.
     """
-    columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
-    if measurement.repeat is not None:
-        columns += [*told_apart(measurement).values(), measurement.repeat]
-    _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
-    run = run.ravel()
+    count, run = np.bincount(group)[group], _run_numbers(measurement)
     # A gain of its own must not be one with the scatter of a few points.
     usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
     if not np.any(usable):
@@ -175,14 +177,39 @@ def _replicate_gains(measurement: Measurement, relative: Complex, count: Real) -
         return None, 0.0
     # Replicates may be equal to the last digit.
     unit = max(left / free, 1e-300)
-    gain_differs, slope_differs = (
-        f_sf(part / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER for part in (by_gain, by_slope)
-    )
+    strength = by_gain / (2.0 * gain_spent) / unit
+    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < RUNS_DIFFER
+    slope_differs = f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
     if not gain_differs or slope_differs:
+        return None, 0.0
+    by_drift = _by_settling(relative, group, usable)
+    # Each parameter pays for the range that it might have had, of which F tells the size in units of its error: the
+    # complex gains, against the complex height of the curve and its time.
+    spared = (2.0 * gain_spent - 3.0) * np.log(strength)
+    if (by_drift - by_gain) / unit + spared > 2.0 * np.log(DRIFT_ODDS):
         return None, 0.0
     gains = np.zeros(len(relative), dtype=np.complex128)
     gains[usable] = mean[run]
     return gains, gain_spent
+
+
+def _run_numbers(measurement: Measurement) -> Rows:
+    """Which run each row belongs to, (N,)."""
+    columns = [measurement.levels(name) for name in CONDITIONS if name in measurement.conditions]
+    if measurement.repeat is not None:
+        columns += [*told_apart(measurement).values(), measurement.repeat]
+    _, run = np.unique(np.column_stack(columns), axis=0, return_inverse=True)
+    return np.asarray(run.ravel(), dtype=np.int64)
+
+
+def _by_settling(relative: Complex, group: Rows, usable: NDArray[np.bool_]) -> float:
+    """Sum of squares that the best curve settling from row to row takes from what sets the usable rows apart."""
+    curves = np.exp(-np.linspace(0.0, 1.0, len(relative))[:, None] / SETTLING_TIMES)
+    # What is measured has lost the means of its repeats; so must the curves.
+    curves = np.stack([curve - _means(curve.astype(np.complex128), group).real[group] for curve in curves.T])
+    curves = curves[:, usable]
+    taken = np.abs(curves @ relative[usable]) ** 2 / np.maximum(np.sum(curves**2, axis=1), 1e-300)
+    return float(np.max(taken))
 
 
 def _groups(measurement: Measurement) -> tuple[Rows, Rows]:
