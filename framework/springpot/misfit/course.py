@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
-from springpot.measurement import TIME_UNITS, Measurement, at_one_frequency, frequency_numbers, settings_of
+from springpot.measurement import (
+    CONDITIONS,
+    TIME_UNITS,
+    Measurement,
+    at_one_frequency,
+    frequency_numbers,
+    settings_of,
+)
 from springpot.policy import COURSE, VERDICT
 from springpot.rheology import Real
 
@@ -20,8 +27,6 @@ TIME = "time"
 """The column in which files hold when a point was measured."""
 CLOCKS = frozenset({"s", "min", "h"})
 """Units in which another column is one of times; shorter ones are of delays."""
-CONDITIONS = ("temperature", "amplitude")
-"""What changes along with the time in many a test, and then is the likelier cause."""
 DEGREE = 8
 """Highest degree of the slow curves in time: they follow what happens within an eighth of the test."""
 STEADY_DEGREE = 4
