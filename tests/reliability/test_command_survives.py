@@ -80,6 +80,14 @@ def test_ctrl_c_in_the_first_moments_shows_no_traceback(tmp_path, after):
     assert process.returncode == 130 or (process.returncode == -signal.SIGINT and not told)
 
 
+def test_ctrl_c_while_a_string_is_run_ends_with_the_same_code(tmp_path):
+    """As while a dataclass is made: CPython then ends itself by the signal, whatever the exit code."""
+    path = tmp_path / "study.py"
+    path.write_text('exec("import os, signal; os.kill(os.getpid(), signal.SIGINT)")')
+    done = springpot("run", path, "--out", tmp_path)
+    assert (done.returncode, done.stderr) == (130, "")
+
+
 def test_ctrl_c_ends_an_optimiser_of_identify_too(tmp_path):
     model = "fractional-maxwell"
     asked = ["identify", f"artificial-{model}", "--model", model, "--optimiser", "nlopt-esch"]

@@ -47,11 +47,18 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except BaseException:
         if not ctrl_c.pressed:
             raise
-        sys.exit(130)
+        _leave(130)
     if arguments is None:
         arguments = sys.argv[1:]
     given = list(arguments)
-    sys.exit(exit_code(lambda: run(given)))
+    _leave(exit_code(lambda: run(given)))
+
+
+def _leave(code: int) -> NoReturn:
+    # Where Ctrl-C came while a string was run, of which dataclasses are made, CPython remembers it as unhandled and
+    # ends by the signal instead of with this code; the next string that is run makes it forget.
+    exec("")
+    sys.exit(code)
 
 
 def _open_streams() -> None:
