@@ -64,6 +64,9 @@ class SearchLevels:
     is not searched further. Of 60 artificial cases all verdicts and 58 leading classes stay as they were."""
     better: float = 0.5
     """Gain in log-likelihood from which a fit has found another minimum."""
+    near_an_end: float = 0.01
+    """Distance from an end of its range, relative to it, at which a size rests there: a fit runs towards an end ever
+    slower."""
     decisive: float = 10.0
     """Drop of the information criterion that is beyond doubt, ten by Kass and Raftery (1995,
     doi:10.1080/01621459.1995.10476572): from it the best model tells the noise, and an effect is accepted without
@@ -292,6 +295,15 @@ class SuperpositionLevels:
     """Error over that of each level by itself up to which superposition is good enough for most uses."""
     added: float = 0.01
     """Error that superposition may add and still be good enough: specimens and loadings hardly repeat to 1 %."""
+    alarm: float = 0.005
+    """Chance below which what is left is no noise, and a law departs from the factors: all places that are looked at
+    are counted together. As `VerdictLevels.structure_alarm`."""
+    stands_out: float = 3.0
+    """Error of a material at one level alone, over the median of the levels, from which it is no material."""
+    seen: float = 0.999
+    """Probability with which a modulus that goes with the frequency does so by more than its scatter."""
+    flat: float = 0.05
+    """Share of the stiffness by which storage and loss of a flat sweep change over a decade at most."""
 
 
 SUPERPOSITION = SuperpositionLevels()
@@ -315,9 +327,54 @@ EXPERIMENT = ExperimentLevels()
 
 
 @dataclass(frozen=True)
+class RepeatsLevels:
+    """What repeats and replicates tell."""
+
+    enough: float = 8.0
+    """Degrees of freedom below which the scatter of repeats says too little of the noise: with eight its size is
+    known to a quarter."""
+    fewest: float = 8.0
+    """Repeated points below which nothing can be said of how repeats differ."""
+    points_of_a_run: int = 6
+    """Points of a run from which its own gain says little of each of them."""
+    runs_differ: float = 0.0001
+    """Chance of replicates that differ as a whole by so much where only their points scatter."""
+    drift_odds: float = 20.0
+    """Odds for one settling curve against a gain of each run from which it is a drift: strong evidence (Kass and
+    Raftery 1995, doi:10.1080/01621459.1995.10476572)."""
+
+
+REPEATS = RepeatsLevels()
+
+
+@dataclass(frozen=True)
+class ComparisonLevels:
+    """Which of many models are as good as any material, and which are one curve."""
+
+    chance: float = 0.001
+    """Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared,
+    one right one in 25 data sets is lost."""
+    alike: float = 2.0
+    """Standard deviations of the noise between two curves, over all points together, below which no data like
+    these tell them apart."""
+    most_spent: float = 0.5
+    """Share of the measured numbers from which a model has more parameters than it leaves numbers to judge them
+    by."""
+
+
+COMPARISON = ComparisonLevels()
+
+
+@dataclass(frozen=True)
 class CourseLevels:
     """When a specimen is held to change with time."""
 
+    fewest_times: int = 6
+    """Times from which there is a course at all: of three for each degree six give a curve of the second, the
+    first that shows whether a change goes on or comes to rest."""
+    fewest_of_a_round: int = 5
+    """Frequencies from which the rows of one round are a sweep that can be judged by itself: of ten numbers a model
+    of four parameters leaves more than `VerdictLevels.fewest_spare`."""
     largest_mutation: float = 0.1
     """Relative change within one period up to which a point is of one state, a tenth as where Mours and Winter 1994
     (doi:10.1007/BF00369354) hold a test to be quasi-steady."""

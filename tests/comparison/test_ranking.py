@@ -7,11 +7,11 @@ import pytest
 
 import springpot
 from springpot.comparison import Ranking, rank
-from springpot.comparison.ranking import ALIKE, CHANCE, chance_beside, grouped, spends_most
+from springpot.comparison.ranking import chance_beside, grouped, spends_most
 from springpot.errors import DataError
 from springpot.measurement import Measurement, Units
 from springpot.misfit.floor import beyond_floor
-from springpot.policy import SEARCH
+from springpot.policy import COMPARISON, SEARCH
 from springpot.report.jsontext import jsonable
 from springpot.report.ranking import ranked_text
 
@@ -77,13 +77,13 @@ def test_a_richer_model_of_the_same_curve_stands_with_the_simple_one(heavy):
         for i, one in enumerate(leaders)
         for two in leaders[:i]
     ]
-    assert all(gap >= ALIKE for gap in gaps)
+    assert all(gap >= COMPARISON.alike for gap in gaps)
 
 
 def test_every_adequate_model_is_as_good_as_any_material(heavy):
     floor = heavy.ladder.steps[-1].case.search.base
     for one in heavy.judgements:
-        as_good = chance_beside(one.refit, floor) >= CHANCE
+        as_good = chance_beside(one.refit, floor) >= COMPARISON.chance
         outdone = any(
             other.delta_bic < one.delta_bic - SEARCH.decisive and len(other.refit.theta) > len(one.refit.theta)
             for other in heavy.judgements

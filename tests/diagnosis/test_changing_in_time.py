@@ -9,7 +9,7 @@ import pytest
 
 import springpot
 from soaked import soaked
-from springpot.misfit.course import change_in_order
+from springpot.misfit.course_search import change_in_order
 
 LONG = np.linspace(60.0, 3600.0, 60)
 ROUND = np.array([0.5, 1.0, 2.0, 5.0, 10.0])

@@ -26,22 +26,14 @@ from springpot.misfit.frame import chance_of_squares
 from springpot.misfit.leftover import column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, material_floor
 from springpot.misfit.refit import Refit, refit
-from springpot.policy import SEARCH, VERDICT
+from springpot.policy import COMPARISON, SEARCH, VERDICT
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
 from .compare import Comparison, Judgement, effects_of, harmonics_of, judgements, material_floors
 
-CHANCE = 0.001
-"""Chance that noise lets a free spectrum gain so much on a model that lacks nothing: with forty models compared, one
-right one in 25 data sets is lost."""
-ALIKE = 2.0
-"""Standard deviations of the noise between two curves, over all points together, below which no data like these tell
-them apart."""
 STARTS = 8
 """Starts of each fit: the native solver takes them all at once, and fewer are no faster."""
-MOST_SPENT = 0.5
-"""Share of the measured numbers from which a model has more parameters than it leaves numbers to judge them by."""
 NEXT = 3
 """Models shown beside the adequate ones, which tell how much worse the next are."""
 LOOKED_AT = 20
@@ -257,7 +249,8 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     floors = material_floors(unlike, rng) | {effects_of(floor): lowest}
     # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
-    as_near = [one for one in ordered if chance_beside(one.refit, floor) >= CHANCE and not _outdone(one, ordered)]
+    near_enough = [one for one in ordered if chance_beside(one.refit, floor) >= COMPARISON.chance]
+    as_near = [one for one in near_enough if not _outdone(one, ordered)]
     # The fewest parameters first. Sorting keeps the order of equals: of as many parameters the likelier comes first.
     as_near.sort(key=lambda one: len(one.refit.theta))
     adequate = _no_worse_than_rejected([one for one in as_near if one.adequate], ordered)
@@ -340,7 +333,7 @@ def _outdone(one: Judgement, others: Sequence[Judgement]) -> bool:
 
 def spends_most(found: Refit) -> bool:
     """Whether a model has more parameters than it leaves numbers to judge them by."""
-    return len(found.theta) > MOST_SPENT * 2 * len(found.fit.measurement)
+    return len(found.theta) > COMPARISON.most_spent * 2 * len(found.fit.measurement)
 
 
 def _fitted(
@@ -357,7 +350,7 @@ def _fitted(
         for found in _one(item.build(number), effects, floor, skipped):
             yield found
             # One more term after that can only follow noise, and each costs a fit of more parameters.
-            if found.log_evidence <= evidence or chance_beside(found, floor) >= CHANCE:
+            if found.log_evidence <= evidence or chance_beside(found, floor) >= COMPARISON.chance:
                 return
             evidence = found.log_evidence
 
@@ -392,7 +385,7 @@ def grouped(judgements: Sequence[Judgement]) -> tuple[tuple[Judgement, ...], ...
     groups: list[list[Judgement]] = []
     # Against the first of each group only, or a chain of close neighbours would join curves that are far apart.
     for one in judgements:
-        known = next((group for group in groups if _distance(group[0].refit, one.refit) < ALIKE), None)
+        known = next((group for group in groups if _distance(group[0].refit, one.refit) < COMPARISON.alike), None)
         if known is None:
             groups.append([one])
         else:

@@ -9,7 +9,8 @@ from typing import TypeAlias
 import numpy as np
 
 from springpot.measurement import Measurement
-from springpot.misfit.course import Course, change_in_order, course_behind
+from springpot.misfit.course import Course
+from springpot.misfit.course_search import change_in_order, course_behind
 from springpot.misfit.leftover import Column, column_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier

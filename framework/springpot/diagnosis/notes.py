@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from springpot.distributions import chi2_sf
 from springpot.measurement import PRESSURE_UNITS, Averaged, Measurement, at_one_frequency, moved_along
 from springpot.misfit.battery import Finding
-from springpot.misfit.course import Course, moves_with_frequency
+from springpot.misfit.course import Course
+from springpot.misfit.course_search import moves_with_frequency
 from springpot.misfit.floor import scatter_about
 from springpot.misfit.leftover import Column, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels

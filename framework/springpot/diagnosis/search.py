@@ -20,10 +20,6 @@ from springpot.rheology import Complex, Effect, Model, Real
 
 from .scan import Scan, Score, applicable, best_pairs, enough_for, scan_effects, shifted_twice
 
-NEAR_AN_END = 0.01
-"""Distance from an end of its range, relative to it, at which a size rests there: a fit runs towards an end ever
-slower."""
-
 
 @dataclass(frozen=True, eq=False)
 class Grown:
@@ -79,7 +75,7 @@ def at_its_limit(fitted: Refit, effect: Effect) -> bool:
     """
     size, value = effect.element.parameters[0], size_of(fitted, effect)
     ends = [end for end in (size.lower, size.upper) if np.isfinite(end) and end != effect.vanishes_at]
-    return any(abs(value - end) <= NEAR_AN_END * abs(end) for end in ends)
+    return any(abs(value - end) <= SEARCH.near_an_end * abs(end) for end in ends)
 
 
 @dataclass(eq=False)

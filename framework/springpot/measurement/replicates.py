@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import f_sf
+from springpot.policy import REPEATS
 from springpot.rheology import Complex, Model, Real
 
 from .measurement import CONDITIONS, Measurement
@@ -19,15 +20,6 @@ from .together import frequency_numbers, told_apart
 
 Rows: TypeAlias = NDArray[np.int64]
 
-ENOUGH_REPEATS = 8
-"""Degrees of freedom below which the scatter of repeats says too little about the noise."""
-POINTS_OF_A_RUN = 6
-"""Points of a run from which its own gain says little of each of them."""
-RUNS_DIFFER = 0.0001
-"""Chance of replicates that differ as a whole by so much where only their points scatter."""
-DRIFT_ODDS = 20.0
-"""Odds for one settling curve against a gain of each run from which it is a drift: strong evidence (Kass and Raftery
-1995, doi:10.1080/01621459.1995.10476572)."""
 SETTLING_TIMES = np.geomspace(0.03, 3.0, 8)
 """Times to settle that are tried, as shares of all rows: from a thirtieth to what is all but a straight line."""
 MOST_POINTS = 1500
@@ -155,7 +147,7 @@ def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -
     """
     count, run = np.bincount(group)[group], _run_numbers(measurement)
     # A gain of its own must not be one with the scatter of a few points.
-    usable = (count > 1.0) & (np.bincount(run)[run] >= POINTS_OF_A_RUN)
+    usable = (count > 1.0) & (np.bincount(run)[run] >= REPEATS.points_of_a_run)
     if not np.any(usable):
         return None, 0.0
     # Numbered anew without the runs that are too short, so that no mean is taken of nothing.
@@ -178,15 +170,15 @@ def _replicate_gains(measurement: Measurement, relative: Complex, group: Rows) -
     # Replicates may be equal to the last digit.
     unit = max(left / free, 1e-300)
     strength = by_gain / (2.0 * gain_spent) / unit
-    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < RUNS_DIFFER
-    slope_differs = f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < RUNS_DIFFER
+    gain_differs = f_sf(strength, 2.0 * gain_spent, free) < REPEATS.runs_differ
+    slope_differs = f_sf(by_slope / (2.0 * gain_spent) / unit, 2.0 * gain_spent, free) < REPEATS.runs_differ
     if not gain_differs or slope_differs:
         return None, 0.0
     by_drift = _by_settling(relative, group, usable)
     # Each parameter pays for the range that it might have had, of which F tells the size in units of its error: the
     # complex gains, against the complex height of the curve and its time.
     spared = (2.0 * gain_spent - 3.0) * np.log(strength)
-    if (by_drift - by_gain) / unit + spared > 2.0 * np.log(DRIFT_ODDS):
+    if (by_drift - by_gain) / unit + spared > 2.0 * np.log(REPEATS.drift_odds):
         return None, 0.0
     gains = np.zeros(len(relative), dtype=np.complex128)
     gains[usable] = mean[run]
@@ -246,7 +238,7 @@ def noise_of_repeats(averaged: Averaged) -> Noise | None:
     """
     scatter = averaged.scatter
     dof = 2.0 * float(np.sum(scatter.dof))
-    if dof < ENOUGH_REPEATS:
+    if dof < REPEATS.enough:
         return None
     return Noise(noise_shape(averaged.mean, scatter) / np.sqrt(scatter.dof + 1.0), dof, "repeats")
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.measurement import Averaged, sweeps_of
-from springpot.policy import VERDICT
+from springpot.policy import REPEATS, VERDICT
 
 from .battery import Battery, judged, kinship
 from .frame import DRAWS, Drawn, drift_curves, orthonormal
@@ -16,8 +16,6 @@ NEIGHBOURS = "neighbours"
 """The test of repeats for errors that neighbours share, be it as specimens with curves of their own do."""
 WITHIN = "within runs"
 """The test of repeats for errors that go on from point to point."""
-FEWEST_REPEATS = 8
-"""Repeated points below which nothing can be said of how repeats differ."""
 
 
 def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
@@ -33,7 +31,7 @@ def repeats_structure(data: Averaged, rng: np.random.Generator) -> Battery:
     rng : numpy.random.Generator
         For the simulated noise.
     """
-    if np.sum(data.scatter.dof) < FEWEST_REPEATS:
+    if np.sum(data.scatter.dof) < REPEATS.fewest:
         return Battery(1.0, {})
     # Simulated repeats lose the mean of their group, as the measured ones did.
     count = data.scatter.dof + 1.0

@@ -6,14 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.uncertainty import student
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import Real
 
 from .factors import LEVEL, Rows
 
-SEEN = 0.999
-"""Probability with which a modulus that goes with the frequency does so by more than its scatter."""
-FLAT = 0.05
-"""Share of the stiffness by which storage and loss of a flat sweep change over a decade at most."""
 FEWEST = 3
 """Points of a sweep that a slope and its scatter take up."""
 EXACT = 1e-9
@@ -44,4 +41,4 @@ def _is_level(x: Real, values: Real) -> bool:
     sd = float(np.sqrt(left @ left / freedom / (away @ away)))
     # Few points or a short sweep show no slope either, and leave room for a large one.
     room = slope + student(LEVEL, freedom) * sd
-    return slope <= student(SEEN, freedom) * sd + EXACT and DECADE * room < FLAT
+    return slope <= student(SUPERPOSITION.seen, freedom) * sd + EXACT and DECADE * room < SUPERPOSITION.flat

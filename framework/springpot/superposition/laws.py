@@ -12,14 +12,13 @@ from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf
 from springpot.identification.uncertainty import student
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.points import KELVIN
 
 from .factors import LEVEL, Factors
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
-ALARM = 0.005
-"""Chance below which the departure of the factors from a law is no scatter."""
 HARDLY = 1.0
 """Half-width of an interval of ln b from which a vertical factor says nothing about a law."""
 TRIES = 12
@@ -173,7 +172,7 @@ def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str
     weighing = np.linalg.solve(covariance, away)
     score = float(weighing @ log_a) / float(np.sqrt(weighing @ away))
     # Where factors share much of their error, their weighted slope may have the sign of none of them.
-    if float(away @ log_a) > 0.0 and normal_sf(score) < ALARM:
+    if float(away @ log_a) > 0.0 and normal_sf(score) < SUPERPOSITION.alarm:
         return [SLOWER]
     return []
 
@@ -297,7 +296,7 @@ def _verdict(square: float, spare: int) -> tuple[Verdict, float]:
     if spare == 0:
         return "cannot-tell", float("nan")
     chance = float(chi2_sf(square, spare))
-    if chance < ALARM:
+    if chance < SUPERPOSITION.alarm:
         return "departs", chance
     return "holds", chance
 

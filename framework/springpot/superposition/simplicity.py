@@ -21,10 +21,6 @@ from springpot.rheology import Continuum, Model, Real
 from .factors import Rows, without
 
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
-ALARM = 0.005
-"""Chance below which what is left is no noise, all places that are looked at counted together."""
-STANDS_OUT = 3.0
-"""Error of a material at one level alone, over the median of the levels, from which it is no material."""
 BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
 LEAST_BRANCH = 1e-2
@@ -158,7 +154,7 @@ class Alone:
         if not np.any(judged):
             return judged
         error = np.where(judged, self.error, 0.0)
-        far_off = error > STANDS_OUT * np.median(error[judged])
+        far_off = error > SUPERPOSITION.stands_out * np.median(error[judged])
         return np.asarray(far_off & (error > SUPERPOSITION.nearly * self.repeats))
 
     def weighted_by(self, share: Real) -> Alone:
@@ -210,7 +206,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     shared, own = _mean(rows, error, usual), _mean(rows, alone.error, usual)
     added = float(np.sqrt(max(shared**2 - own**2, 0.0)))
     verdict: Verdict = "not-simple"
-    if chance >= ALARM:
+    if chance >= SUPERPOSITION.alarm:
         verdict = "simple"
     elif shared <= SUPERPOSITION.nearly * own or added <= SUPERPOSITION.added:
         verdict = "nearly-simple"
@@ -303,7 +299,7 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
     for level in np.flatnonzero(alone.strange).tolist():
         ratio = (alone.error[level] / usual) ** 2
         chance = float(f_sf(ratio, alone.dof[level], np.median(alone.dof[judged]))) * int(judged.sum())
-        if chance < ALARM:
+        if chance < SUPERPOSITION.alarm:
             off, at = alone.error[level], rows.named(level)
             says = (
                 f"at {at} no linear material comes nearer than {_percent(off)}, elsewhere {_percent(usual)}: "
@@ -323,7 +319,7 @@ def _levels(rows: Rows, alone: Alone, error: Real) -> list[Failure]:
         ratio = (excess[level] + alone.dof[level]) / count
         # All levels are looked at, and any one of them may look like this by chance.
         chance = float(f_sf(ratio, count, alone.dof[level])) * int(judged.sum())
-        if chance < ALARM:
+        if chance < SUPERPOSITION.alarm:
             off, own = _percent(error[level]), _percent(alone.error[level])
             share = float(excess[level]) / whole
             says = f"at {rows.named(level)} the curve is {off} off, a material of its own {own}{_of_all(share)}"
@@ -357,7 +353,7 @@ def _storage_and_loss(rows: Rows, alone: Alone) -> list[Failure]:
     columns = np.array([np.where(rows.number == i, apart, 0.0) for i in range(count)])
     size, chance, share = _one_step(rows, alone, columns)
     values, failures = rows.elements[0].shown, []
-    for i in np.flatnonzero(chance < ALARM).tolist():
+    for i in np.flatnonzero(chance < SUPERPOSITION.alarm).tolist():
         shifted = float(size[i])
         says = (
             f"at {rows.named(i)} the loss asks for {_percent(abs(float(np.expm1(shifted))))} "
@@ -392,7 +388,7 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
         return []
     size, chance, share = _one_step(rows, alone, np.array(columns))
     failures = []
-    for i in np.flatnonzero(chance < ALARM).tolist():
+    for i in np.flatnonzero(chance < SUPERPOSITION.alarm).tolist():
         # The branch is a decade wide, and the place its middle.
         low, high = places[i] / 10.0**0.5, places[i] * 10.0**0.5
         shifted = float(size[i])

@@ -16,10 +16,10 @@ from scipy.linalg import block_diag
 from springpot.distributions import f_sf
 from springpot.identification import Fit, fit
 from springpot.identification.alignment import aligned
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import Continuum, Effect, Layer, Levels, Model, Real, chain
 
 from .factors import Expected, Rows, told_by_data
-from .simplicity import ALARM
 
 POWER = 1.0
 """Standard deviation of n in b = (T / Tr)^n: 1 for an ideal rubber (Flory), below 0 for a glass, whose modulus falls
@@ -104,4 +104,4 @@ def _needless(flat: Rows, best: Rows) -> bool:
         return False
     count, dof = len(best.elements[-1].free), max(best.fit.dof, 1)
     gain = (flat.fit.cost - best.fit.cost) / (count * best.unit)
-    return bool(f_sf(gain, count, dof) >= ALARM)
+    return bool(f_sf(gain, count, dof) >= SUPERPOSITION.alarm)
