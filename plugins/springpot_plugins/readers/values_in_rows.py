@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from springpot.errors import DataError
 from springpot.measurement import normal_unit
@@ -20,12 +21,19 @@ _SEARCHED = 200
 """Lines in which the names of such a table are sought."""
 _FEWEST = 4
 """Rows of such a table: two points of two quantities."""
+_FEWEST_CELLS = 3
+"""Cells of a row: a condition, a word and a value."""
+_IN_COMMON = 0.5
+"""Share of a column's values that all quantities have, from which it may be what tells points apart: specimens, of
+one of which a quantity lacks."""
 _MOST_NAMES = 20
 """Different words of a column beyond which it names samples or runs rather than quantities."""
 _VALUE = frozenset(fold(word) for word in ("value", "values", "result", "wert", "valeur", "valor", "valore", "y"))
 """What a column of values is called."""
 _CONDITIONS = FREQUENCIES | {"temperature", "amplitude", "repeat"}
 """What makes two rows of different quantities one point, where it is the same."""
+_Conditions: TypeAlias = tuple[tuple[str, str], ...]
+"""Title and cell of each condition of a point."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +72,14 @@ def side_by_side(values: Sequence[Value]) -> Grid:
     Raises
     ------
     DataError
-        If no row has a value of all quantities, as where curves were read off at frequencies of their own.
+        If no row has a value of all quantities, as where curves were read off at frequencies of their own; or if it
+        is open which values of several under the same conditions belong together.
     """
     titles = list(dict.fromkeys(title for value in values for title, _ in value.keys))
     quantities = list(dict.fromkeys(value.quantity for value in values))
-    seen: Counter[tuple[object, ...]] = Counter()
-    rows: dict[tuple[object, ...], dict[str, str]] = {}
-    lines: dict[tuple[object, ...], int] = {}
+    seen: Counter[tuple[_Conditions, str]] = Counter()
+    rows: dict[tuple[_Conditions, int], dict[str, str]] = {}
+    lines: dict[tuple[_Conditions, int], int] = {}
     for value in values:
         conditions = tuple((title, _same(cell)) for title, cell in value.keys)
         seen[(conditions, value.quantity)] += 1
@@ -78,13 +87,40 @@ def side_by_side(values: Sequence[Value]) -> Grid:
         rows.setdefault(point, dict(value.keys))[value.quantity] = value.text
         lines.setdefault(point, value.line)
     if not any(all(row.get(quantity) for quantity in quantities) for row in rows.values()):
+        _require_one_name(quantities)
         raise DataError(
             f"{' and '.join(quantities)} stand at different {' and '.join(titles)}, so that no point has both; "
             "bring them to the same values, in columns beside each other"
         )
+    _require_pairs(seen, quantities)
     order = [*titles, *quantities]
     cells = [[row.get(title, "") for title in order] for row in rows.values()]
     return Grid([order, *cells], [min(lines.values()) - 1, *lines.values()])
+
+
+def _require_one_name(quantities: Sequence[str]) -> None:
+    """Refuse a quantity that goes by two names, or stands in two units."""
+    first: dict[str, str] = {}
+    for quantity in quantities:
+        role = str(heading(quantity).role)
+        other = first.setdefault(role, quantity)
+        if other != quantity and role in VALUES:
+            raise DataError(f"{other} and {quantity} are both {role}; call it by one name, in one unit")
+
+
+def _require_pairs(seen: Counter[tuple[_Conditions, str]], quantities: Sequence[str]) -> None:
+    """Refuse several values of one quantity where another has fewer: nobody knows which of them it belongs to."""
+    for conditions in dict.fromkeys(conditions for conditions, _ in seen):
+        # Of a quantity that lacks altogether there is nothing that could be put beside a wrong one.
+        there = [quantity for quantity in quantities if (conditions, quantity) in seen]
+        count = {quantity: seen[(conditions, quantity)] for quantity in there}
+        fewest, most = min(there, key=count.__getitem__), max(there, key=count.__getitem__)
+        if count[fewest] < count[most]:
+            where = " and ".join(f"{title} {cell}" for title, cell in conditions)
+            raise DataError(
+                f"at {where} there are {count[most]} values of {most} and {count[fewest]} of {fewest}; say which "
+                "belong together in a column repeat, with the same number for both"
+            )
 
 
 def _same(cell: str) -> str:
@@ -106,11 +142,7 @@ def from_rows(grid: Grid) -> tuple[Grid, str] | None:
         titles = [cell.strip().lstrip("# ") for cell in row]
         if len(titles) < 3 or any(map(holds_number, titles)):
             continue
-        below = [
-            (cells, line)
-            for cells, line in zip(grid.rows[i + 1 :], grid.lines[i + 1 :], strict=True)
-            if len(cells) == len(row) and not cells[0].strip().startswith(COMMENT)
-        ]
+        below = _rows_as_wide(grid, i)
         if len(below) < _FEWEST:
             return None
         columns = [[cell.strip() for cell in cells] for cells in zip(*(cells for cells, _ in below), strict=True)]
@@ -119,6 +151,20 @@ def from_rows(grid: Grid) -> tuple[Grid, str] | None:
             return _from_columns(titles, columns, [line for _, line in below], named)
         _require_all_parts(titles, columns)
     return None
+
+
+def _rows_as_wide(grid: Grid, i: int) -> list[tuple[list[str], int]]:
+    """The rows below that of the names, as wide as it, with their lines."""
+    width = len(grid.rows[i])
+    found = []
+    for row, line in zip(grid.rows[i + 1 :], grid.lines[i + 1 :], strict=True):
+        cells, further = row[:width], row[width:]
+        # Remarks may stand behind the last name; numbers there tell that the row was parted at the wrong signs.
+        if len(cells) < _FEWEST_CELLS or cells[0].strip().startswith(COMMENT) or any(map(holds_number, further)):
+            continue
+        # A row of a sheet ends with its last filled cell.
+        found.append(([*cells, *[""] * (width - len(cells))], line))
+    return found
 
 
 def _require_all_parts(titles: Sequence[str], columns: Sequence[Sequence[str]]) -> None:
@@ -146,7 +192,7 @@ def _from_columns(
     place = _place_of_values(titles, columns, named)
     others = [j for j in range(len(titles)) if j not in (named, place)]
     units = next((j for j in others if _holds_units(columns[j], names)), None)
-    keys = [j for j in others if j != units and _is_condition(titles[j], columns[j], names)]
+    keys = _keys(titles, columns, names, [j for j in others if j != units])
     values = []
     for k, line in enumerate(lines):
         if names[k] in MISSING:
@@ -162,6 +208,25 @@ def _from_columns(
     if left_out:
         note += f"; left out, as not the same in all rows of a point: {', '.join(left_out)}"
     return side_by_side(values), note
+
+
+def _keys(
+    titles: Sequence[str], columns: Sequence[Sequence[str]], names: Sequence[str], others: Sequence[int]
+) -> list[int]:
+    """Columns by which values of different quantities are one point."""
+    known = [j for j in others if heading(titles[j]).role in _CONDITIONS]
+    named = [k for k, name in enumerate(names) if name not in MISSING]
+    points = {k: tuple(_same(columns[j][k]) for j in known) for k in named}
+    # Where one quantity comes again something tells its values apart, be it not quite complete.
+    if len({(names[k], points[k]) for k in named}) < len(named):
+        return [j for j in others if j in known or _in_common(columns[j], names) >= _IN_COMMON]
+    return [j for j in others if j in known or _is_one_at_each(columns[j], points)]
+
+
+def _is_one_at_each(column: Sequence[str], points: Mapping[int, tuple[str, ...]]) -> bool:
+    """Whether all rows of a point have the same cell, unlike a remark on one of its quantities."""
+    first: dict[tuple[str, ...], str] = {}
+    return all(first.setdefault(point, column[k]) == column[k] for k, point in points.items())
 
 
 def _holds_units(column: Sequence[str], names: Sequence[str]) -> bool:
@@ -207,12 +272,17 @@ def _is_called_value(title: str) -> bool:
 
 def _is_condition(title: str, column: Sequence[str], names: Sequence[str]) -> bool:
     """Whether a column tells points apart: each quantity was measured at the same of its values."""
-    if heading(title).role in _CONDITIONS:
-        return True
+    return heading(title).role in _CONDITIONS or _in_common(column, names) == 1.0
+
+
+def _in_common(column: Sequence[str], names: Sequence[str]) -> float:
+    """Share of a column's values at which every quantity was measured."""
     beside: dict[str, set[str]] = {}
     for cell, name in zip(column, names, strict=True):
-        beside.setdefault(name, set()).add(_same(cell))
-    return len(set(map(frozenset, beside.values()))) == 1
+        if name not in MISSING:
+            beside.setdefault(name, set()).add(_same(cell))
+    everywhere = set.intersection(*beside.values())
+    return len(everywhere) / len(set.union(*beside.values()))
 
 
 def _with_unit(name: str, unit: str) -> str:

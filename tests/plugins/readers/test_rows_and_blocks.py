@@ -298,3 +298,51 @@ def test_a_size_without_phase_is_not_mended_by_the_loss(folder):
     says = folder.complaint("omega [rad/s],|G*| [Pa]\n1,2\n2,3\n3,4\n")
     assert "missing phase [deg] or loss_factor [-]; export the phase angle" in says
     assert "loss [unit]" not in says
+
+
+def of_specimens(parts):
+    """Rows of storage and loss of several specimens, each a thousand and a hundred times its number; no loss of 1."""
+    lines = ["frequency [Hz],sample,quantity,value [Pa]"]
+    for number, name in enumerate(parts, 1):
+        for hertz in (1, 2, 4):
+            lines.append(f"{hertz},{name},G',{1000 * number}")
+            if number > 1:
+                lines.append(f"{hertz},{name},G'',{100 * number}")
+    return "\n".join(lines) + "\n"
+
+
+def test_the_storage_of_a_specimen_without_a_loss_is_not_put_beside_that_of_another(folder):
+    found = folder.open(of_specimens("ABC"))
+    assert found.labels["sample"].tolist() == ["B"] * 3 + ["C"] * 3
+    np.testing.assert_allclose(found.storage, 10.0 * found.loss)
+
+
+def test_rows_without_a_word_do_not_hide_the_specimens(folder):
+    both = of_specimens("ABC") + "1,A,G'',100\n2,A,G'',100\n4,A,G'',100\n8,C,,7\n"
+    assert sorted(set(folder.open(both).labels["sample"])) == ["A", "B", "C"]
+
+
+@pytest.mark.parametrize("more", ["", "2,tan(delta),0.1\n"])
+def test_values_that_nothing_tells_apart_are_not_paired_by_their_order(folder, more):
+    text = f"frequency [Hz],quantity,value [Pa]\n1,G',10\n1,G',20\n1,G'',2\n2,G',11\n2,G'',1\n{more}"
+    with pytest.raises(DataError, match=r"at frequency \[Hz\] 1 there are 2 values of G' \[Pa\] and 1 of G''"):
+        folder.open(text)
+
+
+@pytest.mark.parametrize("second", ["storage Modulus,30,Pa", "Storage modulus,0.03,kPa"])
+def test_a_quantity_by_two_names_or_in_two_units_is_told(folder, second):
+    text = f"frequency [Hz],what,value,unit\n1,Storage modulus,10,Pa\n1,Loss,1,Pa\n2,{second}\n2,Loss,2,Pa\n"
+    with pytest.raises(DataError, match="are both storage; call it by one name, in one unit"):
+        folder.open(text)
+
+
+@pytest.mark.parametrize("names", [["remark"], []])
+def test_remarks_beside_some_rows_of_a_sheet_lose_none_of_them(tmp_path, names):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["omega [rad/s]", "quantity", "value [Pa]", *names])
+    for i, (omega, value) in enumerate(zip(OMEGA.tolist(), G.tolist(), strict=True)):
+        book.active.append([omega, "G'", value.real, "slipped" if i == 1 else None])
+        book.active.append([omega, "G''", value.imag])
+    book.save(tmp_path / "sheet.xlsx")
+    is_sweep(springpot.read(tmp_path / "sheet.xlsx"))
