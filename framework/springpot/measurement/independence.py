@@ -36,7 +36,7 @@ FREE_SHARE = 0.3
 FEWEST = 3
 """Rows beside the first at one frequency and temperature from which a difference between them was a choice."""
 SAME_FREQUENCY = 1e-3
-"""Distance of logarithms within which frequencies are one."""
+"""Distance of logarithms within which frequencies are one: instruments set them to a part in a thousand."""
 ROUNDS = 20
 """Reweighted fits towards the least sum of absolute deviations: changes are below a per cent after ten."""
 NORMAL = 1.4826

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real
 
-from .independence import independent
-from .measurement import CONDITIONS, Measurement
-from .together import DIGITS, frequency_numbers, told_apart
+from .independence import SAME_FREQUENCY, independent
+from .measurement import CONDITIONS, Measurement, numbers_of_levels
+from .together import DIGITS, told_apart
 
-ONE_FREQUENCY = 1e-3
-"""Relative span of frequencies up to which they are one: instruments set them to a part in a thousand."""
 DRIFT = 1.0
 """Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
 SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
@@ -61,7 +59,7 @@ def distinct_log_omega(measurement: Measurement) -> Real:
 
 def at_one_frequency(measurement: Measurement) -> bool:
     """Whether all rows have one frequency: no more can be told of what depends on it than one complex number."""
-    return float(np.ptp(np.log(measurement.omega))) < ONE_FREQUENCY
+    return float(np.ptp(np.log(measurement.omega))) < SAME_FREQUENCY
 
 
 def temperatures_differ(measurement: Measurement) -> bool:
@@ -103,7 +101,7 @@ def sweeps_of(measurement: Measurement) -> list[Sweep]:
     # does not part the points of a sweep, of which it would make one for each.
     for held in (CONDITIONS, [name for name in CONDITIONS if independent(measurement, name)]):
         groups = [part for _, rows in measurement.sweeps(held=held) for part in _parted(rows, apart)]
-        if len(groups) <= most and np.ptp(log_omega) > 0:
+        if len(groups) <= most and not at_one_frequency(measurement):
             return [_ordered(rows, log_omega) for rows in groups]
     for name, scale in SCALES.items():
         column = measurement.conditions.get(name)
@@ -128,7 +126,8 @@ def _parted(rows: NDArray[np.int64], columns: list[NDArray[np.int64]]) -> Iterat
 
 def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
     """Rows at one frequency and equal conditions but for the swept one."""
-    columns = [frequency_numbers(measurement).astype(float)]
+    # A frequency that was held is told as it was measured, now a little higher and now a little lower.
+    columns = [numbers_of_levels(np.log(measurement.omega), SAME_FREQUENCY).astype(float)]
     for name in SCALES:
         if name != swept and name in measurement.conditions:
             columns.append(np.round(measurement.conditions[name], DIGITS))

@@ -16,7 +16,7 @@ from springpot.identification import Fit, Objective, default_objective, fit
 from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, at_one_frequency
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
 from .factors import Factors, Rows, factors_of, told_by_data
@@ -308,7 +308,7 @@ def _check(measurement: Measurement, column: str) -> None:
         raise DataError(f"{measurement.name}: there is no column '{column}' to shift by; the data have {known}")
     if not np.all(np.isfinite(measurement.conditions[column])):
         raise DataError(f"{measurement.name}: column {column} has rows without a number; leave them out")
-    if np.ptp(np.log(measurement.omega)) == 0.0:
+    if at_one_frequency(measurement):
         raise DataError(f"{measurement.name}: all points have one frequency; a curve needs frequency sweeps")
 
 
