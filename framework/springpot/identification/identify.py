@@ -23,7 +23,7 @@ from .problem import Problem, Searched
 from .result import Identification
 from .run import Run
 from .simulated import bootstrap
-from .space import require_conditions
+from .space import require_conditions, require_size
 from .uncertainty import Uncertainty, profile
 
 NATIVE = "native"
@@ -105,6 +105,7 @@ def identify(
     """
     began = perf_counter()
     require_conditions(model, measurement)
+    require_size(measurement)
     # Factors of levels are as many as the data have levels: only from here on are all parameters known.
     model = model.bound_to(measurement.points)
     if len(measurement) < 2:

@@ -18,7 +18,7 @@ from .leastsquares import ALIKE, FLAT, Solution
 from .material import STILL, fit_spectrum, is_material, own_parameters
 from .objective import Objective, default_objective
 from .problem import Problem
-from .space import require_conditions
+from .space import require_conditions, require_size
 from .starts import shape_count
 from .task import FLAT_SHAPES, Task
 
@@ -213,6 +213,7 @@ def fit(
     """
     began = perf_counter()
     require_conditions(model, measurement)
+    require_size(measurement)
     model = model.bound_to(measurement.points)
     require_enough(model, measurement)
     if objective is None:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.errors import ModelError
+from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement
 from springpot.rheology import Model, Parameter, Real
 
@@ -16,6 +16,11 @@ TINY = 1e-9
 
 HUGE = 1e100
 """Stands for an infinite limit: its square is still a number."""
+
+
+LARGEST = 1e30
+"""Largest number of a measurement, and one over the smallest, that can be fitted: of a mass's slope, which goes with
+the square of the frequency, the square of the square must still be a number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,3 +219,20 @@ def require_conditions(model: Model, measurement: Measurement) -> None:
         raise ModelError(
             f"{model.name} needs the column {', '.join(missing)}, which {measurement.name} does not have"
         )
+
+
+def require_size(measurement: Measurement) -> None:
+    """Check that the numbers of the data can be reckoned with.
+
+    Raises
+    ------
+    DataError
+        If a frequency or a modulus is larger or smaller than any that is measured, by many orders.
+    """
+    for what, values in (
+        ("frequency in rad/s", measurement.omega),
+        ("size of storage and loss", measurement.magnitude),
+    ):
+        beyond = values[(values > LARGEST) | (values < 1.0 / LARGEST)]
+        if len(beyond):
+            raise DataError(f"{measurement.name}: a {what} of {beyond[0]:.3g} cannot be fitted; is its unit right?")
