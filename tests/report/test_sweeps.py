@@ -118,6 +118,10 @@ def test_repeats_are_sweeps_of_their_own():
         ([1, 1, 2, 2], [5, 1, 5, 1], True),
         ([1, 2, 3, 4, 5, 6], [0, 1, 0, 1, 0, 1], True),
         ([1, 2, 3], [4, 4, 4], False),
+        # Cells that were left empty.
+        ([1, 2, 3, 4, 5, 6, 7, 8], [0, 1, np.nan, 0, 1, 0, 1, 0], True),
+        ([1, 2, 3, 4], [5, np.nan, 2, 1], False),
+        ([1, 2], [np.nan, np.nan], False),
     ],
 )
 def test_a_profile_follows_the_axis(along, column, jumps):

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from springpot.registry import plugins
-from springpot.rheology import Points
+from springpot.rheology import Points, damping_function, thinning
 
 SAMPLES = 2**15
 ANGLE = 2.0 * np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
@@ -118,3 +118,13 @@ def test_the_energy_of_self_heating_is_that_of_the_loop():
     at = Points(np.log([omega]), amplitude=np.array([amplitude]))
     shift = plugins().effect("self-heating").element.respond(np.array([1.0]), at).value[0] * k.imag
     assert shift == pytest.approx(power, rel=1e-12)
+
+
+@pytest.mark.parametrize(("softening", "exponent"), [(damping_function, 3.0), (thinning, 1.0)])
+def test_softening_keeps_to_the_range_of_numbers(softening, exponent):
+    """A limit that a fit takes towards zero leaves next to no stiffness, and slopes that are numbers."""
+    at = Points.at([1e20, 1e22], amplitude=[1.0, 2.0])
+    found = softening().respond(np.array([1e-290, exponent]), at, 2)
+    assert np.all(np.abs(found.value) < 1e-100)
+    assert np.all(np.isfinite(found.by_theta))
+    assert np.all(np.isfinite(found.by_log_omega))

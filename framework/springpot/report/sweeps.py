@@ -60,13 +60,17 @@ def varies(name: str, column: Real) -> bool:
 
 def travels(along: Real, column: Real) -> bool:
     """Whether `column` (n,) jumps to and fro along the axis instead of following it, as it does within one sweep."""
+    # Instruments leave cells empty: those without a value say nothing of a jump.
+    known = np.isfinite(column)
+    if not np.any(known):
+        return False
+    along, column = along[known], column[known]
     # Length of the way, over its range: one rise is 1, and a jump at each point as many as there are points.
     way = float(np.sum(np.abs(np.diff(column[np.argsort(along, kind="stable")]))))
     _, place = np.unique(along, return_inverse=True)
     low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
-    # Instruments leave cells empty: those without a value say nothing of a jump.
-    np.fmin.at(low, place.ravel(), column)
-    np.fmax.at(high, place.ravel(), column)
+    np.minimum.at(low, place.ravel(), column)
+    np.maximum.at(high, place.ravel(), column)
     whole = float(np.ptp(column))
     return way > PROFILE * whole or float(np.max(high - low)) > 0.5 * whole > 0.0
 

@@ -30,6 +30,8 @@ TYPICAL_LIMIT = 3.0
 """Where softening is sought, over the middle of what was measured: mostly a test ends soon after it has begun."""
 STEEPEST = 3.0
 """Power of the amplitude with which K falls at most: a yielding gel's falls as its square, and a little faster."""
+LARGEST_LOG = 300.0
+"""Logarithm beyond which softening leaves nothing: the square of such a number is still one."""
 NEARLY_SINE = 1.0 / 12.0
 """Most that the third harmonic of filled rubber may be of dK / d ln X: half of what an elastic law makes (a sixth for
 a cubic spring, up to a third for dry friction), which is 3 % of a force whose K falls as X^-0.35."""
@@ -304,7 +306,8 @@ def amplitude_gain(q: str = "q") -> Formula:
 
 def _damped(log_ratio: Any, limit: Any, n: Any) -> tuple[Any, tuple[Any, Any], Any]:
     """1 / (1 + u) with u = ratio^n, its derivatives by the limit and by n, and that by ln ratio."""
-    u = np.exp(n * log_ratio)
+    # Of a limit a hundred decades too small u would be no number, though all that is left is nothing.
+    u = np.exp(np.minimum(n * log_ratio, LARGEST_LOG))
     kept = 1.0 / (1.0 + u)
     by_log_u = -u * kept**2
     return kept, (-by_log_u * n / limit, by_log_u * log_ratio), by_log_u * n
