@@ -160,6 +160,13 @@ def test_rows_that_were_copied_are_no_repeats():
     assert error.noise_floor == pytest.approx(0.014, rel=0.5)
 
 
+def test_patterns_of_rounding_are_not_told_of():
+    hertz = np.geomspace(0.1, 10.0, 12)
+    found = springpot.diagnose(springpot.Measurement(2.0 * np.pi * hertz, 1e4 * (1j * hertz) ** 0.3))
+    assert "is that of arithmetic" in found.says
+    assert not [note for note in found.notes if "structure" in note]
+
+
 @pytest.mark.soak
 def test_computed_data_are_exact_beside_their_own_model_only():
     omega = np.geomspace(1.0, 100.0, 20)

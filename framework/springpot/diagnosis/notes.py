@@ -13,7 +13,7 @@ from springpot.measurement import PRESSURE_UNITS, Averaged, Measurement, at_one_
 from springpot.misfit.battery import Finding
 from springpot.misfit.course import Course
 from springpot.misfit.course_search import moves_with_frequency
-from springpot.misfit.floor import scatter_about
+from springpot.misfit.floor import is_arithmetic, scatter_about
 from springpot.misfit.leftover import Column, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels
 from springpot.misfit.outliers import Outlier
@@ -111,7 +111,8 @@ def _of_cause(search: Search, verdict: Verdict, behind: Column | Course | None) 
         kind = explaining_unknown(search)
     if kind is not None and kind.says:
         yield f"what is missing looks like {kind.says}: the measuring chain rather than the material"
-    elif search.left.p_value < VERDICT.structure_alarm:
+    # What rounding leaves of computed data is full of patterns, and nothing is missing.
+    elif search.left.p_value < VERDICT.structure_alarm and not is_arithmetic(search.base):
         yield from _of_rest(search)
 
 
