@@ -137,3 +137,15 @@ def test_a_force_that_was_held_and_released_was_imposed():
     assert (test.control, test.kind) == ("force", "recovery")
     scatter = 1.0 + 0.005 * np.random.default_rng(1).normal(size=len(t))
     assert TimeTest.of_history(t, crept, force * scatter, "mm", "N").control == "force"
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_too_few_samples_are_told(count):
+    time = np.zeros(count)
+    for make in (
+        lambda: TimeTest.of_history(time, time, time, "mm", "N"),
+        lambda: TimeTest.planned(time, time, "mm"),
+        lambda: TimeTest.of_relaxation(time, time, "Pa"),
+    ):
+        with pytest.raises(DataError, match=f"{count} samples with all of their numbers are no test in time"):
+            make()

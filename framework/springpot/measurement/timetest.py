@@ -108,8 +108,7 @@ class TimeTest:
         n = len(self.time)
         if self.time.ndim != 1 or self.response.shape != self.time.shape:
             raise DataError(f"{self.name}: {n} times for {self.response.size} values: each sample has one of both")
-        if n < 2:
-            raise DataError(f"{self.name}: {n} sample is no test in time")
+        _require_samples(n, self.name)
         columns = [("time", self.time), (self.answered, self.response)]
         if self.warmth is not None:
             columns.append(("temperature", self.warmth))
@@ -249,6 +248,7 @@ class TimeTest:
                 f"{name}: {clock.size} times, {moved.size} displacements and {pulled.size} forces: "
                 "each sample has one of all"
             )
+        _require_samples(len(clock), name)
         # A stress over per cents would be no modulus.
         if displacement_unit == "%":
             moved, displacement_unit = 0.01 * moved, "-"
@@ -289,6 +289,7 @@ class TimeTest:
         if unit == "%":
             course, unit = 0.01 * course, "-"
         control, displacement, force = _planned_units(unit, name)
+        _require_samples(len(clock), name)
         _require_numbers(clock, course, name, control)
         # The same reading of a history as for a measured one, so that both are predicted alike.
         loading = from_rest(clock, course, 0.0)
@@ -465,6 +466,11 @@ def _split(unit: str) -> tuple[str, str]:
         raise DataError(f"[{unit}] is no unit of a modulus or stiffness: write Pa, MPa, kN/m or N/mm")
     force, _, displacement = unit.partition("/")
     return force, displacement
+
+
+def _require_samples(count: int, name: str) -> None:
+    if count < 2:
+        raise DataError(f"{name}: {count} samples with all of their numbers are no test in time")
 
 
 def _require_numbers(clock: Real, imposed: Real, name: str, what: str) -> None:
