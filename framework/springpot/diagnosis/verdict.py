@@ -301,22 +301,27 @@ def sentence(
         error = f"{error}, but no pattern of noise"
     missing = "something is missing that no effect of the library explains"
     if most := _most_of_it(own):
-        names = " or ".join(grown.names[0] for grown in most)
-        left = times(most[0].refit.relative_rms / most[0].refit.floor)
-        instead = ""
-        # Only of an effect by itself, and in the user's own model, was it asked whether a drift does as well.
-        if evidence.drift is not None and evidence.search is own and own.grown[0].names == (names,):
-            instead = f", and so does {evidence.drift.says}"
-        missing = f"{names} takes it to {left}{instead}, and something is missing beside it that no effect explains"
-        # "to 1 x, and something is missing beside it" would be a riddle.
-        if most[0].refit.relative_rms < VERDICT.noisy * most[0].refit.floor:
-            rest = instead or ", but what has no name in the library explains it better"
-            missing = f"{names} takes it to {left}{rest}"
+        missing = _taken_by(most, own, evidence)
     elif moved := _by_confounded(evidence.search):
         missing = moved
     if column is not None:
         missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
     return f"{error}; {missing}{_if_little(own.base)}"
+
+
+def _taken_by(most: Sequence[Grown], own: Search, evidence: Evidence) -> str:
+    """How far effects take the error, one of which takes most of it by itself, and what is left."""
+    names = " or ".join(grown.names[0] for grown in most)
+    best = most[0].refit
+    taken = f"{names} takes it to {times(best.relative_rms / best.floor)}"
+    instead = ""
+    # Only of an effect by itself, and in the user's own model, was it asked whether a drift does as well.
+    if evidence.drift is not None and evidence.search is own and own.grown[0].names == (names,):
+        instead = f", and so does {evidence.drift.says}"
+    # "to 1 x, and something is missing beside it" would be a riddle.
+    if best.relative_rms >= VERDICT.noisy * best.floor:
+        return f"{taken}{instead}, and something is missing beside it that no effect explains"
+    return taken + (instead or ", but what has no name in the library explains it better")
 
 
 def _if_little(base: Refit) -> str:
