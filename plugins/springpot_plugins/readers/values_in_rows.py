@@ -92,7 +92,7 @@ def side_by_side(values: Sequence[Value]) -> Grid:
             f"{' and '.join(quantities)} stand at different {' and '.join(titles)}, so that no point has both; "
             "bring them to the same values, in columns beside each other"
         )
-    _require_pairs(seen, quantities)
+    _require_pairs(seen)
     order = [*titles, *quantities]
     cells = [[row.get(title, "") for title in order] for row in rows.values()]
     return Grid([order, *cells], [min(lines.values()) - 1, *lines.values()])
@@ -108,18 +108,19 @@ def _require_one_name(quantities: Sequence[str]) -> None:
             raise DataError(f"{other} and {quantity} are both {role}; call it by one name, in one unit")
 
 
-def _require_pairs(seen: Counter[tuple[_Conditions, str]], quantities: Sequence[str]) -> None:
+def _require_pairs(seen: Counter[tuple[_Conditions, str]]) -> None:
     """Refuse several values of one quantity where another has fewer: nobody knows which of them it belongs to."""
-    for conditions in dict.fromkeys(conditions for conditions, _ in seen):
-        # Of a quantity that lacks altogether there is nothing that could be put beside a wrong one.
-        there = [quantity for quantity in quantities if (conditions, quantity) in seen]
-        count = {quantity: seen[(conditions, quantity)] for quantity in there}
-        fewest, most = min(there, key=count.__getitem__), max(there, key=count.__getitem__)
-        if count[fewest] < count[most]:
+    # Of a quantity that lacks altogether there is nothing that could be put beside a wrong one.
+    counts: dict[_Conditions, dict[str, int]] = {}
+    for (conditions, quantity), count in seen.items():
+        counts.setdefault(conditions, {})[quantity] = count
+    for conditions, count_of in counts.items():
+        fewest, most = min(count_of, key=count_of.__getitem__), max(count_of, key=count_of.__getitem__)
+        if count_of[fewest] < count_of[most]:
             where = " and ".join(f"{title} {cell}" for title, cell in conditions)
             raise DataError(
-                f"at {where} there are {count[most]} values of {most} and {count[fewest]} of {fewest}; say which "
-                "belong together in a column repeat, with the same number for both"
+                f"at {where} there are {count_of[most]} values of {most} and {count_of[fewest]} of {fewest}; say "
+                "which belong together in a column repeat, with the same number for both"
             )
 
 
