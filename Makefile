@@ -32,8 +32,8 @@ demo: $(READY)  ## the whole story on embedded data; figures in results/demo/
 bench: $(READY)  ## speed, side by side with the libraries
 	$(BIN)/python -m pytest --benchmark-enable --benchmark-only tests/benchmarks
 
-soak: $(READY)  ## the long tests: more seeds and sizes, and all that can be broken; table in results/soak/
-	$(BIN)/python -m pytest -m soak
+soak: $(READY)  ## all tests, also the long ones, with more examples, and all that can be broken; table in results/soak/
+	$(BIN)/python -m pytest -m '' --hypothesis-profile=soak
 	$(BIN)/python tests/reliability/soak.py
 
 solvers: $(READY)  ## the solvers that the tests hand models to; without them these tests are skipped

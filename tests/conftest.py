@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,29 @@ from hypothesis import HealthCheck, settings
 from remembered import remember
 
 # A busy machine draws slowly: that says nothing of what is tested.
-settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+for name, examples in (("any machine", 30), ("soak", 300)):
+    settings.register_profile(
+        name, max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    )
 settings.load_profile("any machine")
+
+LEFT_TO_SOAK = Path(__file__).parent / "left_to_soak.txt"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark what `left_to_soak.txt` lists, so that the suite keeps within its processor time."""
+    listed = {line for line in LEFT_TO_SOAK.read_text().splitlines() if not line.startswith("#")}
+    functions = set()
+    for item in items:
+        name = item.nodeid.removeprefix("tests/")
+        functions.add(name.partition("[")[0])
+        if name in listed:
+            item.add_marker(pytest.mark.soak)
+    # Cases may depend on data that are not on every machine, functions do not.
+    gone = sorted(line for line in listed if line.partition("[")[0] not in functions)
+    if gone and config.args == config.getini("testpaths"):
+        raise pytest.UsageError(f"{LEFT_TO_SOAK.name} lists what is no test any more: {', '.join(gone)}")
 
 
 @pytest.fixture
