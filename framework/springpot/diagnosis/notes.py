@@ -130,7 +130,10 @@ def _beyond_physics(search: Search) -> Iterator[str]:
         if np.isfinite(effect.largest_of_modulus):
             _, unit = units.of(effect.element.parameters[0].unit)
             end = f"more than {plain(effect.largest_of_modulus)} {unit}"
-            reached = "no specimen reaches that: is the unit of the amplitude right?"
+            checked = "modulus"
+            if "amplitude" in effect.needs:
+                checked = "amplitude"
+            reached = f"no specimen reaches that: is the unit of the {checked} right?"
         yield f"{effect.name} would explain much, but only at {end}; {reached}"
 
 
