@@ -315,7 +315,7 @@ def sentence(
     elif moved := _by_confounded(evidence.search):
         missing = moved
     if column is not None:
-        missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
+        missing = f"{missing}: it goes with {column.name}, {column.meaning}"
     return f"{error}; {missing}{_if_little(own.base)}"
 
 

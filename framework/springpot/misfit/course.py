@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.measurement import (
     CONDITIONS,
+    FEWEST_TIMES,
     TIME_UNITS,
     Measurement,
     at_one_frequency,
@@ -33,8 +34,6 @@ STEADY_DEGREE = 4
 """Degree of the curve whose slope tells how fast the modulus moves: a higher one swings at its ends."""
 ROWS_OF_A_DEGREE = 3
 """Times that a degree needs: with fewer a curve would follow the noise."""
-FEWEST_TIMES = 6
-"""Times from which there is a course at all."""
 FEWEST_OF_A_SWEEP = 5
 """Frequencies from which the rows of one round are a sweep that can be judged by itself."""
 END = 0.1
