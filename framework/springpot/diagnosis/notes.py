@@ -72,7 +72,7 @@ def notes(
     yield from _of_cause(search, verdict, behind)
     if isinstance(behind, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
-        if behind.last_round:
+        if behind.last_round and not behind.begun:
             yield f"{behind.advice}{_by_rounds(library)}"
         return
     if verdict == "unexplained":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -71,6 +71,10 @@ class Course:
         Whether the amplitude only followed the specimen, as the force was held.
     last_round : str
         How to choose the last rows that hold every frequency once, such as ``time=600..720``; empty without a sweep.
+        Of a beginning, the rows after it.
+    begun : int
+        First rows, taken within one period of the start, with which alone the misfit goes; zero where the later ones
+        change too.
     """
 
     start: float
@@ -85,6 +89,7 @@ class Course:
     gain: float
     force_held: bool
     last_round: str
+    begun: int = 0
 
     @property
     def has_ends(self) -> bool:
@@ -102,12 +107,19 @@ class Course:
     @property
     def headline(self) -> str:
         """The end of the diagnosis's first sentence."""
+        if self.begun:
+            return f"{self._beginning}, before anything swings steadily, and differ from all that come later"
         if not self.has_ends:
             return (
                 "the specimen changes with time: neither frequency nor what was set is what moves it; from what to "
                 "what is not known, as no point was measured again later"
             )
         return f"the specimen changes with time: {self.ends}; frequency is not what moves it"
+
+    @property
+    def _beginning(self) -> str:
+        """Which rows are of the start."""
+        return f"the first {self.begun} points stand within one period of the start ({self.at})"
 
     @property
     def meaning(self) -> str:
@@ -122,6 +134,8 @@ class Course:
     @property
     def says(self) -> str:
         """What the misfit goes with, and how much of a change one point holds."""
+        if self.begun:
+            return f"what is missing goes with the beginning: {self._beginning}; a period must pass before K is known"
         change = "the specimen changes"
         if self.has_ends:
             change = f"{change} ({self.meaning})"
@@ -140,6 +154,8 @@ class Course:
     @property
     def advice(self) -> str:
         """What to measure."""
+        if self.begun:
+            return "begin to take points when some periods have passed, and take them a period apart"
         if self.last_round:
             return (
                 "measure until the moduli stand still, or sweep faster than they move; until then each round is a "
@@ -165,16 +181,32 @@ def course_behind(frame: Frame) -> Course | None:
     time = _time_of(data)
     if time is None:
         return None
-    others = frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN)
-    basis = frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN)
-    left = basis - others @ (others.T @ basis)
-    basis = orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
+    nothing = np.zeros(len(data), dtype=bool)
+    seen = _seen(frame, time, nothing)
+    if seen is None:
+        return None
+    begun = _first_period(data, time)
+    # Without the beginning: what only its rows differ by is no course.
+    if begun.any() and _seen(frame, time, begun) is None:
+        rows = int(np.count_nonzero(begun))
+        return replace(_told(data, time, *seen), begun=rows, last_round=_later(data, time, begun))
+    return _told(data, time, *seen)
+
+
+def _seen(frame: Frame, time: Real, aside: NDArray[np.bool_]) -> tuple[float, float] | None:
+    """Share and gain of slow curves in time, some rows (n,) set aside; None where they are not what it goes with."""
+    data = frame.measurement
+    lost = frame.beyond(frame.relative(np.eye(len(data))[aside]), LEAST_SEEN)
+    others = _beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
+    curves = _beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
+    basis = _beyond(curves, others)
     spent = int(basis.shape[1])
-    spare = frame.size - int(frame.absorbed.shape[1]) - int(others.shape[1]) - spent
+    spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
     if spent == 0 or spare <= 0:
         return None
-    misfit = float(frame.rest @ frame.rest)
-    taken, beside = (float(np.sum((each.T @ frame.rest) ** 2)) for each in (basis, others))
+    judged = frame.rest - lost @ (lost.T @ frame.rest)
+    misfit = float(judged @ judged)
+    taken, beside = (float(np.sum((each.T @ judged) ** 2)) for each in (basis, others))
     rest = max(misfit - taken - beside, 1e-300)
     chance = f_sf((taken / spent) / (rest / spare), spent, spare)
     # Of both without their noise: of a small misfit most is noise.
@@ -182,7 +214,32 @@ def course_behind(frame: Frame) -> Course | None:
     share = (taken - spent) / max(excess, 1e-300)
     if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
         return None
-    return _told(data, time, share, taken - spent * float(np.log(frame.size)))
+    return share, taken - spent * float(np.log(frame.size))
+
+
+def _beyond(columns: Real, known: Real) -> Real:
+    """An orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
+    left = columns - known @ (known.T @ columns)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
+
+
+def _first_period(data: Measurement, time: Real) -> NDArray[np.bool_]:
+    """Rows (n,) of a test at one frequency that were taken within one period of its first; none where that is alone.
+
+    Where the frequency moves each begins anew, and an instrument waits.
+    """
+    seconds = TIME_UNITS.get(data.provenance.get(f"unit {_name_of_time(data)}", ""))
+    if seconds is None or not at_one_frequency(data):
+        return np.zeros(len(data), dtype=bool)
+    early = seconds * (time - np.min(time)) < 1.0 / np.min(data.frequency)
+    return np.asarray(early & (np.count_nonzero(early) > 1), dtype=bool)
+
+
+def _later(data: Measurement, time: Real, begun: NDArray[np.bool_]) -> str:
+    """How to choose the rows after the beginning; empty without any."""
+    if begun.all():
+        return ""
+    return f"{_name_of_time(data)}={np.min(time[~begun]):.10g}..{np.max(time):.10g}"
 
 
 def moves_with_frequency(measurement: Measurement) -> bool:
