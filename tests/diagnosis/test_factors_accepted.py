@@ -1,5 +1,7 @@
 """Where no law joins the times at several temperatures: what is told leads to a command that works."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -24,3 +26,16 @@ def test_a_factor_at_each_level_can_be_accepted(gelling):
     ladder = springpot.discover(gelling, accept=["free-shift"])
     assert [step.accepted for step in ladder.steps] == [None, "free-shift"]
     assert ladder.steps[-1].relative_rms < 0.005
+
+
+def test_they_are_named_before_a_law_that_leaves_most(gelling):
+    """A power of the temperature takes half of the error; a factor of the times at each takes all of it."""
+    found = springpot.diagnose(gelling)
+    assert found.leading[0] == "free-shift"
+    told = re.search(r"free-shift takes it to ([\d.]+) x: a factor of its own at each temperature", found.says)
+    assert told is not None
+    assert float(told[1]) < 1.2
+
+
+def test_nothing_is_accepted_unasked_in_their_place(gelling):
+    assert [step.accepted for step in springpot.discover(gelling).steps] == [None]
