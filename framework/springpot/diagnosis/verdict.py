@@ -400,5 +400,8 @@ def _named(evidence: Evidence) -> str:
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
     elif evidence.other_shape > VERDICT.worth_a_word:
-        words = f"{words} (or, in their place, something of another shape)"
+        owner = "its"
+        if len({*named, *beside}) > 1:
+            owner = "their"
+        words = f"{words} (or, in {owner} place, something of another shape)"
     return words
