@@ -24,6 +24,7 @@ from .common import (
     seed_option,
     verbose_option,
     window,
+    with_rows,
 )
 from .faults import INTERRUPTED
 from .waiting import Waiting
@@ -165,15 +166,23 @@ def _require_one_choice(auto: bool, accept: tuple[str, ...]) -> None:
 
 
 def _next(ladder: Ladder, data: str, model: str | None) -> str:
-    """The command to go on with: one effect more where one is named, or else the parameters of what was reached."""
-    if ladder.diagnosis.best is None:
-        return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
-    # What was dropped again, marked by a hyphen, is not asked for a second time.
-    named = [step.accepted for step in ladder.steps if step.accepted and not step.accepted.startswith("-")]
-    accept = " ".join(f"--accept {quoted(name)}" for name in [*named, ladder.diagnosis.best.effect])
+    """The command to go on with: one test, or one effect more where one is named, or the parameters reached."""
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
+    diagnosis = ladder.diagnosis
+    # As `diagnose` does: what sets several tests apart is no effect, and the parameters of them all are of none.
+    if diagnosis.one_test:
+        return f"springpot diagnose {quoted(with_rows(data, diagnosis.one_test))}{judged}"
+    taken = [step.accepted for step in ladder.steps if step.accepted]
+    # What was dropped again, marked by a hyphen, is not asked for a second time.
+    named = [name for name in taken if not name.startswith("-")]
+    following = [name for name in diagnosis.leading[:1] if name not in named and f"-{name}" not in taken]
+    if diagnosis.best is not None:
+        following = [diagnosis.best.effect]
+    if not following:
+        return f"springpot identify {quoted(data)} --model {quoted(ladder.model.name)}"
+    accept = " ".join(f"--accept {quoted(name)}" for name in [*named, *following])
     return f"springpot discover {quoted(data)}{judged} {accept}"
 
 

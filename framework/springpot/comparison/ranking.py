@@ -121,8 +121,11 @@ class Ranking(Comparison):
                 f"{name} is as near as any linear material, but not at the noise: what is missing is no part of the "
                 "material"
             )
-        if self.near:
+        if self.near and self.best.error.is_hardly_noise:
             return f"{name} is as near as any linear material, but {self.best.error.advice}"
+        # As large as noise, and no noise by its pattern, or of too few numbers to tell.
+        if self.near:
+            return f"{name} is as near as any linear material: {self.best.says}"
         return f"no installed model follows these data as well as any material does; the nearest is {name}"
 
     def to_dict(self) -> dict[str, Any]:

@@ -164,20 +164,24 @@ def _cause(search: Search, evidence: Evidence, verdict: Verdict, course: Course 
 
 
 def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, library: Sequence[Effect]) -> Diagnosis:
-    """The same, where nothing is named and a factor at each level of a condition takes the error to the noise."""
-    if diagnosis.verdict != "unexplained" or diagnosis.leading or evidence.search is not search:
+    """The same, where a factor at each level of a condition takes the error where nothing that is named does."""
+    if diagnosis.verdict != "unexplained" or evidence.search is not search:
+        return diagnosis
+    named = [grown.refit for grown in search.grown if grown.names[0] in diagnosis.leading]
+    least = min((fitted.relative_rms for fitted in named), default=np.inf)
+    # What is named leaves no more than noise: more freedom is no answer to that.
+    if least < VERDICT.noisy * search.base.floor:
         return diagnosis
     factors = with_factors(search, library)
-    if factors is None:
+    if factors is None or factors.refit.relative_rms > VERDICT.takes_most * least:
         return diagnosis
     left = times(factors.refit.relative_rms / factors.refit.floor)
     (effect,) = factors.effects
     (column,) = effect.needs
     # Named all the same, and first: so a user can go on, and knows that it is no law.
     what = f"a factor of its own at each {column}, which no law joins"
-    return replace(
-        diagnosis, says=f"{diagnosis.says}; {effect.name} takes it to {left}: {what}", leading=factors.names
-    )
+    says = f"{diagnosis.says}; {effect.name} takes it to {left}: {what}"
+    return replace(diagnosis, says=says, leading=(*factors.names, *diagnosis.leading))
 
 
 def _in_order_of_time(search: Search, behind: Behind) -> Iterator[str]:

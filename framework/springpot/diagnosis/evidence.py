@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from springpot.identification import is_passive
+from springpot.measurement import at_one_frequency
 from springpot.misfit.frame import Frame
 from springpot.misfit.refit import Refit
 from springpot.policy import EVIDENCE
@@ -74,6 +75,8 @@ class Evidence:
         Effects of a condition that was not varied by itself, judged as nothing else explains the data.
     drift : SweepDrift or None
         A gain that drifts while the sweep is measured, where it explains the data as well as one of the effects.
+    one_frequency : bool
+        Whether the data are one curve of storage and one of loss, along an amplitude or a temperature.
     """
 
     search: Search
@@ -85,6 +88,7 @@ class Evidence:
     beside_material: bool = False
     moved: frozenset[str] = frozenset()
     drift: SweepDrift | None = None
+    one_frequency: bool = False
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -126,7 +130,15 @@ class Evidence:
         if found and search.confounded:
             found[:1] = _shared(found[0], search.confounded)
         return cls(
-            search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material, search.promoted
+            search,
+            float(weights[0]),
+            unknown,
+            tuple(found),
+            imitators,
+            leaning,
+            beside_material,
+            search.promoted,
+            one_frequency=at_one_frequency(search.base.fit.measurement),
         )
 
     @cached_property
@@ -161,12 +173,13 @@ class Evidence:
         """Whether an explanation puts together what may be one thing of another shape.
 
         A spectrum and two effects beside it follow any slow error of storage and of loss, and two parts of a
-        material nearly any material; what goes with an amplitude that moved with the frequency may as well go with
-        the frequency, and what a drift explains, with time.
+        material nearly any material; two effects at one frequency follow nearly any two curves along the amplitude;
+        what goes with an amplitude that moved with the frequency may as well go with the frequency, and what a drift
+        explains, with time.
         """
         moved = not self.moved.isdisjoint(one.names)
         drifted = self.drift is not None and self.drift.effect in one.names
-        several_beside = self.beside_material and len(one.names) > 1
+        several_beside = (self.beside_material or self.one_frequency) and len(one.names) > 1
         return one.twice or one.one_spectrum or moved or drifted or several_beside
 
     def _is_imitated(self, one: Explanation) -> bool:

@@ -223,6 +223,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     # What changes with time is mended by no effect, however much of it one takes.
     if case.course is not None:
         return None
+    # Factors without a law do better than what heads the table: whether they are physics only a user knows.
+    named = [candidate.effect for candidate in candidates]
+    if case.diagnosis.leading and case.diagnosis.leading[0] not in named:
+        return None
     if case.naming.alarm > VERDICT.accepted or case.naming.gain < SEARCH.decisive:
         return None
     first = _first_named(case.diagnosis)

@@ -73,7 +73,7 @@ def notes(
     yield from _of_cause(search, verdict, behind)
     if isinstance(behind, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
-        if behind.last_round:
+        if behind.last_round and not behind.begun:
             yield f"{behind.advice}{_by_rounds(library)}"
         return
     if verdict == "unexplained":
@@ -132,7 +132,10 @@ def _beyond_physics(search: Search) -> Iterator[str]:
         if np.isfinite(effect.largest_of_modulus):
             _, unit = units.of(effect.element.parameters[0].unit)
             end = f"more than {plain(effect.largest_of_modulus)} {unit}"
-            reached = "no specimen reaches that: is the unit of the amplitude right?"
+            checked = "modulus"
+            if "amplitude" in effect.needs:
+                checked = "amplitude"
+            reached = f"no specimen reaches that: is the unit of the {checked} right?"
         yield f"{effect.name} would explain much, but only at {end}; {reached}"
 
 

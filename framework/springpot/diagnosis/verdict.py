@@ -305,7 +305,7 @@ def sentence(
     elif moved := _by_confounded(evidence.search):
         missing = moved
     if column is not None:
-        missing = f"{missing}: it goes with {column.name}, a column that no effect knows"
+        missing = f"{missing}: it goes with {column.name}, {column.meaning}"
     return f"{error}; {missing}{_if_little(own.base)}"
 
 
@@ -405,5 +405,8 @@ def _named(evidence: Evidence) -> str:
         moved = " and ".join(sorted(moved_along(evidence.search.base.fit.measurement)))
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
     elif evidence.other_shape > VERDICT.worth_a_word:
-        words = f"{words} (or, in their place, something of another shape)"
+        owner = "its"
+        if len({*named, *beside}) > 1:
+            owner = "their"
+        words = f"{words} (or, in {owner} place, something of another shape)"
     return words

@@ -62,7 +62,11 @@ def settings(parameters: tuple[Parameter, ...], window: Window, count: int) -> R
         zip(unit.T, parameters, strict=True), key=lambda pair: isinstance(pair[1].unit.time, str)
     ):
         columns[parameter.name] = _setting(parameter, u, window, columns)
-    return np.column_stack([columns[parameter.name] for parameter in parameters])
+    grid = np.empty(unit.shape)
+    # An effect with a factor for each level has no parameters before it knows the levels.
+    for place, parameter in enumerate(parameters):
+        grid[:, place] = columns[parameter.name]
+    return grid
 
 
 def _setting(parameter: Parameter, u: Real, window: Window, done: dict[str, Real]) -> Real:

@@ -247,6 +247,7 @@ class Measurement(Rows):
         elif "temperature" in self.conditions:
             # The rows that are left would have another median, and shift factors another place where they are one.
             chosen["reference"] = self.reference_temperature
+        chosen["provenance"] = _of_rows(self.provenance, chosen["stiffness"])
         return replace(self, **chosen)
 
     def excluding(self, **unwanted: float | str) -> Measurement:
@@ -420,3 +421,13 @@ def _clusters(column: Real, tolerance: float) -> NDArray[np.int64]:
     values, which = np.unique(column, return_inverse=True)
     apart = np.diff(values) > tolerance * float(np.max(np.abs(values)))
     return np.concatenate([[0], np.cumsum(apart)])[which.ravel()].astype(np.int64)
+
+
+def _of_rows(provenance: Mapping[str, str], stiffness: Complex) -> dict[str, str]:
+    """What is still true of some rows: a note on negative values only where one of them is negative."""
+    kept = dict(provenance)
+    if np.all(stiffness.real >= 0.0):
+        kept.pop("note storage", None)
+    if np.all(stiffness.imag >= 0.0):
+        kept.pop("note loss", None)
+    return kept

@@ -98,7 +98,7 @@ def temperature_offer(path: Path) -> dict[str, str]:
         return {}
     text, number, unit = stated
     offer = f"'{path}?temperature={number}[{unit}]'"
-    return {"note temperature": f"none in the file; if '{text}' in its name is one, open {offer}"}
+    return {"note temperature": f"no temperature in the file; if '{text}' in its name is one, open {offer}"}
 
 
 def _stated_temperature(stem: str) -> tuple[str, str, str] | None:

@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import COURSE
 from springpot.rheology import Real, levels_of
 
 from .measurement import CONDITIONS, Measurement
@@ -27,6 +28,7 @@ RUNS = frozenset(
 """Names of columns that tell one test from another, also where they hold numbers."""
 _ANSWERS = frozenset({"normal_force", "torque", "stress", "gap", "time", "axial_force", "displacement"})
 """Names of columns that hold what a specimen answered, or when: rounded in the file they look like settings."""
+_TIME = "time"
 _MOST_RUNS = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
@@ -163,6 +165,8 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     """
     columns: dict[str, NDArray[np.float64] | NDArray[np.str_]] = dict(data.labels)
     columns |= {name: column for name, column in data.conditions.items() if name not in {*CONDITIONS, *_ANSWERS}}
+    if _TIME in data.conditions and _is_an_age(data):
+        columns[_TIME] = data.conditions[_TIME]
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
@@ -173,6 +177,22 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
         if not _was_held(np.asarray(values)) and not _names_a_condition(number, data.conditions):
             numbered[name] = number
     return dict(sorted(numbered.items(), key=lambda each: int(each[1].max())))
+
+
+def _is_an_age(data: Rows) -> bool:
+    """Whether a time stands for whole sweeps, few of them: a waiting time that was chosen, not that of a point.
+
+    Within one sweep a time that is rounded stands still too, but no frequency comes again.
+    """
+    time = data.conditions[_TIME]
+    ages, number = np.unique(time, return_inverse=True)
+    # More tell a course in time.
+    if not 1 < len(ages) < COURSE.fewest_times:
+        return False
+    frequency = frequency_numbers(data)
+    seen = np.unique(np.column_stack([number.ravel(), frequency]), axis=0)
+    # Each frequency at most of the ages, on average.
+    return bool(2 * len(seen) > len(ages) * len(np.unique(frequency)))
 
 
 def _was_held(values: NDArray[np.generic]) -> bool:

@@ -43,6 +43,10 @@ class Course:
         Whether the amplitude only followed the specimen, as the force was held.
     last_round : str
         How to choose the last rows that hold every frequency once, such as ``time=600..720``; empty without a sweep.
+        Of a beginning, the rows after it.
+    begun : int
+        First rows, taken within one period of the start, with which alone the misfit goes; zero where the later ones
+        change too.
     """
 
     start: float
@@ -57,6 +61,7 @@ class Course:
     gain: float
     force_held: bool
     last_round: str
+    begun: int = 0
 
     @property
     def has_ends(self) -> bool:
@@ -74,12 +79,19 @@ class Course:
     @property
     def headline(self) -> str:
         """The end of the diagnosis's first sentence."""
+        if self.begun:
+            return f"{self._beginning}, before anything swings steadily, and differ from all that come later"
         if not self.has_ends:
             return (
                 "the specimen changes with time: neither frequency nor what was set is what moves it; from what to "
                 "what is not known, as no point was measured again later"
             )
         return f"the specimen changes with time: {self.ends}; frequency is not what moves it"
+
+    @property
+    def _beginning(self) -> str:
+        """Which rows are of the start."""
+        return f"the first {self.begun} points stand within one period of the start ({self.at})"
 
     @property
     def meaning(self) -> str:
@@ -94,6 +106,8 @@ class Course:
     @property
     def says(self) -> str:
         """What the misfit goes with, and how much of a change one point holds."""
+        if self.begun:
+            return f"what is missing goes with the beginning: {self._beginning}; a period must pass before K is known"
         change = "the specimen changes"
         if self.has_ends:
             change = f"{change} ({self.meaning})"
@@ -112,6 +126,8 @@ class Course:
     @property
     def advice(self) -> str:
         """What to measure."""
+        if self.begun:
+            return "begin to take points when some periods have passed, and take them a period apart"
         if self.last_round:
             return (
                 "measure until the moduli stand still, or sweep faster than they move; until then each round is a "

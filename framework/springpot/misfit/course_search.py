@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -50,16 +51,32 @@ def course_behind(frame: Frame) -> Course | None:
     time = _time_of(data)
     if time is None:
         return None
-    others = frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN)
-    basis = frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN)
-    left = basis - others @ (others.T @ basis)
-    basis = orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
+    nothing = np.zeros(len(data), dtype=bool)
+    seen = _seen(frame, time, nothing)
+    if seen is None:
+        return None
+    begun = _first_period(data, time)
+    # Without the beginning: what only its rows differ by is no course.
+    if begun.any() and _seen(frame, time, begun) is None:
+        rows = int(np.count_nonzero(begun))
+        return replace(_told(data, time, *seen), begun=rows, last_round=_later(data, time, begun))
+    return _told(data, time, *seen)
+
+
+def _seen(frame: Frame, time: Real, aside: NDArray[np.bool_]) -> tuple[float, float] | None:
+    """Share and gain of slow curves in time, some rows (n,) set aside; None where they are not what it goes with."""
+    data = frame.measurement
+    lost = frame.beyond(frame.relative(np.eye(len(data))[aside]), LEAST_SEEN)
+    others = _beyond(frame.beyond(frame.relative(_of_others(data)), LEAST_SEEN), lost)
+    curves = _beyond(frame.beyond(frame.relative(_slow(time, _slopes(data))), LEAST_SEEN), lost)
+    basis = _beyond(curves, others)
     spent = int(basis.shape[1])
-    spare = frame.size - int(frame.absorbed.shape[1]) - int(others.shape[1]) - spent
+    spare = frame.size - sum(int(each.shape[1]) for each in (frame.absorbed, lost, others, basis))
     if spent == 0 or spare <= 0:
         return None
-    misfit = float(frame.rest @ frame.rest)
-    taken, beside = _energy(frame, basis), _energy(frame, others)
+    judged = frame.rest - lost @ (lost.T @ frame.rest)
+    misfit = float(judged @ judged)
+    taken, beside = (float(np.sum((each.T @ judged) ** 2)) for each in (basis, others))
     rest = max(misfit - taken - beside, 1e-300)
     chance = f_sf((taken / spent) / (rest / spare), spent, spare)
     # Of both without their noise: of a small misfit most is noise.
@@ -67,12 +84,32 @@ def course_behind(frame: Frame) -> Course | None:
     share = (taken - spent) / max(excess, 1e-300)
     if share <= VERDICT.takes_most or chance >= VERDICT.sentence_alarm:
         return None
-    return _told(data, time, share, taken - spent * float(np.log(frame.size)))
+    return share, taken - spent * float(np.log(frame.size))
 
 
-def _energy(frame: Frame, basis: Real) -> float:
-    """Chi-square that some orthonormal columns (2n, q) take."""
-    return float(np.sum((basis.T @ frame.rest) ** 2))
+def _beyond(columns: Real, known: Real) -> Real:
+    """An orthonormal basis (m, q) of what some columns have beyond an orthonormal basis."""
+    left = columns - known @ (known.T @ columns)
+    return orthonormal(left[:, np.linalg.norm(left, axis=0) > LEAST_SEEN], LEAST_SEEN)
+
+
+def _first_period(data: Measurement, time: Real) -> NDArray[np.bool_]:
+    """Rows (n,) of a test at one frequency that were taken within one period of its first; none where that is alone.
+
+    Where the frequency moves each begins anew, and an instrument waits.
+    """
+    seconds = TIME_UNITS.get(data.provenance.get(f"unit {_name_of_time(data)}", ""))
+    if seconds is None or not at_one_frequency(data):
+        return np.zeros(len(data), dtype=bool)
+    early = seconds * (time - np.min(time)) < 1.0 / np.min(data.frequency)
+    return np.asarray(early & (np.count_nonzero(early) > 1), dtype=bool)
+
+
+def _later(data: Measurement, time: Real, begun: NDArray[np.bool_]) -> str:
+    """How to choose the rows after the beginning; empty without any."""
+    if begun.all():
+        return ""
+    return f"{_name_of_time(data)}={np.min(time[~begun]):.10g}..{np.max(time):.10g}"
 
 
 def moves_with_frequency(measurement: Measurement) -> bool:

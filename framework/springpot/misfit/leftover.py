@@ -24,6 +24,7 @@ from springpot.measurement import (
 from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real, Shift
 
+from .course_search import TIME
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
 from .refit import Refit
 from .where import where
@@ -162,11 +163,21 @@ class Column:
     one_test: str
 
     @property
+    def meaning(self) -> str:
+        """What it is to the misfit."""
+        if self.name == TIME:
+            return "the specimen is another in each sweep"
+        return "a column that no effect knows"
+
+    @property
     def says(self) -> str:
         """One plain sentence."""
+        why = "no effect knows that column"
+        if self.name == TIME:
+            why = "each sweep is of a material of its own"
         return (
             f"what is missing goes with {self.name}: a gain and a phase of its own, with slopes, at each of its "
-            f"{self.values} values takes {100 * self.share:.0f} % of the misfit; no effect knows that column, so "
+            f"{self.values} values takes {100 * self.share:.0f} % of the misfit; {why}, so "
             f"choose one by '@{self.one_test}'"
         )
 

@@ -171,4 +171,12 @@ def unseen_in_words(frame: Frame, name: str) -> tuple[float, str]:
     assert error is not None, "the test was made"
     count = 2.0 * sum(float(np.sum(fold)) for fold in folds_of(frame.measurement, name))
     ratio = float(np.sqrt(error[0] / count))
-    return ratio, f"a {name} that a fit has not seen is predicted to {times(ratio)} the noise"
+    return ratio, f"{one_of(name)} that a fit has not seen is predicted to {times(ratio)} the noise"
+
+
+def one_of(name: str) -> str:
+    """A level of a condition with its article: ``an amplitude``."""
+    article = "a"
+    if name[0] in "aeiou":
+        article = "an"
+    return f"{article} {name}"

@@ -291,6 +291,12 @@ def ask_columns(count: int) -> OpenQuestion:
     if count > 3:
         weights = "; further columns, such as weights, are left out"
     message = f"{count} columns of numbers without names; say what they are, such as {spec}{weights}"
+    if count < 3:
+        # Storage and loss often stand one below the other, as a program for graphs writes them.
+        message = (
+            f"{count} columns of numbers without names, where frequency, storage and loss are needed; of tables "
+            'one below the other write a line of titles above each, such as "frequency [Hz], G\' [Pa]"'
+        )
     return OpenQuestion(message, ask_each({i: f"column {i}" for i in range(1, count + 1)}, FIRST_COLUMNS))
 
 

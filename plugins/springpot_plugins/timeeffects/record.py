@@ -1,4 +1,4 @@
-"""The record is not the response: its zero drifts, the fixture grows, the amplifier saturates, the specimen tires."""
+"""The record is not the response: its zero is off or drifts, the fixture grows, the amplifier saturates, it tires."""
 
 from __future__ import annotations
 
@@ -18,6 +18,11 @@ SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.5)
 def drifted(record: Record, response: Any, rate: Any) -> Answered:
     """The response and `rate` times the time since the load moved."""
     return Answered(response + rate * record.time, (record.time,), np.ones_like(response))
+
+
+def offset(record: Record, response: Any, size: Any) -> Answered:
+    """The response and a constant."""
+    return Answered(response + size, (np.ones_like(response),), np.ones_like(response))
 
 
 def grown(record: Record, response: Any, size: Any, tau: Any) -> Answered:
@@ -58,6 +63,11 @@ def _cyclic(test: TimeTest) -> bool:
     return bool(Record.of(test).cycles[-1] >= 2.0)
 
 
+def _cycled(test: TimeTest) -> bool:
+    """Whether the load came back: a constant beside what a step alone leaves would be a spring of another size."""
+    return test.kind == "history" and bool(Record.of(test).cycles[-1] >= 1.0)
+
+
 def _level(test: TimeTest) -> bool:
     """Whether the largest responses are alike: several samples lie near the largest."""
     size = np.abs(test.response)
@@ -71,6 +81,28 @@ AMPLITUDE_RATE = Dimension(amplitude=1, time=-1)
 ELEMENTARY = "elementary"
 
 EFFECTS = (
+    TimeEffect(
+        "force-offset",
+        Stage.RESPONSE,
+        (Parameter("size", "F", FORCE, -np.inf, scale="linear"),),
+        offset,
+        "the force has a constant part: a preload, a gas charge, a weight, or the zero of the transducer",
+        "the whole loop stands higher or lower, the same from the first sample to the last",
+        ELEMENTARY,
+        ("displacement",),
+        _cycled,
+    ),
+    TimeEffect(
+        "displacement-offset",
+        Stage.RESPONSE,
+        (Parameter("size", "u", AMPLITUDE, -np.inf, scale="linear"),),
+        offset,
+        "the displacement has a constant part: it is not counted from where the force vanishes",
+        "the whole loop stands further on or back, the same from the first sample to the last",
+        ELEMENTARY,
+        ("force",),
+        _cycled,
+    ),
     TimeEffect(
         "force-drift",
         Stage.RESPONSE,

@@ -316,3 +316,13 @@ def test_what_was_not_measured_or_is_misspelt_is_told_with_its_place(tmp_path, r
     path.write_text(f"{header}\n1,3,1{extra}\n{row}{extra}\n3,4,1{extra}\n")
     with pytest.raises(DataError, match=says):
         springpot.read(path)
+
+
+def test_two_tables_without_titles_one_below_the_other_are_told_what_they_lack(folder):
+    """No column 3 is asked for where there are two."""
+    blocks = "0.5\t3.07\n1\t7.02\n5\t42.9\n\t\n\t\n0.5\t9.78\n1\t20.7\n5\t20.7\n"
+    with pytest.raises(DataError, match=r"2 columns of numbers without names.*titles above each") as refused:
+        folder.open(blocks)
+    assert "3=loss" not in str(refused.value)
+    titled = "frequency [Hz]\tG' [Pa]\n0.5\t3.07\n1\t7.02\n\nfrequency [Hz]\tG\" [Pa]\n0.5\t9.78\n1\t20.7\n"
+    assert folder.open(titled).loss.tolist() == [9.78, 20.7]
