@@ -56,3 +56,15 @@ def test_of_a_force_that_was_imposed_the_displacement_has_it():
     """A spring and a dashpot side by side that swing about a place that is not zero."""
     found = diagnose(dampers(0.0, "force", middle=5.0), "kelvin", tried("displacement-offset", *OTHERS))
     assert found.missing[0] == "displacement-offset"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_fixture_warms_within_some_samples(seed):
+    """A preload that a filter lets through within three samples is no quick warming."""
+    test = dampers(-4.0, seed=seed)
+    late = test.response + 4.0 * np.exp(-TIME / 0.015)
+    started = TimeTest.of_history(TIME, 20.0 * np.cos(2.0 * np.pi * TIME), late, "mm", "N")
+    found = diagnose(started, "kelvin", tried("force-offset", *OTHERS))
+    assert found.missing[0] == "force-offset"
+    rows = {row.effect: row for row in found.candidates}
+    assert rows["thermal-force"].delta_bic < rows["force-offset"].delta_bic - 10.0
