@@ -5,7 +5,7 @@ import pytest
 
 import springpot
 
-STRAIN = np.geomspace(1e-3, 10.0, 41)
+STRAIN = np.geomspace(1e-3, 10.0, 25)
 
 
 def softened(of_storage, of_loss, seed=1):
@@ -41,3 +41,9 @@ def test_one_effect_that_is_enough_leaves_none():
     told = springpot.diagnose(softened((6.0, 1.4), (6.0, 1.4)))
     assert told.verdict == "effect-missing"
     assert "another shape" not in told.says
+
+
+def test_no_second_effect_of_the_amplitude_is_accepted_unasked():
+    ladder = springpot.discover(softened((3.0, 1.6), (13.0, 1.3)))
+    accepted = [step.accepted for step in ladder.steps if step.accepted]
+    assert len(accepted) <= 1

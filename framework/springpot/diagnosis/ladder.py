@@ -242,6 +242,10 @@ def _decisive(steps: Sequence[Step]) -> Effect | None:
     drift = case.evidence.drift
     if drift is not None and drift.effect == first.effect:
         return None
+    # Storage and loss at one frequency are two curves, which nearly any two effects of one column follow.
+    taken = {column for effect in steps[-1].model.effects for column in effect.needs}
+    if case.evidence.one_frequency and not taken.isdisjoint(first.physics.needs):
+        return None
     return first.physics
 
 
