@@ -406,7 +406,7 @@ def _named(evidence: Evidence) -> str:
         words = f"{words}, or a cause along the frequency: the {moved} was not varied by itself"
     elif evidence.other_shape > VERDICT.worth_a_word:
         owner = "its"
-        if len({*named, *beside}) > 1:
+        if len([*named, *beside]) > 1:
             owner = "their"
         words = f"{words} (or, in {owner} place, something of another shape)"
     return words
