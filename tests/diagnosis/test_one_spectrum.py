@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis.evidence import Explanation
+from springpot.diagnosis.search import Grown
+from springpot.misfit.floor import fitted_to_floor
 
 OMEGA = np.geomspace(0.1, 1e3, 45)
 
@@ -29,3 +32,24 @@ def test_something_is_missing_but_no_part_is_named_with_confidence(found):
     assert found.verdict == "effect-missing"
     assert found.candidates[0].probability < 0.95
     assert "something of another shape" in found.says
+
+
+@pytest.mark.parametrize(("force", "slips"), [(1e9, False), (10.0, True)])
+def test_a_slider_that_never_slips_is_a_part_of_the_material(force, slips):
+    """It is a spring; with a springpot beside it one spectrum of another shape may stand for both."""
+    omega, amplitude = np.tile(OMEGA, 3), np.repeat([0.1, 1.0, 10.0], len(OMEGA))
+    grown = springpot.parse_model("dashpot + parallel-springpot + elasto-sliding")
+    true = {"c": 1.0, "parallel-springpot.c": 50.0, "parallel-springpot.alpha": 0.3}
+    true |= {"elasto-sliding.k": 30.0, "elasto-sliding.F": force}
+    theta = np.array([true[name] for name in grown.names])
+    points = springpot.rheology.Points.at(omega, amplitude=amplitude)
+    exact = grown.stiffness(theta, points)
+    real, imaginary = 0.002 * np.random.default_rng(3).normal(size=(2, len(omega)))
+    data = springpot.Measurement(
+        omega, exact * (1.0 + real + 1j * imaginary), conditions={"amplitude": amplitude},
+        units=springpot.Units("kN/m", "mm"), sd=0.002 * np.abs(exact) * (1.0 + 1j),
+    )  # fmt: skip
+    refit = fitted_to_floor(grown, data, [theta])
+    effects = tuple(springpot.plugins().effect(name) for name in ("parallel-springpot", "elasto-sliding"))
+    one = Explanation(Grown(effects, refit, 0.0), 0.9)
+    assert one.one_spectrum == (not slips)

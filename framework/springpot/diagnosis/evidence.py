@@ -48,7 +48,12 @@ class Explanation:
     @property
     def one_spectrum(self) -> bool:
         """Whether several parts of a material are put together: one of another shape may stand for them all."""
-        return len(self.names) > 1 and all(is_passive(effect) for effect in self.grown.effects)
+        if len(self.names) == 1:
+            return False
+        others = [effect for effect in self.grown.effects if not is_passive(effect)]
+        # What moves with the amplitude, but as fitted does not, is a spring by another name.
+        of_amplitude = all("amplitude" in effect.needs for effect in others)
+        return not others or (of_amplitude and self.grown.stands_still)
 
 
 @dataclass(frozen=True, eq=False)

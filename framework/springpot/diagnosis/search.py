@@ -52,6 +52,21 @@ class Grown:
         return beyond
 
     @property
+    def stands_still(self) -> bool:
+        """Whether effects of the amplitude do nothing, as fitted, that goes with it: a slider that never slips.
+
+        Then it is a spring, and a part of the material by its true name.
+        """
+        points = self.refit.fit.measurement.points
+        if points.amplitude is None:
+            return False
+        held = points.at_amplitude(np.full_like(points.amplitude, np.median(points.amplitude)))
+        moved = self.refit.stiffness - self.refit.model.stiffness(self.refit.theta, held)
+        noise = self.refit.noise.sd
+        # As fits are compared: what changes chi-square by less than its own scatter of one is not seen.
+        return float(np.sum((moved.real / noise.real) ** 2 + (moved.imag / noise.imag) ** 2)) < 1.0
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects added."""
         return tuple(effect.name for effect in self.effects)
