@@ -53,7 +53,7 @@ class Explanation:
         others = [effect for effect in self.grown.effects if not is_passive(effect)]
         # What moves with the amplitude, but as fitted does not, is a spring by another name.
         of_amplitude = all("amplitude" in effect.needs for effect in others)
-        return not others or (of_amplitude and self.grown.stands_still)
+        return not others or (of_amplitude and self.grown.same_at_all_amplitudes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +80,6 @@ class Evidence:
         Effects of a condition that was not varied by itself, judged as nothing else explains the data.
     drift : SweepDrift or None
         A gain that drifts while the sweep is measured, where it explains the data as well as one of the effects.
-    one_frequency : bool
-        Whether the data are one curve of storage and one of loss, along an amplitude or a temperature.
     """
 
     search: Search
@@ -93,7 +91,6 @@ class Evidence:
     beside_material: bool = False
     moved: frozenset[str] = frozenset()
     drift: SweepDrift | None = None
-    one_frequency: bool = False
 
     @classmethod
     def of(cls, search: Search, beside_material: bool = False) -> Evidence:
@@ -135,16 +132,13 @@ class Evidence:
         if found and search.confounded:
             found[:1] = _shared(found[0], search.confounded)
         return cls(
-            search,
-            float(weights[0]),
-            unknown,
-            tuple(found),
-            imitators,
-            leaning,
-            beside_material,
-            search.promoted,
-            one_frequency=at_one_frequency(search.base.fit.measurement),
+            search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material, search.promoted
         )
+
+    @property
+    def one_frequency(self) -> bool:
+        """Whether the data are one curve of storage and one of loss, along an amplitude or a temperature."""
+        return at_one_frequency(self.search.base.fit.measurement)
 
     @cached_property
     def effects(self) -> dict[str, float]:
@@ -184,7 +178,7 @@ class Evidence:
         """
         moved = not self.moved.isdisjoint(one.names)
         drifted = self.drift is not None and self.drift.effect in one.names
-        several_beside = (self.beside_material or self.one_frequency) and len(one.names) > 1
+        several_beside = len(one.names) > 1 and (self.beside_material or self.one_frequency)
         return one.twice or one.one_spectrum or moved or drifted or several_beside
 
     def _is_imitated(self, one: Explanation) -> bool:

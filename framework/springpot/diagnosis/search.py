@@ -52,7 +52,7 @@ class Grown:
         return beyond
 
     @property
-    def stands_still(self) -> bool:
+    def same_at_all_amplitudes(self) -> bool:
         """Whether effects of the amplitude do nothing, as fitted, that goes with it: a slider that never slips.
 
         Then it is a spring, and a part of the material by its true name.

@@ -38,7 +38,7 @@ from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import TimeTest
-from .together import DIGITS, frequency_numbers, largest_test, settings_of, tests_together
+from .together import DIGITS, TIME, frequency_numbers, largest_test, settings_of, tests_together
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -65,6 +65,7 @@ __all__ = [
     "frequency_numbers",
     "at_one_frequency",
     "DIGITS",
+    "TIME",
     "sweeps_of",
     "temperatures_differ",
     "AMPLITUDE_UNITS",

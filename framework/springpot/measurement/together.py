@@ -28,7 +28,8 @@ RUNS = frozenset(
 """Names of columns that tell one test from another, also where they hold numbers."""
 _ANSWERS = frozenset({"normal_force", "torque", "stress", "gap", "time", "axial_force", "displacement"})
 """Names of columns that hold what a specimen answered, or when: rounded in the file they look like settings."""
-_TIME = "time"
+TIME = "time"
+"""The column in which files hold when a point was measured."""
 _MOST_RUNS = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
@@ -165,8 +166,8 @@ def settings_of(data: Rows) -> dict[str, NDArray[np.int64]]:
     """
     columns: dict[str, NDArray[np.float64] | NDArray[np.str_]] = dict(data.labels)
     columns |= {name: column for name, column in data.conditions.items() if name not in {*CONDITIONS, *_ANSWERS}}
-    if _TIME in data.conditions and _is_an_age(data):
-        columns[_TIME] = data.conditions[_TIME]
+    if TIME in data.conditions and _is_an_age(data):
+        columns[TIME] = data.conditions[TIME]
     numbered = {}
     for name, column in columns.items():
         values, number = np.unique(column, return_inverse=True)
@@ -184,7 +185,7 @@ def _is_an_age(data: Rows) -> bool:
 
     Within one sweep a time that is rounded stands still too, but no frequency comes again.
     """
-    time = data.conditions[_TIME]
+    time = data.conditions[TIME]
     ages, number = np.unique(time, return_inverse=True)
     # More tell a course in time.
     if not 1 < len(ages) < COURSE.fewest_times:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from springpot.distributions import f_sf
 from springpot.measurement import (
     CONDITIONS,
+    TIME,
     TIME_UNITS,
     Measurement,
     at_one_frequency,
@@ -23,8 +24,6 @@ from springpot.rheology import Real
 from .course import Course
 from .frame import LEAST_SEEN, Frame, orthonormal
 
-TIME = "time"
-"""The column in which files hold when a point was measured."""
 CLOCKS = frozenset({"s", "min", "h"})
 """Units in which another column is one of times; shorter ones are of delays."""
 DEGREE = 8

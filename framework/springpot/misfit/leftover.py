@@ -12,6 +12,7 @@ from scipy.interpolate import BSpline
 
 from springpot.distributions import f_sf, normal_quantile
 from springpot.measurement import (
+    TIME,
     Measurement,
     at_one_frequency,
     distinct_log_omega,
@@ -24,7 +25,6 @@ from springpot.measurement import (
 from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real, Shift
 
-from .course_search import TIME
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
 from .refit import Refit
 from .where import where
