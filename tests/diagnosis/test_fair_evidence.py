@@ -12,6 +12,7 @@ from soaked import soaked
 from springpot.diagnosis import examine
 from springpot.diagnosis.evidence import Evidence, Explanation
 from springpot.diagnosis.experiment import Clash, actions
+from springpot.diagnosis.search import Grown
 from springpot.identification import Window, shown
 from springpot.misfit.frame import orthonormal
 from springpot.registry import plugins
@@ -38,6 +39,18 @@ def test_a_richer_effect_that_has_become_a_simpler_one_pays_all_the_same():
     chances = examined(hidden(KELVIN, AMPLITUDES, "friction", 3000.0)).evidence.effects
     assert chances["friction"] > 0.8
     assert chances["elasto-sliding"] < 0.1
+
+
+@pytest.mark.parametrize(("model", "effect", "whole"), [
+    ("fractional-kelvin-voigt", "relaxation-mode", False),
+    ("kelvin", "relaxation-mode", True),
+    ("fractional-kelvin-voigt", "parallel-dashpot", True),
+])  # fmt: skip
+def test_one_part_more_of_a_broad_spectrum_may_be_another_shape_of_it(model, effect, whole):
+    base, part = springpot.parse_model(model), plugins().effect(effect)
+    grown = Grown((part,), SimpleNamespace(model=base + part), 0.0)
+    assert grown.broadens_an_order is not whole
+    assert Explanation(grown, 1.0).one_spectrum is not whole
 
 
 def parameter(model, name):
@@ -87,7 +100,9 @@ def test_what_looks_like_a_resonance_may_be_another_narrow_feature(rungs):
 def test_the_doubt_about_a_narrow_effect_is_not_its_partners():
     effects = [plugins().effect(name) for name in ("inertia", "frame-resonance")]
     pair = Explanation(SimpleNamespace(names=("a", "b"), effects=effects), 0.8)
-    chances = Evidence(SimpleNamespace(), 0.0, 0.2, (pair,), frozenset({"b"})).without_unknown()
+    data = measured(SWEEP, exact(KELVIN, SWEEP))
+    search = SimpleNamespace(base=SimpleNamespace(fit=SimpleNamespace(measurement=data)))
+    chances = Evidence(search, 0.0, 0.2, (pair,), frozenset({"b"})).without_unknown()
     assert chances.effects == pytest.approx({"a": 1.0, "b": 0.7})
     assert chances.narrow == pytest.approx(0.3)
 

@@ -47,8 +47,8 @@ class Explanation:
 
     @property
     def one_spectrum(self) -> bool:
-        """Whether several parts of a material are put together: one of another shape may stand for them all."""
-        if len(self.names) == 1:
+        """Whether parts of a material are put together: a spectrum of another shape may stand for them all."""
+        if len(self.names) == 1 and not self.grown.broadens_an_order:
             return False
         others = [effect for effect in self.grown.effects if not is_passive(effect)]
         # What moves with the amplitude, but as fitted does not, is a spring by another name.

@@ -67,6 +67,20 @@ class Grown:
         return float(np.sum((moved.real / noise.real) ** 2 + (moved.imag / noise.imag) ** 2)) < 1.0
 
     @property
+    def broadens_an_order(self) -> bool:
+        """Whether one part with a time or an order of its own joins a model that has an order already.
+
+        A springpot has a broad and symmetric spectrum. What such a model lacks may be that the material is
+        skewed (Havriliak and Negami 1967, doi:10.1016/0032-3861(67)90021-3), which one mode or springpot more follows.
+        """
+        (effect,) = self.effects
+        model = self.refit.model
+        others = list(model.effects)
+        others.remove(effect)
+        own = [*model.material.parameters, *(each for other in others for each in other.element.parameters)]
+        return len(effect.element.parameters) > 1 and any(parameter.is_order for parameter in own)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects added."""
         return tuple(effect.name for effect in self.effects)

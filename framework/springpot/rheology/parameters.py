@@ -98,6 +98,11 @@ class Parameter:
     typical: float = 1.0
     detail: bool = False
 
+    @property
+    def is_order(self) -> bool:
+        """Whether it is a fractional order: a pure number from 0 to 1, which is no share told by its logarithm."""
+        return self.unit == PURE and self.scale == "linear" and (self.lower, self.upper) == (0.0, 1.0)
+
     def renamed(self, name: str) -> Parameter:
         """The same parameter under another name; an order named in its unit moves along."""
         unit = self.unit
