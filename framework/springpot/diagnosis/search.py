@@ -70,8 +70,8 @@ class Grown:
     def broadens_an_order(self) -> bool:
         """Whether one part with a time or an order of its own joins a model that has an order already.
 
-        A springpot has a broad and symmetric spectrum. What such a model lacks may be that the material is
-        skewed (Havriliak and Negami 1967, doi:10.1016/0032-3861(67)90021-3), which one mode or springpot more follows.
+        A springpot has a broad and symmetric spectrum. What such a model lacks may be that the material's is
+        skewed (Havriliak and Negami 1967, doi:10.1016/0032-3861(67)90021-3): one mode or springpot more follows that.
         """
         (effect,) = self.effects
         model = self.refit.model
