@@ -11,7 +11,7 @@ import numpy as np
 from springpot.measurement import Measurement
 from springpot.misfit.course import Course
 from springpot.misfit.course_search import change_in_order, course_behind
-from springpot.misfit.leftover import Column, column_behind, one_test_of
+from springpot.misfit.leftover import Column, EqualRows, column_behind, equal_rows_behind, one_test_of
 from springpot.misfit.material import MaterialFloor, error_of, split_in_words
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.values import printed
@@ -36,8 +36,8 @@ BESIDE_MATERIAL = {
 """What is added where effects are named beside a free spectrum."""
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
-Behind: TypeAlias = Column | Course | None
-"""What the misfit goes with that no effect knows: a column of settings, or the time."""
+Behind: TypeAlias = Column | EqualRows | Course | None
+"""What the misfit goes with that no effect knows: a column of settings, repeats without a number, or the time."""
 HARMONICS = "; the force holds harmonics that this model does not make"
 
 
@@ -108,15 +108,15 @@ def answer(
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
-    behind, one_test = _cause(search, evidence, verdict, course)
+    behind, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
         if not doubted and not only_points(search, outliers):
             split = split_in_words(search.base, floor)
         classes = evidence.classes
-        # To look at one test needs no measurement: it comes first.
-        if not one_test:
+        # To look at one test needs no measurement, nor to number repeats: they come first.
+        if not one_test and not isinstance(behind, EqualRows):
             experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
     sentences = list(notes(evidence, verdict, outliers, behind, len(measurement), library))
     sentences += [*_in_order_of_time(search, behind), *header_notes(candidates, measurement)]
@@ -152,14 +152,19 @@ def _leading(search: Search, evidence: Evidence, verdict: Verdict, course: Cours
     return leading_names(search, evidence, verdict)
 
 
-def _cause(search: Search, evidence: Evidence, verdict: Verdict, course: Course | None) -> tuple[Behind, str]:
+def _cause(
+    measurement: Measurement, search: Search, evidence: Evidence, verdict: Verdict, course: Course | None
+) -> tuple[Behind, str]:
     """What the misfit goes with that no effect knows, and how to choose the rows of one test; both may be empty."""
     if course is not None:
         return course, course.last_round
     if verdict not in OPEN:
         return None, ""
-    column = column_behind(evidence.search.best.frame())
+    frame = evidence.search.best.frame()
+    column = column_behind(frame)
     one_test, _ = one_test_of(search.base.data.raw, column)
+    if column is None and verdict == "unexplained":
+        return equal_rows_behind(frame, measurement), one_test
     return column, one_test
 
 

@@ -14,7 +14,7 @@ from springpot.misfit.battery import Finding
 from springpot.misfit.course import Course
 from springpot.misfit.course_search import moves_with_frequency
 from springpot.misfit.floor import is_arithmetic, scatter_about
-from springpot.misfit.leftover import Column, discrepancy, log_shift_of
+from springpot.misfit.leftover import Column, EqualRows, discrepancy, log_shift_of
 from springpot.misfit.material import notes_on_levels
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.unseen import validation
@@ -44,7 +44,7 @@ def notes(
     evidence: Evidence,
     verdict: Verdict,
     outliers: Sequence[Outlier],
-    behind: Column | Course | None,
+    behind: Column | EqualRows | Course | None,
     measured: int,
     library: Sequence[Effect],
 ) -> Iterator[str]:
@@ -58,8 +58,8 @@ def notes(
         Overall.
     outliers : sequence of Outlier
         Points set aside.
-    behind : Column or Course or None
-        With which of the file's columns the misfit goes, or how the specimen changed with time.
+    behind : Column or EqualRows or Course or None
+        With which of the columns the misfit goes, that repeats have no number, or how the specimen changed with time.
     measured : int
         Rows of the data before thinning.
     library : sequence of Effect
@@ -94,7 +94,7 @@ def notes(
     yield from _beyond_physics(search)
 
 
-def _of_cause(search: Search, verdict: Verdict, behind: Column | Course | None) -> Iterator[str]:
+def _of_cause(search: Search, verdict: Verdict, behind: Column | EqualRows | Course | None) -> Iterator[str]:
     """With what the misfit goes, else what is left: either as a fault that has a description, or in general."""
     if behind is not None:
         yield behind.says

@@ -11,7 +11,7 @@ import numpy as np
 
 from springpot.measurement import moved_along, sweeps_of
 from springpot.misfit.floor import beyond_floor, is_arithmetic, is_hardly_known, undragged
-from springpot.misfit.leftover import Column
+from springpot.misfit.leftover import Column, EqualRows
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.refit import Refit
 from springpot.misfit.repeats import NEIGHBOURS, sets_apart
@@ -258,7 +258,11 @@ def _all_but_explained(search: Search) -> bool:
 
 
 def sentence(
-    own: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], column: Column | None
+    own: Search,
+    evidence: Evidence,
+    verdict: Verdict,
+    outliers: Sequence[Outlier],
+    behind: Column | EqualRows | None,
 ) -> str:
     """The verdict in words.
 
@@ -272,8 +276,8 @@ def sentence(
         Overall.
     outliers : sequence of Outlier
         Points set aside.
-    column : Column or None
-        With which of the file's columns the misfit goes.
+    behind : Column or EqualRows or None
+        With what the misfit goes that no effect knows.
     """
     ratio = own.base.relative_rms / own.base.floor
     error = f"the error is {times(ratio)} the noise floor"
@@ -304,8 +308,11 @@ def sentence(
         missing = _taken_by(most, own, evidence)
     elif moved := _by_confounded(evidence.search):
         missing = moved
-    if column is not None:
-        missing = f"{missing}: it goes with {column.name}, {column.meaning}"
+    if isinstance(behind, EqualRows):
+        # No effect is looked for: none of the library, and none beyond it, tells such rows apart.
+        missing = behind.headline
+    elif behind is not None:
+        missing = f"{missing}: {behind.headline}"
     return f"{error}; {missing}{_if_little(own.base)}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .measurement import Measurement
 from .sweeps import DRIFT
@@ -11,6 +12,8 @@ from .together import RUNS, frequency_numbers, largest_test, told_apart
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""
+ADVICE = "if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
+"""What a user can do with rows that nothing tells apart."""
 FEWEST_FREQUENCIES = 5
 """Fewer that come again are a test that follows something else, such as a setting in time."""
 SAME_AMPLITUDE = 0.05
@@ -34,13 +37,39 @@ def again_note(measurement: Measurement) -> dict[str, str]:
             TOGETHER: f"rows of several tests are together, told apart by {' and '.join(numbers)}; "
             f"choose one by '@{chosen}'"
         }
+    number = stands_again(measurement)
+    if number is None:
+        return {}
+    count = np.bincount(number)
+    repeated = f"each of {len(count)} frequencies stands {count.min()} times under the same conditions"
+    return {NOTE: f"{repeated}: {ADVICE}"}
+
+
+def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
+    """Number of the frequency of each row (n,), where all come equally often and nothing tells their rows apart.
+
+    None where a frequency comes once, or where a column numbers the repeats or names the runs.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+
+    Examples
+    --------
+    >>> from springpot import Measurement
+    >>> from springpot.measurement.again import stands_again
+    >>> twice = Measurement([1.0, 2.0, 3.0, 4.0, 5.0] * 2, [1j] * 10)
+    >>> stands_again(twice)
+    array([0, 1, 2, 3, 4, 0, 1, 2, 3, 4])
+    """
     number = frequency_numbers(measurement)
     count = np.bincount(number)
     if len(count) < FEWEST_FREQUENCIES or count.min() < 2 or count.min() != count.max():
-        return {}
+        return None
     # What names runs tells them apart already.
     if measurement.repeat is not None or RUNS & set(measurement.conditions) or _is_labelled(measurement):
-        return {}
+        return None
     for name, width in (("temperature", DRIFT), ("amplitude", SAME_AMPLITUDE)):
         column = measurement.conditions.get(name)
         if column is None:
@@ -52,10 +81,8 @@ def again_note(measurement: Measurement) -> dict[str, str]:
         np.minimum.at(low, number, column)
         np.maximum.at(high, number, column)
         if np.max(high - low) > width:
-            return {}
-    repeated = f"each of {len(count)} frequencies stands {count.min()} times under the same conditions"
-    advice = "if the sweep was repeated, number the sweeps in a column repeat; their scatter is the noise"
-    return {NOTE: f"{repeated}: {advice}"}
+            return None
+    return number
 
 
 def _is_labelled(measurement: Measurement) -> bool:

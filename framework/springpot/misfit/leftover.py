@@ -16,19 +16,21 @@ from springpot.measurement import (
     Measurement,
     at_one_frequency,
     distinct_log_omega,
+    frequency_numbers,
     largest_test,
     settings_of,
     sweeps_of,
     temperatures_differ,
     tests_together,
 )
+from springpot.measurement.again import ADVICE, stands_again
 from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real, Shift
 
 from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
 from .refit import Refit
 from .where import where
-from .words import plain
+from .words import percent, plain
 
 Rows: TypeAlias = NDArray[np.int64]
 
@@ -163,11 +165,11 @@ class Column:
     one_test: str
 
     @property
-    def meaning(self) -> str:
-        """What it is to the misfit."""
+    def headline(self) -> str:
+        """What it is to the misfit, as the end of a sentence."""
         if self.name == TIME:
-            return "the specimen is another in each sweep"
-        return "a column that no effect knows"
+            return f"it goes with {self.name}, the specimen is another in each sweep"
+        return f"it goes with {self.name}, a column that no effect knows"
 
     @property
     def says(self) -> str:
@@ -180,6 +182,67 @@ class Column:
             f"{self.values} values takes {100 * self.share:.0f} % of the misfit; {why}, so "
             f"choose one by '@{self.one_test}'"
         )
+
+
+@dataclass(frozen=True)
+class EqualRows:
+    """Rows measured under the same conditions that differ, though no model can tell them apart.
+
+    Attributes
+    ----------
+    difference : float
+        Relative rms by which they scatter about the mean of those of one frequency.
+    share : float
+        Of the misfit, in chi-square, that lies between them.
+    """
+
+    difference: float
+    share: float
+
+    @property
+    def headline(self) -> str:
+        """What they are to the misfit, as the end of a sentence."""
+        return f"{self._differ}, which no model follows: are they repeats without a number?"
+
+    @property
+    def says(self) -> str:
+        """One plain sentence."""
+        return f"{self._differ}, which is {100 * self.share:.0f} % of the misfit: {ADVICE}"
+
+    @property
+    def _differ(self) -> str:
+        return f"rows measured under the same conditions differ by {percent(self.difference)}"
+
+
+def equal_rows_behind(frame: Frame, measurement: Measurement) -> EqualRows | None:
+    """Rows of one frequency between which most of a misfit lies; None where it lies elsewhere.
+
+    What rows under the same conditions differ by is no lack of fit: it needs no model to be seen.
+
+    Parameters
+    ----------
+    frame : Frame
+        The fit of the best model.
+    measurement : Measurement
+        The data as given; rows of the fit may have been set aside.
+    """
+    if stands_again(measurement) is None:
+        return None
+    number = frequency_numbers(frame.measurement)
+    count = np.bincount(number)
+    both = np.concatenate([number, number + len(count)])
+    mean = np.bincount(both, frame.rest) / np.tile(count, 2)
+    between = frame.rest - mean[both]
+    share = float(between @ between) / float(frame.rest @ frame.rest)
+    if share <= VERDICT.takes_most:
+        return None
+    stiffness = measurement.stiffness
+    number = frequency_numbers(measurement)
+    count = np.bincount(number)
+    middle = (np.bincount(number, stiffness.real) + 1j * np.bincount(number, stiffness.imag)) / count
+    off = np.abs(stiffness / middle[number] - 1.0)
+    # About their own mean: of each frequency one degree of freedom is spent.
+    return EqualRows(float(np.sqrt(np.sum(off**2) / (len(number) - len(count)))), share)
 
 
 def column_behind(frame: Frame) -> Column | None:
