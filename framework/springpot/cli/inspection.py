@@ -49,6 +49,7 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:
     """What a measurement holds, schema ``springpot.inspection/1``."""
+    from springpot.measurement import parts_as_opened
     from springpot.measurement.runs import runs_of
 
     units = {"temperature": "degC", "amplitude": measurement.units.amplitude}
@@ -70,7 +71,7 @@ def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str,
         "conditions": {name: _range(column, units.get(name, "")) for name, column in measurement.conditions.items()},
         "labels": {name: list(dict.fromkeys(map(str, column))) for name, column in measurement.labels.items()},
         "sweeps": [_sweep(measurement, run) for run in runs_of(measurement)],
-        "parts": _listed(parts),
+        "parts": _listed(parts_as_opened(parts, measurement)),
         "provenance": provenance,
     }
 

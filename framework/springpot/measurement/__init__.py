@@ -17,7 +17,7 @@ from .moduli import Moduli
 from .noise import with_noise
 from .opening import open_measurement, parts_of, pick_reader
 from .question import OpenQuestion, Question
-from .reader import Choice, Part, Reader
+from .reader import Choice, Part, Reader, parts_as_opened
 from .replicates import Averaged, average_repeats, noise_of_repeats, thinned
 from .scatter import (
     LEAST_RELATIVE,
@@ -137,6 +137,7 @@ __all__ = [
     "noise_shape",
     "open_measurement",
     "parse_geometry",
+    "parts_as_opened",
     "parts_of",
     "pick_reader",
     "plausible_variance",

@@ -75,6 +75,24 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     return stem, Choice(part.strip(), columns)
 
 
+def with_part(text: str, number: int) -> str:
+    """The same file with one of its parts chosen: the part stands before what is said of columns and rows.
+
+    Examples
+    --------
+    >>> from springpot.measurement.naming import with_part
+    >>> with_part("sweeps.csv?storage=Pa", 2)
+    'sweeps.csv#2?storage=Pa'
+    """
+    # Rows are chosen last, columns before them; a name that holds such a mark itself goes first.
+    name, said = text, ""
+    for mark in ("@", "?"):
+        stem, is_marked, rest = name.rpartition(mark)
+        if is_marked and not is_file(name):
+            name, said = stem, f"{mark}{rest}{said}"
+    return f"{name}#{number}{said}"
+
+
 def columns_of(answers: str, text: str) -> dict[str, str]:
     """What is said of the columns, ``frequency=Hz,3=loss[Pa]``, as a mapping."""
     meanings: dict[str, str] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -52,12 +52,35 @@ class Part:
         Whether it is a dynamic test, so that it can be opened.
     says : str
         What it holds, or what it lacks.
+    asks : bool
+        Whether it opens once the user says what the file leaves open.
     """
 
     name: str
     points: int
     usable: bool = True
     says: str = ""
+    asks: bool = False
+
+
+def parts_as_opened(parts: Sequence[Part], measurement: Measurement) -> list[Part]:
+    """The parts of a file, those that ask for something as usable where they opened with what the user says.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        As the file alone tells of them.
+    measurement : Measurement
+        What was opened of the file.
+    """
+    if "note parts" not in measurement.provenance:
+        return list(parts)
+    made = []
+    for part in parts:
+        if part.asks and f"note {part.name}" not in measurement.provenance:
+            part = replace(part, usable=True, says="")
+        made.append(part)
+    return made
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from shlex import quote
 from typing import Any
 
 from springpot.measurement import TimeTest, Units
+from springpot.measurement.naming import with_part
 
 from .numbers import number, percent
 from .text import Table, cut, wrapped
@@ -197,8 +198,7 @@ def next_step(result: dict[str, Any], spec: str) -> str:
         return f"next: springpot mastercurve {quote(spec)}"
     if "note parts" in result["provenance"] and swept:
         used = next(part for part in result["parts"] if part["usable"])
-        chosen = f"{spec}#{used['number']}"
-        return f"next: springpot compare {quote(chosen)}"
+        return f"next: springpot compare {quote(with_part(spec, used['number']))}"
     return f"next: springpot compare {quote(spec)}"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from springpot.api import compare, identify, mastercurve
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, SpringpotError
-from springpot.measurement import Measurement, OpenQuestion, Part
+from springpot.measurement import Measurement, OpenQuestion, Part, parts_as_opened
 from springpot.measurement.runs import runs_of
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
 from springpot.report.cards import EXAMPLE_MEMBER
@@ -218,7 +218,10 @@ def _understood(
         "levels": _levels(measurement),
         "repeats": repeats,
         "deviations": measurement.sd is not None,
-        "parts": [{"number": i, "name": p.name, "usable": p.usable} for i, p in enumerate(parts, 1)],
+        "parts": [
+            {"number": i, "name": part.name, "usable": part.usable}
+            for i, part in enumerate(parts_as_opened(parts, measurement), 1)
+        ],
         "provenance": {key: str(value) for key, value in measurement.provenance.items()},
     }
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from springpot.errors import DataError
 
 from .grid import COMMENT, MISSING, Grid, holds_number
-from .headings import beside, headings_of, is_remark, uncommented, units_in, unquoted
+from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
 from .names import FREQUENCIES, MODULI, names_a_modulus
 from .pairs import with_pairs_apart
 from .titles import Heading, heading, plainly
@@ -187,6 +187,8 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
         stop = _last_row(rows, start, rows[i])
         names, between = beside(rows[i], rows[i + 1 : start], rows[start:stop])
         headings = headings_of(names, between, len(rows[start]))
+        if above:
+            headings = named_above(headings, above[-1])
         above += [[cell.strip() for cell in row] for row in between if is_remark(row)]
         cells = _rectangle(rows[start:stop], grid.lines[start:stop], len(headings), strict)
         headings, cells = with_pairs_apart(headings, cells)

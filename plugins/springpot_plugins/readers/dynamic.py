@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Part, Reader, known_unit, normal_unit
+from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reader, known_unit, normal_unit
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
@@ -137,8 +137,7 @@ def parts_from(blocks: Sequence[Block]) -> tuple[Part, ...]:
     """The blocks as they are listed for a user; none where there is but one."""
     if len(blocks) < 2:
         return ()
-    reasons = [(block, _reason_against(block)) for block in with_distinct_names(blocks)]
-    return tuple(Part(block.name, len(block.rows), not reason, reason) for block, reason in reasons)
+    return tuple(map(_part, with_distinct_names(blocks)))
 
 
 Parsed: TypeAlias = Callable[[Path], tuple[list[Block], dict[str, str]]]
@@ -176,15 +175,18 @@ def _parts_of_blocks(parsed: Parsed, path: Path) -> tuple[Part, ...]:
     return parts_from(parsed(path)[0])
 
 
-def _reason_against(block: Block) -> str:
-    """Why a block cannot be opened; nothing where it can."""
+def _part(block: Block) -> Part:
+    """A block as it is listed: whether it can be opened, and if not, why."""
+    size = len(block.rows)
     if not block.is_dynamic:
-        return block.lacks()
+        return Part(block.name, size, False, block.lacks())
     try:
         _measurement(block, Choice(), {}, further=True)
+    except OpenQuestion as question:
+        return Part(block.name, size, False, str(question), asks=True)
     except DataError as error:
-        return str(error)
-    return ""
+        return Part(block.name, size, False, str(error))
+    return Part(block.name, size)
 
 
 def with_distinct_names(blocks: Sequence[Block]) -> list[Block]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from springpot.measurement import MODULUS_UNITS, normal_unit
 
 from .grid import COMMENT
-from .titles import UNITS, Heading, heading, is_unit
+from .titles import UNITS, Heading, heading, is_unit, unbracketed
 
 _WITH_DEVIATION = frozenset({"storage", "loss"})
 _DEVIATIONS = frozenset(
@@ -57,6 +57,23 @@ def headings_of(names: Sequence[str], between: Iterable[Sequence[str]], width: i
             # A name that stands in the row of units, as where pandas names the index below the columns.
             titles[place], units[place] = unit, None
     return with_deviations(heading(title, unit) for title, unit in zip(titles, units, strict=True))
+
+
+def named_above(headings: Sequence[Heading], above: Sequence[str]) -> tuple[Heading, ...]:
+    """The headings, those that are no more than a unit with the name that stands in the row above them.
+
+    Parameters
+    ----------
+    headings : sequence of Heading
+        Of the last row above the numbers: ``Hz``, ``G'``, ``G''``.
+    above : sequence of str
+        Cells of the row before it: ``f``, ``run 1``, an empty one.
+    """
+    made = list(headings)
+    for place, (each, name) in enumerate(zip(headings, above, strict=False)):
+        if each.role is None and _fits(name, unbracketed(each.title)):
+            made[place] = heading(name, each.title)
+    return tuple(made)
 
 
 def with_deviations(headings: Iterable[Heading]) -> tuple[Heading, ...]:

@@ -152,11 +152,12 @@ def heading(title: str, below: str | None = None) -> Heading:
     if own.written or own.curve:
         name = own.name
     # The row of units stands for the whole column, so that its unit goes before one within the title.
-    unit = _unbracketed(below.strip()).strip()
+    unit = unbracketed(below.strip()).strip()
     return _by_unit(Heading(title, name, role_of(title) or own.role, unit, written=own.written, curve=own.curve))
 
 
-def _unbracketed(unit: str) -> str:
+def unbracketed(unit: str) -> str:
+    """A unit without the brackets around it."""
     if unit[:1] + unit[-1:] in ("[]", "()"):
         return unit[1:-1]
     return unit
@@ -267,7 +268,7 @@ def _after_sign(title: str) -> Heading | None:
     """``Storage modulus / Pa``, ``Frequenz in Hz``, ``Frequency, Hz`` and ``T °C``."""
     # From the right: the shortest rest that is a unit leaves the longest name.
     for place in [i for i in range(len(title) - 1, 0, -1) if title[i] in " /,"][:8]:
-        stem, unit = title[:place].rstrip(" /,"), _unbracketed(title[place + 1 :].strip())
+        stem, unit = title[:place].rstrip(" /,"), unbracketed(title[place + 1 :].strip())
         stem = re.sub(r"\s+(?:in|en)$", "", stem)
         role = role_of(stem) or _stem_role(stem)
         if role is not None and unit and is_unit(unit):

@@ -1,9 +1,13 @@
 """Several curves in one table: side by side, one below the other; and columns of logarithms."""
 
 import io
+import shlex
 
 import numpy as np
 import pytest
+
+from springpot.cli import main
+from springpot.measurement import Part, parts_as_opened
 
 from .samples import OMEGA, STIFFNESS, rows
 
@@ -246,3 +250,41 @@ def test_a_logarithm_of_no_number_names_its_line(folder):
     said = folder.complaint("log10 f [Hz],log10 G' [Pa],log10 G'' [Pa]\n0,1,1\n1,500,2\n")
     assert "line 3" in said
     assert "\n" not in said
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        "f,run 1,,run 2,\nHz,G' [Pa],G'' [Pa],G' [Pa],G'' [Pa]",
+        "frequency,run 1,run 1,run 2,run 2\n[Hz],Gp (Pa),Gpp (Pa),Gp (Pa),Gpp (Pa)",
+    ],
+)
+def test_a_unit_below_the_name_of_the_frequency_alone(folder, titles):
+    is_both(folder.open(f"{titles}\n{NUMBERS}\n"))
+
+
+def test_parts_that_the_user_has_said_the_unit_of_are_usable(folder):
+    text = f"f,run 1,,run 2,\nHz,G',G'',G',G''\n{NUMBERS}\n"
+    parts = folder.parts(text)
+    assert [(part.usable, part.asks) for part in parts] == [(False, True)] * 2
+    opened = folder.open(text, "?storage=Pa,loss=Pa")
+    assert [part.usable for part in parts_as_opened(parts, opened)] == [True, True]
+
+
+def test_a_part_that_is_no_dynamic_test_is_never_usable(folder):
+    text = f"f,run 1,,run 2,\nHz,G',G'',G',G''\n{NUMBERS}\n"
+    creep = Part("creep", 2, False, "creep in time, no dynamic test")
+    parts = parts_as_opened([*folder.parts(text), creep], folder.open(text, "?storage=Pa,loss=Pa"))
+    assert [part.usable for part in parts] == [True, True, False]
+
+
+def test_the_part_to_go_on_with_is_chosen_before_what_is_said_of_columns(tmp_path, capsys):
+    file = tmp_path / "runs.csv"
+    file.write_text(f"f,run 1,,run 2,\nHz,G',G'',G',G''\n{NUMBERS}\n")
+    with pytest.raises(SystemExit, match="0"):
+        main(["inspect", f"{file}?storage=Pa,loss=Pa"])
+    command = shlex.split(capsys.readouterr().out.splitlines()[-1])
+    assert command[:3] == ["next:", "springpot", "compare"]
+    assert command[3] == f"{file}#1?storage=Pa,loss=Pa"
+    with pytest.raises(SystemExit, match="0"):
+        main(["inspect", command[3]])
