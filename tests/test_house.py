@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from springpot.registry import plugins
+
 ROOT = Path(__file__).resolve().parents[1]
 FRAMEWORK = ROOT / "framework" / "springpot"
 PLUGINS = ROOT / "plugins" / "springpot_plugins"
@@ -103,6 +105,26 @@ def test_imports_go_one_way(path: Path, package: str):
 @pytest.mark.parametrize(("path", "package"), FILES, ids=name_of)
 def test_the_framework_knows_no_plugin(path: Path, package: str):
     assert not [name for name in imported(path, package) if name.startswith("springpot_plugins")]
+
+
+def strings(path: Path) -> Iterator[ast.Constant]:
+    """Texts of a file other than docstrings, whose examples run with what is installed here."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in alone:
+            yield node
+
+
+def test_the_framework_names_no_effect():
+    """Names that could be ordinary words, such as friction, are passed over."""
+    names = [name for name in plugins().names("effect") if "-" in name]
+    pattern = re.compile(rf"(?<![\w-])(?:{'|'.join(names)})(?![\w-])")
+    guilty = []
+    for path, _ in FILES:
+        for text in strings(path):
+            guilty += [f"{path.relative_to(ROOT)}:{text.lineno}: {found}" for found in pattern.findall(text.value)]
+    assert guilty == []
 
 
 @pytest.mark.parametrize(("path", "package"), OWN, ids=name_of)

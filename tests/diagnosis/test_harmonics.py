@@ -55,3 +55,20 @@ def test_without_harmonics_they_are_one_class():
     data = measured(0.0)
     data = springpot.Measurement(data.omega, data.stiffness, conditions=data.conditions)
     assert {"friction", "hysteretic-loss"} <= set(springpot.diagnose(data, "fractional-kelvin").best.alike)
+
+
+def test_filled_rubber_makes_little_of_a_third_harmonic():
+    """At most a twelfth of dK / d ln X, so that none is left where K no longer changes."""
+    model = parse_model("kelvin + payne")
+    theta = model.vector({"k": 1.0, "c": 0.0, "payne.k": 2.0, "payne.h": 0.3, "payne.Xc": 1.0, "payne.m": 0.6})
+    amplitude = np.array([1e-9, 0.3, 1.0, 3.0, 1e9])
+    step = 1e-5
+
+    def stiffness(x):
+        return model.stiffness(theta, springpot.rheology.Points(np.zeros(5), amplitude=x))
+
+    slope = np.abs(stiffness(amplitude * np.exp(step)) - stiffness(amplitude * np.exp(-step))) / (2.0 * step)
+    at = springpot.rheology.Points(np.zeros(5), amplitude=amplitude)
+    centre, radius = model.third_harmonic_range(theta, at)
+    np.testing.assert_array_equal(centre, 0.0)
+    np.testing.assert_allclose(radius, slope / 12.0 / np.abs(stiffness(amplitude)), rtol=1e-3, atol=1e-9)

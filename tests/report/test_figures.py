@@ -5,11 +5,13 @@ from itertools import product
 import numpy as np
 import pytest
 
+import springpot
 from springpot.errors import OutputError
 from springpot.measurement import Measurement, Units
 from springpot.registry import parse_model
-from springpot.report import canvas, curves, figures, scene, views
+from springpot.report import canvas, curves, figures, scene, spectrum, views
 from springpot.report.curves import Fit, axis_of, sweeps_of
+from springpot.report.floors import beside_floors
 from springpot.report.scene import Scene
 
 pytest.importorskip("matplotlib")
@@ -196,3 +198,17 @@ def test_residuals_stand_beside_the_material_floor(tmp_path):
     assert level > 1.0
     np.testing.assert_allclose(levels, [-level, level])
     assert "material floor" in row[0].get_title(loc="left")
+
+
+@pytest.mark.parametrize("model", ["maxwell", "material"])
+def test_the_error_of_a_fit_stands_beside_both_floors(model, monkeypatch):
+    """In the picture as in the text."""
+    kept = []
+    for module in (figures, spectrum):
+        monkeypatch.setattr(
+            module, "finished", lambda figure, path: kept.append(figure.legends[0].get_title().get_text())
+        )
+    found = springpot.identify("artificial-hidden", model)
+    found.plot("unused.png")
+    assert beside_floors(found).removeprefix(", ") in kept[0].splitlines()
+    assert "material floor" in kept[0]

@@ -138,7 +138,7 @@ def test_a_reference_is_written_with_or_without_its_unit(text, level):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"column": "salt"}, "no column 'salt'"),
+        ({"column": "salt"}, "no column 'salt' .* the data have temperature: name one with --column"),
         ({"reference": "warm"}, "no number"),
         ({"reference": "25 kN"}, "unknown unit"),
         ({"objective": "least-quares"}, "unknown objective"),

@@ -32,6 +32,8 @@ NOTHING = 1e-12
 """Share of the measured stiffness that is no more than rounding."""
 SEEN = 1e-6
 """Share of K by which a parameter that the data do not determine may move a prediction before it has no band."""
+KNOWN_TO_EFFECTS = ("amplitude", "temperature")
+"""Conditions that effects of a library may need."""
 FAR_KELVIN = 150.0
 """Further than this above all measured temperatures, a number is rather one in kelvin: the laws of temperature hold
 for about 100 K above the glass transition (Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008)."""
@@ -224,10 +226,10 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
         if np.all(column >= low - slack) and np.all(column <= high + slack):
             return  # what was measured is what is asked for, and the fit holds there without knowing it
         span = f"was {low:.4g} to {high:.4g}"
-    effect = {"temperature": "arrhenius-shift or wlf-shift", "amplitude": "payne or friction"}.get(name)
     hint = ""
-    if effect:
-        hint = f", such as {effect}"
+    # Any other column is known to effects that are given its name.
+    if name in KNOWN_TO_EFFECTS:
+        hint = ", one that 'springpot list effects' says needs it"
     raise ModelError(f"{model.name} does not know {name}, which {span}: fit a model with an effect of it{hint}")
 
 

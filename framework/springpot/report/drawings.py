@@ -18,6 +18,7 @@ from . import views
 from .canvas import COLOURS, blank, finished, logarithmic
 from .curves import Fit
 from .figures import figure_identification, marks_of, sweep_marks
+from .floors import beside_floors
 from .ladder import draw_ladder, figure_ladder
 from .mastercurve import figure_mastercurve
 from .remedies import draw_diagnosis, figure_diagnosis
@@ -74,7 +75,8 @@ def _fitted(result: Identification, path: Any) -> Any:
     # The spectrum is what such a fit is made for.
     if is_material(result.model):
         return figure_material(result, path)
-    return figure_identification(result.measurement, [Fit(result.model, result.theta)], path)
+    fitted = [Fit(result.model, result.theta)]
+    return figure_identification(result.measurement, fitted, path, beside=beside_floors(result))
 
 
 @onto.register

@@ -32,7 +32,7 @@ TITLE_WIDTH = 78
 
 
 def figure_identification(
-    measurement: Measurement, fits: Sequence[Fit], path: str | Path | None = None
+    measurement: Measurement, fits: Sequence[Fit], path: str | Path | None = None, beside: str = ""
 ) -> Figure | Path:
     """Storage and loss with the models' curves, and the residuals below.
 
@@ -44,6 +44,8 @@ def figure_identification(
         The models with their parameters.
     path : str or Path, optional
         Where to write; what is returned and raised is told by `springpot.report.canvas.finished`.
+    beside : str
+        What the error of a single model stands beside.
     """
     scene = Scene(measurement, fits)
     with blank(7.2, 5.8) as figure:
@@ -51,7 +53,7 @@ def figure_identification(
         views.storage_and_loss(above, scene)
         views.residual(below, scene)
         above.set_xlabel("")
-        headed(figure, scene)
+        headed(figure, scene, beside=beside)
         return finished(figure, path)
 
 
@@ -75,7 +77,7 @@ def figure_comparison(measurement: Measurement, fits: Sequence[Fit], path: str |
         return save(figure, path)
 
 
-def _headline(scene: Scene) -> str:
+def _headline(scene: Scene, beside: str) -> str:
     """What is shown, and how well the model fits."""
     data = scene.measurement
     drawn = ""
@@ -92,10 +94,12 @@ def _headline(scene: Scene) -> str:
     share = np.abs(fit.at(data.points) - data.stiffness) / data.magnitude
     error = percent(float(np.sqrt(np.mean(share**2))))
     fitted = cut(f"{fit.name} fitted to {data.name}", TITLE_WIDTH)
-    return f"{fitted}\npoints measured, lines fitted; error {error} of {data.units.magnitude}{drawn}"
+    # On a line of its own: together they are wider than the figure.
+    beside = beside.replace(", ", "\n", 1)
+    return f"{fitted}\npoints measured, lines fitted; error {error} of {data.units.magnitude}{drawn}{beside}"
 
 
-def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False) -> None:
+def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: bool = False, beside: str = "") -> None:
     """Headline and what the marks mean above the axes, the sweeps beside them: never over the data.
 
     Parameters
@@ -108,6 +112,8 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
         What further rows show, in which colours stand for sweeps though they may stand for models above.
     floors : bool
         Whether the material floor is drawn beside residuals.
+    beside : str
+        What the error of a single model stands beside.
     """
     marks = marks_of(scene)
     if floors:
@@ -115,7 +121,7 @@ def headed(figure: Figure, scene: Scene, below: Scene | None = None, floors: boo
     # A legend's own title is the one headline that the layout keeps clear of the legend.
     above = figure.legend(
         handles=marks,
-        title=literal(_headline(scene)),
+        title=literal(_headline(scene, beside)),
         title_fontsize=11.0,
         alignment="left",
         loc="outside upper left",

@@ -12,6 +12,7 @@ from springpot.identification import Identification, Value, kept_interval
 from springpot.measurement import material_of
 from springpot.rheology.drawing import drawing_of
 
+from .floors import beside_floors
 from .numbers import number, percent, seconds, told_range
 from .reference import reference_note
 from .spectrum import in_words
@@ -236,16 +237,6 @@ def _of_floor(identified: Identification) -> list[str]:
     if standing is None or standing.good_enough or standing.noise_source != "estimated":
         return []
     return ["the noise floor is estimated from the scatter about this model: diagnose may find a lower one"]
-
-
-def beside_floors(identified: Identification) -> str:
-    """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
-    standing = identified.standing
-    if standing is None or not standing.noise_floor > 0.0:
-        return ""
-    ratio = number(identified.relative_rms / standing.noise_floor, 2)
-    noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
-    return f", {noise}; material floor {percent(standing.material_floor, 2)}"
 
 
 def unused(identified: Identification) -> list[str]:

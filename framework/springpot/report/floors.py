@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.identification import Identification
 from springpot.rheology import Real
+
+from .numbers import number, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,6 +17,16 @@ if TYPE_CHECKING:
 MATERIAL = "#444444"
 """Dashes in no colour that stands for a model."""
 DASHES: dict[str, Any] = {"color": MATERIAL, "linestyle": "--", "linewidth": 1.4}
+
+
+def beside_floors(identified: Identification) -> str:
+    """The error beside what noise alone leaves and what any material leaves, where the data are enough to tell."""
+    standing = identified.standing
+    if standing is None or not standing.noise_floor > 0.0:
+        return ""
+    ratio = number(identified.relative_rms / standing.noise_floor, 2)
+    noise = f"{ratio} x the noise floor of {percent(standing.noise_floor, 2)} ({standing.noise_source})"
+    return f", {noise}; material floor {percent(standing.material_floor, 2)}"
 
 
 def draw_floors(axes: Axes, noise: Real, material: Real, after: float = 0.0) -> None:

@@ -13,6 +13,7 @@ from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
+from .floors import beside_floors
 from .numbers import number
 from .scene import Scene
 from .views import WIDE_RANGE
@@ -47,7 +48,7 @@ def figure_material(identified: Identification, path: str | Path | None = None) 
         above.set_xlabel("")
         if identified.spectrum is not None:
             draw_spectrum(below, identified.spectrum, identified.measurement.units.stiffness)
-        headed(figure, scene)
+        headed(figure, scene, beside=beside_floors(identified))
         return finished(figure, path)
 
 

@@ -126,7 +126,7 @@ class Writer:
         if self.solid and not prony.equilibrium >= LEAST * prony.instantaneous:
             raise ModelError(
                 f"{self.name} needs a solid, and {handoff.model} is a liquid on this band (long-term modulus "
-                f"{prony.equilibrium:.3g}): add parallel-spring or begin the band lower"
+                f"{prony.equilibrium:.3g}): add a spring beside it or begin the band lower"
             )
         # At 0.5 the bulk modulus is without end, and below -1 the shear modulus is negative.
         if self.solid and (handoff.poisson is None or not -1.0 < handoff.poisson < 0.5):

@@ -305,7 +305,10 @@ def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:
 def _check(measurement: Measurement, column: str) -> None:
     if column not in measurement.conditions:
         known = ", ".join(measurement.conditions) or "no condition at all"
-        raise DataError(f"{measurement.name}: there is no column '{column}' to shift by; the data have {known}")
+        mend = ""
+        if measurement.conditions:
+            mend = ": name one with --column"
+        raise DataError(f"{measurement.name}: there is no column '{column}' to shift by; the data have {known}{mend}")
     if not np.all(np.isfinite(measurement.conditions[column])):
         raise DataError(f"{measurement.name}: column {column} has rows without a number; leave them out")
     if at_one_frequency(measurement):
