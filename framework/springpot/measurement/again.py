@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .measurement import Measurement
+from .one_frequency import frequency_numbers
 from .sweeps import DRIFT
 from .together import NOTE as TOGETHER
-from .together import RUNS, frequency_numbers, largest_test, told_apart
+from .together import RUNS, largest_test, told_apart
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""

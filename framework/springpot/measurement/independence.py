@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from springpot.rheology import Real
 
 from .measurement import CONDITIONS, Measurement, numbers_of_levels
+from .one_frequency import DECIMALS, held_frequency_numbers
 
 WANDER: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
 """What moves without being varied: amplitudes within 10 % (as logarithms), temperatures 1 K, in a whole test.
@@ -35,8 +36,6 @@ FREE_SHARE = 0.3
 """Share of the rows that must be left over by what is fitted for the rest to say anything."""
 FEWEST = 3
 """Rows beside the first at one frequency and temperature from which a difference between them was a choice."""
-SAME_FREQUENCY = 1e-3
-"""Distance of logarithms within which frequencies are one: instruments set them to a part in a thousand."""
 ROUNDS = 20
 """Reweighted fits towards the least sum of absolute deviations: changes are below a per cent after ten."""
 NORMAL = 1.4826
@@ -199,7 +198,7 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     if condition == "temperature":
         return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
     temperature = measurement.conditions.get("temperature", np.zeros(len(values)))
-    same_omega = numbers_of_levels(log_omega, SAME_FREQUENCY)
+    same_omega = held_frequency_numbers(measurement.omega)
     same_temperature = numbers_of_levels(temperature, WANDER["temperature"])
     both = same_omega * (int(same_temperature.max()) + 1) + same_temperature
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
@@ -232,7 +231,7 @@ def _off_curve(x: Real, y: Real) -> Real:
     """
     from scipy.optimize import isotonic_regression  # the first look at a file must not take its time
 
-    if len(np.unique(np.round(x, 6))) >= FEWEST_ONE_WAY:
+    if len(np.unique(np.round(x, DECIMALS))) >= FEWEST_ONE_WAY:
         order = np.argsort(x, kind="stable")
         for upwards in (True, False):
             off = np.abs(y[order] - isotonic_regression(y[order], increasing=upwards).x)
@@ -243,7 +242,7 @@ def _off_curve(x: Real, y: Real) -> Real:
 
 def _off_polynomial(x: Real, y: Real) -> Real:
     """Absolute deviations from the polynomial of the least sum of them, without those that it brings to zero."""
-    degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, 6))) // POINTS_PER_DEGREE)
+    degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, DECIMALS))) // POINTS_PER_DEGREE)
     # Legendre polynomials are nearly independent of one another on -1 to 1 only.
     scaled = 2.0 * (x - x.min()) / (float(np.ptp(x)) or 1.0) - 1.0
     basis = np.polynomial.legendre.legvander(scaled, degree)

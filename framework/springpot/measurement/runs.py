@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from springpot.rheology import Real, levels_of
 
+from .one_frequency import held_frequency_numbers
 from .together import RUNS, Rows, told_apart
 
 MOST_WORDS = 0.5
@@ -18,8 +19,6 @@ MOST_WORDS = 0.5
 RECURS = 1.5
 """Times that a frequency was measured on average, from which several amplitudes were set at each frequency. A strain
 that follows the frequency, as inertia makes it, recurs once."""
-SAME_FREQUENCY = 3
-"""Digits of ln omega within which frequencies are one: a tenth of a per cent, far below any step of a sweep."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +106,7 @@ def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np
     """The rows of each level, ascending, where frequencies were swept at each; else all as they are."""
     level = levels_of(name, data.conditions[name][rows])
     count = int(level.max()) + 1
-    frequency = np.round(np.log(data.omega[rows]), SAME_FREQUENCY)
+    frequency = held_frequency_numbers(data.omega[rows])
     pairs = len(np.unique(np.column_stack([level, frequency]), axis=0))
     # A level at which one frequency was measured is no sweep.
     if count == 1 or pairs < 2 * count:

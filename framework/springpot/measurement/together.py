@@ -16,6 +16,7 @@ from springpot.policy import COURSE
 from springpot.rheology import Real, levels_of
 
 from .measurement import CONDITIONS, Measurement
+from .one_frequency import frequency_numbers
 
 NOTE = "note together"
 """Key of the note in a measurement's provenance."""
@@ -39,9 +40,6 @@ _HELD = 0.01
 """Share of the largest within which numbers with a fraction are one that was held: a rig's own rounding, 0.400 and
 0.401 mrad, is no setting. Rheometers hold what was set within 1 to 2 %."""
 
-DIGITS = 6
-"""Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
-
 
 class Rows(Hashable, Protocol):
     """What of a measurement tells its tests and its sweeps."""
@@ -61,21 +59,6 @@ class Rows(Hashable, Protocol):
     @property
     def repeat(self) -> NDArray[np.int64] | None:
         """Which repetition a row (n,) belongs to."""
-
-
-def frequency_numbers(data: Rows) -> NDArray[np.int64]:
-    """Number of the distinct frequency of each row, ascending; shape (n,).
-
-    Examples
-    --------
-    >>> from springpot import Measurement
-    >>> from springpot.measurement import frequency_numbers
-    >>> frequency_numbers(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))
-    array([1, 0, 1])
-    """
-    # In logarithms, as instruments print so many digits of each frequency, whatever its size.
-    _, number = np.unique(np.round(np.log(data.omega), DIGITS), return_inverse=True)
-    return np.asarray(number.ravel(), dtype=np.int64)
 
 
 def runs_together(

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile, f_quantile, f_sf, gamma_sf
 from springpot.measurement import (
-    DIGITS,
     Averaged,
     Measurement,
     Noise,
@@ -27,6 +26,7 @@ from springpot.measurement import (
     noise_shape,
     plausible_variance,
     robust_noise_shape,
+    rounded_log_omega,
     sweeps_of,
 )
 from springpot.policy import SCATTER, VERDICT
@@ -417,7 +417,7 @@ def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray
         Rows from which to start; all of them by default.
     """
     # Frequencies that differ by rounding in the file are one.
-    _, group = np.unique(np.round(np.log(omega), DIGITS), return_inverse=True)
+    _, group = np.unique(rounded_log_omega(omega), return_inverse=True)
     group = np.concatenate([group.ravel(), group.ravel()])
     count = np.bincount(group).astype(float)
     middle = chi2_quantile(0.5, count)

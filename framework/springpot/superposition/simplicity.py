@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, normal_sf
 from springpot.identification import Objective, fit, weighted
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, frequency_numbers
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import Continuum, Model, Real
 
@@ -25,8 +25,6 @@ BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
 LEAST_BRANCH = 1e-2
 """Share of |K| that a branch must have somewhere to be looked at."""
-DIGITS = 6
-"""Decimals of ln omega by which frequencies are the same: one that is set again comes back with other last digits."""
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
 LEAST_SHARE = 0.1
@@ -264,7 +262,8 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
 
 def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
-    _, group = np.unique(np.column_stack([number, np.round(np.log(data.omega), DIGITS)]), axis=0, return_inverse=True)
+    rows = np.column_stack([number, frequency_numbers(data)])
+    _, group = np.unique(rows, axis=0, return_inverse=True)
     group = group.ravel()
     count = np.bincount(group)
     mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
