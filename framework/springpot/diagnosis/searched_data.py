@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.digits import counted
 from springpot.errors import DataError
 from springpot.measurement import Measurement
 from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
@@ -22,7 +23,6 @@ from springpot.misfit.outliers import (
     without,
 )
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.words import counted
 from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 

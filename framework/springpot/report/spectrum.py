@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.digits import number
 from springpot.identification import Identification, Spectrum
 
 from . import views
 from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
-from .numbers import number
 from .scene import Scene
 from .views import WIDE_RANGE
 
