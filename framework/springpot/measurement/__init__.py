@@ -16,6 +16,7 @@ from .measurement import CONDITIONS, Measurement, misspelt, points_at
 from .moduli import Moduli
 from .noise import with_noise
 from .one_frequency import (
+    HELD_ALIKE,
     at_one_frequency,
     distinct_log_omega,
     frequency_numbers,
@@ -82,6 +83,7 @@ __all__ = [
     "Budget",
     "CONDITIONS",
     "HELD",
+    "HELD_ALIKE",
     "Choice",
     "DataSet",
     "FORCE_UNITS",

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from springpot.errors import DataError
+from springpot.policy import SIGNALS
 from springpot.rheology import Complex, Real
 
 from .budget import uncounted
@@ -29,8 +30,6 @@ from .units import (
     Units,
 )
 
-SURE = 3.0
-"""Standard deviations by which a stiffness is negative beyond doubt."""
 BENT = 0.05
 """Third harmonic of a displacement, over its first, from which it is told to be no sinusoid."""
 LONGER = 4.0
@@ -434,12 +433,12 @@ def _doubts_of_sign(row: Harmonics, force_unit: str) -> list[str]:
     mend = f"if one channel counts the other way, open 'FILE?force=-{force_unit}'"
     # The work of a cycle is pi X^2 K'': its doubt is that of K''.
     doubt = np.pi * row.amplitude**2 * row.sd.imag
-    surely = row.stiffness.imag < -SURE * row.sd.imag or row.work < -SURE * doubt
-    if surely and row.stiffness.real < -SURE * row.sd.real:
+    surely = row.stiffness.imag < -SIGNALS.negative * row.sd.imag or row.work < -SIGNALS.negative * doubt
+    if surely and row.stiffness.real < -SIGNALS.negative * row.sd.real:
         return [f"storage and loss are negative, as if the force had the wrong sign: {mend}"]
     if surely:
         return [f"the loss is negative, over each cycle the specimen gives work away: {mend}"]
-    if row.stiffness.real < -SURE * row.sd.real:
+    if row.stiffness.real < -SIGNALS.negative * row.sd.real:
         return [
             "the storage is negative, as above a resonance of a moving mass or with a channel late by a half cycle"
         ]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import VARIED
 from springpot.rheology import Real
 
 from .independence import independent
@@ -15,8 +16,6 @@ from .measurement import CONDITIONS, Measurement
 from .one_frequency import DECIMALS, at_one_frequency, held_frequency_numbers
 from .together import told_apart
 
-DRIFT = 1.0
-"""Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
 SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
 """Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
 
@@ -55,7 +54,7 @@ def temperatures_differ(measurement: Measurement) -> bool:
     False
     """
     column = measurement.conditions.get("temperature")
-    return column is not None and float(np.ptp(column)) >= DRIFT
+    return column is not None and float(np.ptp(column)) >= VARIED.temperature_chosen
 
 
 def sweeps_of(measurement: Measurement) -> list[Sweep]:

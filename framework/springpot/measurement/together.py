@@ -31,7 +31,7 @@ _ANSWERS = frozenset({"normal_force", "torque", "stress", "gap", "time", "axial_
 """Names of columns that hold what a specimen answered, or when: rounded in the file they look like settings."""
 TIME = "time"
 """The column in which files hold when a point was measured."""
-_MOST_RUNS = 0.5
+MOST_NAMES = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
 """Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own."""
@@ -77,7 +77,7 @@ def runs_together(
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
         # A word on nearly every row is a remark, such as a time of day, and names no test.
-        several = 1 < len(values) <= max(2, _MOST_RUNS * len(column))
+        several = 1 < len(values) <= max(2, MOST_NAMES * len(column))
         if (
             several
             and key not in known

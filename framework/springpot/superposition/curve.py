@@ -17,6 +17,7 @@ from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement, at_one_frequency
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
 from .factors import Factors, Rows, factors_of, told_by_data
@@ -31,14 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA = "springpot.mastercurve/1"
-SHARED = 0.5
-"""Scatter within a sweep in units of the given standard deviations, below which these are not those of scatter."""
-LARGE = 2.0
-"""Range of vertical factors beyond physics: rho T changes by less than this between any two common temperatures."""
-DIFFER = 0.005
-"""Relative scatter of repeats from which it is told; below it is the usual noise of an instrument."""
-WIDE = float(np.log(10.0))
-"""Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
 
 FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
@@ -251,7 +244,7 @@ def mastercurve(
     searched = np.abs(fitted.log_a) < (1.0 - ROUNDING) * WIDEST
     # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
     flat = flat_levels(rows) & (np.arange(len(factors)) != at)
-    determined = connected & searched & (factors.reach_a < WIDE) & ~flat
+    determined = connected & searched & (factors.reach_a < SUPERPOSITION.undetermined) & ~flat
     told = told_by_data(rows, at)
     notes += [
         *remarks,
@@ -320,7 +313,7 @@ def _weighing(measurement: Measurement, column: str, objective: Objective | None
     own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
     dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
     # Where each level's own material leaves as much as is given, the deviations are those of scatter.
-    if not dof or cost >= SHARED**2 * dof:
+    if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return given, []
     size = np.sqrt(dof / max(cost, 1e-300))
     note = (
@@ -425,7 +418,7 @@ def _vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
     if factors.column != "temperature":
         return []
     span = float(np.exp(np.ptp(factors.log_b[told])))
-    if span < LARGE:
+    if span < SUPERPOSITION.vertical_range:
         return []
     return [
         f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
@@ -436,7 +429,7 @@ def _vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
 def _repeats(rows: Rows, own: Alone) -> list[str]:
     """A sentence where repeated sweeps differ, which no curve can follow."""
     scatter = own.repeats
-    far = np.flatnonzero(scatter > DIFFER)
+    far = np.flatnonzero(scatter > SUPERPOSITION.repeats_differ)
     if not len(far):
         return []
     names = ", ".join(rows.named(i) for i in far.tolist())

@@ -23,12 +23,8 @@ from .factors import Rows, without
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
-LEAST_BRANCH = 1e-2
-"""Share of |K| that a branch must have somewhere to be looked at."""
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
-LEAST_SHARE = 0.1
-"""Share of what superposition leaves that a place must explain to be told: many small ones are no answer."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
@@ -211,7 +207,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     failures = strange
     # Where superposition holds, what is found among so many places is chance.
     if verdict != "simple":
-        failures = [*strange, *(place for place in places if place.share > LEAST_SHARE)]
+        failures = [*strange, *(place for place in places if place.share > SUPERPOSITION.worth_a_place)]
     return Simplicity(
         verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(failures)
     )
@@ -379,7 +375,7 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     for each in np.unique(band).tolist():
         lines = band == each
         # A branch at the edge of what was measured stands for all that lies beyond.
-        if share[lines].sum(axis=0).max() > LEAST_BRANCH and _inside(each, x):
+        if share[lines].sum(axis=0).max() > SUPERPOSITION.branch_seen and _inside(each, x):
             columns.append(by_shift[lines].sum(axis=0))
             places.append(float(np.exp(-(each + 0.5) * BAND)))
     # A branch shifts more or less than the others: one alone has none to differ from.
