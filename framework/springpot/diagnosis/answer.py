@@ -23,9 +23,10 @@ from springpot.rheology import Effect
 from .candidates import candidates_of
 from .evidence import Evidence
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
+from .grown import Search
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Diagnosis, NextExperiment, Verdict
-from .search import Search, with_factors
+from .search import with_factors
 from .verdict import drifted, leading_names, only_points, sentence
 
 BESIDE_MATERIAL = {

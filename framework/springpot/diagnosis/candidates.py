@@ -12,9 +12,9 @@ from springpot.policy import EVIDENCE, VERDICT
 from springpot.rheology import Effect
 
 from .evidence import Evidence, best_with
+from .grown import Grown, Search
 from .result import Candidate, EffectVerdict, Verdict
 from .scan import Score
-from .search import Grown, Search
 
 
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:

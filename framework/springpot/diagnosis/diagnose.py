@@ -19,9 +19,10 @@ from springpot.rheology import Effect, Model, Real
 
 from .answer import answer, course_instead
 from .evidence import Evidence
+from .grown import Search
 from .result import Diagnosis
 from .scan import scan_effects
-from .search import Search, search_from
+from .search import search_from
 from .searched_data import search_data
 from .verdict import facts_of, rule_for
 

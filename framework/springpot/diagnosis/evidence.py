@@ -15,8 +15,8 @@ from springpot.misfit.refit import Refit
 from springpot.policy import EVIDENCE
 from springpot.rheology import Real
 
+from .grown import Grown, Search
 from .marginal import harmonic_evidence, marginal, unknown_marginal
-from .search import Grown, Search
 from .swept import SweepDrift, drift_in_place
 
 

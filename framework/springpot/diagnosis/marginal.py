@@ -13,12 +13,13 @@ from scipy.special import logsumexp
 
 from springpot.identification import Uncertainty, Window, held_costs, shown
 from springpot.measurement import CONDITIONS, distinct_log_omega, telling
-from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
+from springpot.misfit.frame import LEAST_SEEN, Frame
 from springpot.misfit.refit import Refit
+from springpot.misfit.shapes import DRIFT_DEGREE, orthonormal
 from springpot.policy import EVIDENCE, VERDICT
 from springpot.rheology import Complex, Real
 
-from .search import Grown, Search
+from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""

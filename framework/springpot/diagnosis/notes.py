@@ -24,9 +24,9 @@ from springpot.policy import EVIDENCE, SCATTER, VERDICT
 from springpot.rheology import INERTANCE, Complex, Effect, Real
 
 from .evidence import Evidence
+from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
-from .search import Search
 
 LEADING = 3
 """Grown models of which it is told that they are beyond what physics allows."""

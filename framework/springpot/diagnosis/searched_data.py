@@ -26,7 +26,8 @@ from springpot.misfit.refit import Refit, refit
 from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
-from .search import Search, search_from
+from .grown import Search
+from .search import search_from
 
 
 def search_data(

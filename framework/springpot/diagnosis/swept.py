@@ -16,7 +16,7 @@ from springpot.measurement import sweeps_of
 from springpot.misfit.refit import Refit, refit
 from springpot.policy import EVIDENCE
 
-from .search import Search
+from .grown import Search
 
 LARGEST = 0.5
 """Drift from the first row to the last, as a logarithm, beyond which nobody would call the rows one sweep."""

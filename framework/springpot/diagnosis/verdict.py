@@ -19,9 +19,9 @@ from springpot.misfit.words import percent, times
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence
+from .grown import Grown, Search
 from .marginal import likeliest_unknown
 from .result import Verdict
-from .search import Grown, Search
 
 
 @dataclass(frozen=True)

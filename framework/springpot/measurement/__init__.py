@@ -6,6 +6,7 @@ from . import geometry
 from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
+from .from_signals import measurement_from_signals
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .imposed import Loading
@@ -39,7 +40,7 @@ from .scatter import (
     rounding_step,
 )
 from .selection import conditions, select, without
-from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
+from .signals import Harmonics, Signals, harmonics_of
 from .sweeps import Sweep, sweeps_of, temperatures_differ
 from .timed import Timed, grown, material_of
 from .timeeffect import Answered, Record, Stage, TimeEffect

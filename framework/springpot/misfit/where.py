@@ -21,8 +21,9 @@ from springpot.measurement import (
 from springpot.policy import WHERE
 from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
-from .frame import Frame, spectrum
+from .frame import Frame
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
+from .shapes import spectrum
 from .words import plain
 
 WIDE = 0.7

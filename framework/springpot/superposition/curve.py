@@ -23,13 +23,14 @@ from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, 
 from .factors import Factors, Rows, factors_of, told_by_data
 from .flatness import flat_levels
 from .laws import LawFit, judged_laws, slower_when_hot
-from .simplicity import Alone, Simplicity, each_alone, simplicity
+from .simplicity import Simplicity, each_alone, simplicity
 from .vertical import lifted
 from .words import level_text, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+from .remarks import not_told_apart, repeats_in_words, undetermined, vertical_range
 
 SCHEMA = "springpot.mastercurve/1"
 
@@ -248,11 +249,11 @@ def mastercurve(
     told = told_by_data(rows, at)
     notes += [
         *remarks,
-        *_undetermined(factors, connected, determined, flat),
+        *undetermined(factors, connected, determined, flat),
         *slower_when_hot(factors, determined),
-        *_not_told_apart(factors, told),
-        *_vertical_range(factors, told),
-        *_repeats(rows, own),
+        *not_told_apart(factors, told),
+        *vertical_range(factors, told),
+        *repeats_in_words(rows, own),
     ]
     # Laws are judged against free factors: a law within the fit would bend them to itself.
     laws = judged_laws(factors, determined, told & vertical)
@@ -371,69 +372,6 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     for _ in range(m):
         reached = touching[reached].any(axis=0)
     return np.asarray(reached)
-
-
-def _undetermined(
-    factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_], flat: NDArray[np.bool_]
-) -> list[str]:
-    """One sentence for flat levels, one for those that do not overlap, one for those that hardly do."""
-
-    def named(which: NDArray[np.bool_]) -> str:
-        return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
-
-    notes = []
-    apart = ~connected & ~flat
-    if np.any(apart):
-        notes.append(
-            f"{named(apart)}: the sweeps do not overlap with the rest; their factors are not "
-            "determined, as many fit alike"
-        )
-    if np.any(flat):
-        notes.append(
-            f"{named(flat)}: storage and loss are flat within their scatter, so that there is nothing to shift "
-            "by: any factor a fits"
-        )
-    hardly = connected & ~determined & ~flat
-    if np.any(hardly):
-        notes.append(
-            f"{named(hardly)}: the sweeps overlap too little or are too straight; "
-            "their factors are known to no better than a decade"
-        )
-    return notes
-
-
-def _not_told_apart(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
-    """A sentence for levels at which a shift does what a vertical factor would do as well."""
-    if np.all(told):
-        return []
-    names = ", ".join(level_text(factors.column, value) for value in factors.levels[~told].tolist())
-    return [
-        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as near to 1 as the "
-        "data allow, and the interval of a holds for such a b"
-    ]
-
-
-def _vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
-    """A sentence where the data ask for vertical factors that physics does not explain."""
-    if factors.column != "temperature":
-        return []
-    span = float(np.exp(np.ptp(factors.log_b[told])))
-    if span < SUPERPOSITION.vertical_range:
-        return []
-    return [
-        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
-        "the data contradict smaller ones, as a changed geometry, a slip or a failure of superposition would"
-    ]
-
-
-def _repeats(rows: Rows, own: Alone) -> list[str]:
-    """A sentence where repeated sweeps differ, which no curve can follow."""
-    scatter = own.repeats
-    far = np.flatnonzero(scatter > SUPERPOSITION.repeats_differ)
-    if not len(far):
-        return []
-    names = ", ".join(rows.named(i) for i in far.tolist())
-    return [f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}), which no curve can follow"]
 
 
 def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:
