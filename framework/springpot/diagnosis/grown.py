@@ -54,8 +54,8 @@ class Grown:
         points = self.refit.fit.measurement.points
         if points.amplitude is None:
             return False
-        held = points.at_amplitude(np.full_like(points.amplitude, np.median(points.amplitude)))
-        moved = self.refit.stiffness - self.refit.model.stiffness(self.refit.theta, held)
+        at_one_amplitude = points.at_amplitude(np.full_like(points.amplitude, np.median(points.amplitude)))
+        moved = self.refit.stiffness - self.refit.model.stiffness(self.refit.theta, at_one_amplitude)
         noise = self.refit.noise.sd
         # As fits are compared: what changes chi-square by less than its own scatter of one is not seen.
         return float(np.sum((moved.real / noise.real) ** 2 + (moved.imag / noise.imag) ** 2)) < 1.0
