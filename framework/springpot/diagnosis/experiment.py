@@ -96,10 +96,10 @@ class Clash:
             return slopes
 
         # Parameters differ in size by many decades, and their columns carry the units: scaled by the columns.
-        found = least_squares(
+        nearest = least_squares(
             residual, inside, jacobian, (limits[:, 0], limits[:, 1]), x_scale="jac", max_nfev=EVALUATIONS
         )
-        return float(np.sqrt(2.0 * found.cost))
+        return float(np.sqrt(2.0 * nearest.cost))
 
     @cached_property
     def _target(self) -> tuple[Complex, Complex]:
@@ -227,15 +227,15 @@ def _either_way(sigmas: Pair) -> bool:
 def promise(names: tuple[str, str], shares: Pair, sigmas: Pair) -> str:
     """What the measurement will show if the first or the second of two explanations holds."""
     less, more = sorted(range(2), key=lambda i: sigmas[i])
-    told = _sigmas(separation(shares, sigmas))
+    apart = _sigmas(separation(shares, sigmas))
     if _either_way(sigmas):
-        return f"it separates {names[0]} from {names[1]} by {told}"
+        return f"it separates {names[0]} from {names[1]} by {apart}"
     verb = "speaks against"
     if sigmas[more] >= EXPERIMENT.settled:
         verb = "rules out"
     return (
         f"if {names[more]} is right it {verb} {names[less]} by {_sigmas(sigmas[more])}; "
-        f"if not, {names[more]} stays possible; {told} are to be expected"
+        f"if not, {names[more]} stays possible; {apart} are to be expected"
     )
 
 

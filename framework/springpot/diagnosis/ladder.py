@@ -75,8 +75,8 @@ class Step:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
-        told = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
-        row = {name: getattr(self, name) for name in told}
+        shown = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
+        row = {name: getattr(self, name) for name in shown}
         values = {name: asdict(value) for name, value in self.parameters.items()}
         return {
             "model": self.model.name,

@@ -103,29 +103,29 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
 
 
-def beyond_floor(found: Refit) -> bool:
+def beyond_floor(fitted: Refit) -> bool:
     """Whether an error is beyond the noise floor by more than chance.
 
     The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
     long tails too: no test sees them, and yet the model does not go through them.
     """
-    ratio = found.relative_rms / found.floor
+    ratio = fitted.relative_rms / fitted.floor
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
-    chance = f_sf(ratio**2, found.fit.dof, found.noise.dof)
+    chance = f_sf(ratio**2, fitted.fit.dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
-def is_arithmetic(found: Refit) -> bool:
+def is_arithmetic(fitted: Refit) -> bool:
     """Whether an error is that of arithmetic, on more points than anything would follow: the data were computed."""
-    return found.relative_rms < VERDICT.arithmetic and len(found.fit.measurement) > VERDICT.fewest_spare
+    return fitted.relative_rms < VERDICT.arithmetic and len(fitted.fit.measurement) > VERDICT.fewest_spare
 
 
-def is_hardly_known(found: Refit) -> bool:
+def is_hardly_known(fitted: Refit) -> bool:
     """Whether so few numbers are left over that neither the error nor the floor says anything.
 
     Of an estimate with three degrees of freedom an error of six floors is still no surprise.
     """
-    return min(found.fit.dof, found.noise.dof) < VERDICT.fewest_spare
+    return min(fitted.fit.dof, fitted.noise.dof) < VERDICT.fewest_spare
 
 
 def as_given(base: Refit) -> Refit:
@@ -156,14 +156,14 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     return _in_rounds(model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True)
 
 
-def _in_rounds(model: Model, data: Averaged, found: Refit, uneven: bool) -> Refit:
+def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Refit:
     """The fit in units of a noise that is estimated about it, in turns."""
-    free, inside = found, np.ones(len(data.mean), dtype=bool)
+    free, inside = fitted, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
-        tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside, uneven)]
-        found, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
-    return found
+        tried = [_scaled(model, data, shape, fitted) for shape in _shapes(free, data.mean, inside, uneven)]
+        fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
+    return fitted
 
 
 def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
@@ -258,13 +258,13 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_], un
         yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 
-def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
+def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     """Noise of the shape and size of a whitened scatter; points set aside say nothing of it."""
-    weights, n = found.noise.weights, len(scatter.left) // 2
+    weights, n = fitted.noise.weights, len(scatter.left) // 2
     squares = np.where(scatter.kept, scatter.left, 0.0) ** 2
     each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
     parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
-    sd = at_least_rounding(noise_shape(found.data.mean, parts), found.data.mean)
+    sd = at_least_rounding(noise_shape(fitted.data.mean, parts), fitted.data.mean)
     return Noise(sd, scatter.dof, "estimated")
 
 
