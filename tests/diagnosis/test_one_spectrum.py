@@ -5,7 +5,7 @@ import pytest
 
 import springpot
 from springpot.diagnosis.evidence import Explanation
-from springpot.diagnosis.search import Grown
+from springpot.diagnosis.grown import Grown
 from springpot.misfit.floor import fitted_to_floor
 
 OMEGA = np.geomspace(0.1, 1e3, 45)

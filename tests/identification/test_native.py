@@ -173,7 +173,7 @@ def test_units_do_not_matter(factor):
 def test_more_unknowns_than_data_is_an_error():
     model = parse_model("fractional-zener")
     data = Measurement(OMEGA[:1], np.array([1.0 + 1.0j]))
-    with pytest.raises(DataError, match="4 parameters but the 1 measured points give only 2 numbers"):
+    with pytest.raises(DataError, match="4 parameters, but there are only 2 numbers in 1 measured point;"):
         fit(model, data)
 
 

@@ -6,6 +6,7 @@ import pytest
 import springpot
 from springpot.errors import DataError
 from springpot.measurement import sweeps_of
+from springpot.measurement.runs import runs_of
 
 CELSIUS = np.linspace(20.0, 60.0, 41)
 
@@ -32,3 +33,11 @@ def test_the_points_of_a_ramp_follow_one_another_by_temperature(hertz):
 def test_a_ramp_at_one_frequency_has_no_master_curve(wander):
     with pytest.raises(DataError, match="all points have one frequency"):
         springpot.mastercurve(ramp([1.0], wander))
+
+
+def test_a_ramp_stays_one_run_wherever_its_frequency_lies():
+    """Also where rounding would make two of a frequency that is measured now a little lower, now a little higher."""
+    omega = np.exp(0.0005 + 1e-4 * np.tile([-1.0, 1.0], 8))
+    warm = np.repeat(np.arange(20.0, 60.0, 5.0), 2)
+    data = springpot.Measurement(omega, np.ones(16) + 1j, conditions={"temperature": warm})
+    assert [len(run.rows) for run in runs_of(data)] == [16]

@@ -11,7 +11,8 @@ from scipy import stats
 from soaked import soaked
 from springpot.errors import DataError
 from springpot.measurement import Signals, harmonics_of, measurement_from_signals, steady
-from springpot.measurement.motion import SEEN, highest_of_noise
+from springpot.measurement.motion import highest_of_noise
+from springpot.policy import SIGNALS
 
 STIFFNESS = 300.0 + 120.0j
 
@@ -362,6 +363,8 @@ def test_the_longest_records_have_a_threshold():
     """A chance of 0.1 % among 1e14 candidates is lost beside one; the tail of F with two degrees is exponential."""
     samples = 1e7
     highest = highest_of_noise(samples, 0.5 * samples**2)
-    assert highest == pytest.approx(np.log(0.5 * samples**2 / (1.0 - SEEN)), rel=1e-4)
+    assert highest == pytest.approx(np.log(0.5 * samples**2 / (1.0 - SIGNALS.motion)), rel=1e-4)
     # Where nothing is lost, the tables of F say the same.
-    assert highest_of_noise(20.0, 30.0) == pytest.approx(stats.f.ppf(1.0 - (1.0 - SEEN) / 30.0, 2, 20.0), rel=1e-9)
+    assert highest_of_noise(20.0, 30.0) == pytest.approx(
+        stats.f.ppf(1.0 - (1.0 - SIGNALS.motion) / 30.0, 2, 20.0), rel=1e-9
+    )

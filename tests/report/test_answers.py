@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.digits import number
 from springpot.measurement import Measurement, Units
 from springpot.report.answers import beside_floor, diagnosis_text, worth_showing
 from springpot.report.climbed import change, changes_text, ladder_text
 from springpot.report.html import report_html
-from springpot.report.numbers import number, percent
+from springpot.report.numbers import percent
 from springpot.report.reference import reference_note
 from springpot.report.residuals import set_aside
 

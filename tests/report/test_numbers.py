@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from springpot.report.numbers import number, percent, seconds, with_interval
+from springpot.digits import number
+from springpot.report.numbers import percent, seconds, with_interval
 
 
 @pytest.mark.parametrize(

@@ -109,7 +109,8 @@ def numbers(text: str) -> list[float]:
 
 def show(predicted: Prediction) -> None:
     """Print the prediction for people."""
-    from springpot.report.numbers import number, with_interval
+    from springpot.digits import number
+    from springpot.report.numbers import with_interval
     from springpot.report.text import Table
 
     unit, given = predicted.units.stiffness, predicted.conditions

@@ -85,7 +85,7 @@ def described(measured: Measurement, files: tuple[str, ...], output: Path | None
 
 
 def _show(result: dict[str, Any]) -> None:
-    from springpot.report.numbers import number
+    from springpot.digits import number
     from springpot.report.text import Table
 
     units = result["units"]

@@ -90,7 +90,7 @@ def described_steady(steady: Steady) -> dict[str, Any]:
 
 
 def _show_steady(steady: Steady, figure: Path | None) -> None:
-    from springpot.report.numbers import number
+    from springpot.digits import number
     from springpot.report.text import Table
 
     storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
@@ -137,7 +137,7 @@ def described(simulation: Simulation) -> dict[str, Any]:
 
 
 def _show(simulation: Simulation, figure: Path | None) -> None:
-    from springpot.report.numbers import number
+    from springpot.digits import number
     from springpot.report.text import Table
 
     result = described(simulation)

@@ -23,9 +23,10 @@ from springpot.rheology import Effect
 from .candidates import candidates_of
 from .evidence import Evidence
 from .experiment import experiment_on_confounded, experiment_on_points, experiment_on_unknown, next_experiment
+from .grown import Search
 from .notes import header_notes, notes, unexplained_harmonics
 from .result import Diagnosis, NextExperiment, Verdict
-from .search import Search, with_factors
+from .search import with_factors
 from .verdict import drifted, leading_names, only_points, sentence
 
 BESIDE_MATERIAL = {
@@ -36,7 +37,7 @@ BESIDE_MATERIAL = {
 """What is added where effects are named beside a free spectrum."""
 OPEN = frozenset({"unexplained", "inconclusive"})
 """Verdicts after which the cause may be something that no effect knows, such as another column."""
-Behind: TypeAlias = Column | EqualRows | Course | None
+Cause: TypeAlias = Column | EqualRows | Course | None
 """What the misfit goes with that no effect knows: a column of settings, repeats without a number, or the time."""
 HARMONICS = "; the force holds harmonics that this model does not make"
 
@@ -108,7 +109,7 @@ def answer(
     doubted = verdict == "inconclusive" and error.is_hardly_noise
     candidates = candidates_of(evidence, verdict)
     leading = _leading(search, evidence, verdict, course)
-    behind, one_test = _cause(measurement, search, evidence, verdict, course)
+    cause, one_test = _cause(measurement, search, evidence, verdict, course)
     split, classes, experiment = "", [], None
     if verdict != "adequate":
         # Beside such noise, and beside single points alone, nothing is known to be missing that could be split.
@@ -116,10 +117,10 @@ def answer(
             split = split_in_words(search.base, floor)
         classes = evidence.classes
         # To look at one test needs no measurement, nor to number repeats: they come first.
-        if not one_test and not isinstance(behind, EqualRows):
+        if not one_test and not isinstance(cause, EqualRows):
             experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
-    sentences = list(notes(evidence, verdict, outliers, behind, len(measurement), library))
-    sentences += [*_in_order_of_time(search, behind), *header_notes(candidates, measurement)]
+    sentences = list(notes(evidence, verdict, outliers, cause, len(measurement), library))
+    sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
         sentences.insert(0, error.advice)
     diagnosis = Diagnosis(
@@ -127,7 +128,7 @@ def answer(
         model=search.base.model,
         error=error,
         verdict=verdict,
-        says=_says(search, evidence, verdict, outliers, behind),
+        says=_says(search, evidence, verdict, outliers, cause),
         split=split,
         where=tuple(_places(search, outliers, verdict)),
         candidates=tuple(candidates),
@@ -154,7 +155,7 @@ def _leading(search: Search, evidence: Evidence, verdict: Verdict, course: Cours
 
 def _cause(
     measurement: Measurement, search: Search, evidence: Evidence, verdict: Verdict, course: Course | None
-) -> tuple[Behind, str]:
+) -> tuple[Cause, str]:
     """What the misfit goes with that no effect knows, and how to choose the rows of one test; both may be empty."""
     if course is not None:
         return course, course.last_round
@@ -189,23 +190,23 @@ def _with_factors(diagnosis: Diagnosis, search: Search, evidence: Evidence, libr
     return replace(diagnosis, says=says, leading=(*factors.names, *diagnosis.leading))
 
 
-def _in_order_of_time(search: Search, behind: Behind) -> Iterator[str]:
+def _in_order_of_time(search: Search, cause: Cause) -> Iterator[str]:
     """What changed from one value of a column to the next, or from repeat to repeat, if one came after another."""
     says = ""
-    if isinstance(behind, Column):
-        says = change_in_order(search.base.data.raw, behind.name)
-    elif behind is None and drifted(search):
+    if isinstance(cause, Column):
+        says = change_in_order(search.base.data.raw, cause.name)
+    elif cause is None and drifted(search):
         says = change_in_order(search.base.data.raw, "repeat")
     if says:
         yield says
 
 
-def _says(search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], behind: Behind) -> str:
+def _says(search: Search, evidence: Evidence, verdict: Verdict, outliers: Sequence[Outlier], cause: Cause) -> str:
     """The sentence of the verdict, with what was seen beside any material and in the force's harmonics."""
-    if isinstance(behind, Course):
+    if isinstance(cause, Course):
         ratio = search.base.relative_rms / search.base.floor
-        return f"the error is {times(ratio)} the noise floor; {behind.headline}"
-    says = sentence(search, evidence, verdict, outliers, behind)
+        return f"the error is {times(ratio)} the noise floor; {cause.headline}"
+    says = sentence(search, evidence, verdict, outliers, cause)
     if evidence.search is not search:
         says = f"{says}{BESIDE_MATERIAL[verdict]}"
     if unexplained_harmonics(evidence.search, verdict):

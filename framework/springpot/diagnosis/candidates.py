@@ -12,12 +12,9 @@ from springpot.policy import EVIDENCE, VERDICT
 from springpot.rheology import Effect
 
 from .evidence import Evidence, best_with
+from .grown import Grown, Search
 from .result import Candidate, EffectVerdict, Verdict
 from .scan import Score
-from .search import Grown, Search
-
-BELIEVED = 0.1
-"""Probability from which an effect's interval is worth the time of a profile."""
 
 
 def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
@@ -52,7 +49,7 @@ def candidates_of(evidence: Evidence, verdict: Verdict) -> list[Candidate]:
             grown = beside[name]
             if leader in alone:
                 before = alone[leader].refit
-        row = _candidate(before, score, grown, chance > BELIEVED)
+        row = _candidate(before, score, grown, chance > VERDICT.profiled)
         if name in beside:
             row = replace(row, says=f"beside {leader}: {row.says}")
         rows.append(replace(row, alike=class_of.get(name, (name,)), probability=chance, verdict=word))

@@ -19,9 +19,10 @@ from springpot.rheology import Effect, Model, Real
 
 from .answer import answer, course_instead
 from .evidence import Evidence
+from .grown import Search
 from .result import Diagnosis
 from .scan import scan_effects
-from .search import Search, search_from
+from .search import search_from
 from .searched_data import search_data
 from .verdict import facts_of, rule_for
 
@@ -177,9 +178,9 @@ def examine(
     require_conditions(model, measurement)
     data = _prepared(measurement, model)
     progress(f"fitting {model.name} and trying what may be missing from it")
-    search, found = search_data(data, model, library, rng, seeds)
+    search, set_aside = search_data(data, model, library, rng, seeds)
     # Users count rows in their own file, not in what thinning left of it.
-    outliers = [outlier.counted_in(measurement) for outlier in found]
+    outliers = [outlier.counted_in(measurement) for outlier in set_aside]
     progress("looking how near any material comes")
     # After the search: outliers are set aside and the noise is settled, so that both errors are in the same units.
     floor = material_floor(search.base, rng)
@@ -222,9 +223,9 @@ def _naming_search(
     if is_material(search.base.model) or search.left.p_value >= VERDICT.structure_alarm:
         return search
     progress("trying what may be missing beside any material")
-    free = search_from(floor.refit, library, rng)
+    beside_material = search_from(floor.refit, library, rng)
     # With a price for each line of the spectrum: beside models with a name its freedom is no gift.
-    gain = 2.0 * (free.best.log_evidence_of_all - search.best.log_evidence_of_all)
+    gain = 2.0 * (beside_material.best.log_evidence_of_all - search.best.log_evidence_of_all)
     if gain > SEARCH.decisive:
-        return free
+        return beside_material
     return search

@@ -15,8 +15,8 @@ from springpot.misfit.refit import Refit
 from springpot.policy import EVIDENCE
 from springpot.rheology import Real
 
+from .grown import Grown, Search
 from .marginal import harmonic_evidence, marginal, unknown_marginal
-from .search import Grown, Search
 from .swept import SweepDrift, drift_in_place
 
 
@@ -104,35 +104,30 @@ class Evidence:
             Whether a part of the material is missing already.
         """
         tried = one_for_each_set(search.grown)
-        # Of the effects that were scanned: one that these data cannot show takes no share from the others.
-        library = max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
-        complete = search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
-        strange = unknown_marginal(search) + np.log((1.0 - EVIDENCE.prior_nothing) / library)
-        known = np.array([complete, *(marginal(search, each) + _log_prior(each, library) for each in tried)])
-        # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
-        weights = np.exp(known - known.max())
-        odds = float(np.exp(np.clip(strange - known.max() - np.log(np.sum(weights)), -700, 700)))
-        unknown = min(odds / (1.0 + odds), EVIDENCE.most_unknown)
-        weights *= (1.0 - unknown) / np.sum(weights)
-        everything = [effect for each in search.grown for effect in each.effects]
-        # Of all grown models, likely or not: each was tried because nothing simple explained the data.
-        imitators = frozenset(effect.name for effect in everything if effect.narrow)
-        logs = zip(tried, known[1:], strict=True)
-        asked_for = {each.names[0] for each, log in logs if len(each.effects) == 1 and log >= complete}
-        # What only helps beside a resonance may mend the wrong shape of it: it shares that one's doubt.
-        leaning = frozenset(name for each in tried for name in each.names) - asked_for - imitators
-        found = [Explanation(each, weight) for each, weight in zip(tried, weights[1:].tolist(), strict=True)]
+        logs = _log_weights(search, tried)
+        weights, unknown = _chances(logs, unknown_marginal(search) + _log_prior_unknown(search))
+        pairs = zip(tried, weights[1:].tolist(), strict=True)
+        explanations = [Explanation(grown, weight) for grown, weight in pairs]
         # What fits best only beyond what any specimen reaches tells that something is missing, but not its name.
-        impossible = sum(one.probability for one in found if one.grown.beyond_physics)
-        found = [replace(one, probability=0.0) if one.grown.beyond_physics else one for one in found]
+        impossible = sum(one.probability for one in explanations if one.grown.beyond_physics)
+        explanations = [_if_possible(one) for one in explanations]
         unknown = min(unknown + impossible, EVIDENCE.most_unknown)
-        found.sort(key=lambda one: -one.probability)
+        explanations.sort(key=lambda one: -one.probability)
         # What needs a condition that was not varied by itself shares the place of the likeliest explanation: that it
         # fits as well or better is no evidence, as the data cannot tell the two apart.
-        if found and search.confounded:
-            found[:1] = _shared(found[0], search.confounded)
+        if explanations and search.confounded:
+            explanations[:1] = _shared(explanations[0], search.confounded)
+        # Of all grown models, likely or not: each was tried because nothing simple explained the data.
+        imitators = frozenset(effect.name for grown in search.grown for effect in grown.effects if effect.narrow)
         return cls(
-            search, float(weights[0]), unknown, tuple(found), imitators, leaning, beside_material, search.promoted
+            search,
+            nothing=float(weights[0]),
+            unknown=unknown,
+            explanations=tuple(explanations),
+            imitators=imitators,
+            leaning=_leaning(tried, logs, imitators),
+            beside_material=beside_material,
+            moved=search.promoted,
         )
 
     @property
@@ -298,6 +293,50 @@ class Evidence:
             if partner is not None:
                 chosen.setdefault(partner, grown)
         return chosen
+
+
+def _log_weights(search: Search, tried: Sequence[Grown]) -> Real:
+    """Log marginal likelihood times prior (1 + m,): of the model as it is, then of each of m grown models."""
+    complete = search.base.log_likelihood + harmonic_evidence(search.base) + np.log(EVIDENCE.prior_nothing)
+    library = _size_of_library(search)
+    return np.array([complete, *(marginal(search, grown) + _log_prior(grown, library) for grown in tried)])
+
+
+def _chances(logs: Real, log_unknown: float) -> tuple[Real, float]:
+    """Probabilities (1 + m,) of what is known, and that of the unknown, which sum to one."""
+    # The unknown is kept out of the sum first: beside it the rest may be too small for a floating-point number.
+    weights = np.exp(logs - logs.max())
+    # Within the exponents that a floating-point number has.
+    odds = float(np.exp(np.clip(log_unknown - logs.max() - np.log(np.sum(weights)), -700, 700)))
+    unknown = min(odds / (1.0 + odds), EVIDENCE.most_unknown)
+    weights *= (1.0 - unknown) / np.sum(weights)
+    return weights, unknown
+
+
+def _if_possible(one: Explanation) -> Explanation:
+    """An explanation, without any probability where it is beyond what any specimen reaches."""
+    if one.grown.beyond_physics:
+        return replace(one, probability=0.0)
+    return one
+
+
+def _leaning(tried: Sequence[Grown], logs: Real, imitators: frozenset[str]) -> frozenset[str]:
+    """Effects that only help beside a resonance: they may mend the wrong shape of it, and share that one's doubt."""
+    by_itself = set()
+    for grown, log in zip(tried, logs[1:], strict=True):
+        if len(grown.effects) == 1 and log >= logs[0]:
+            by_itself.add(grown.names[0])
+    return frozenset(name for grown in tried for name in grown.names) - by_itself - imitators
+
+
+def _size_of_library(search: Search) -> float:
+    """Sum of the prior weights of the effects that were scanned: one that these data cannot show takes no share."""
+    return max(sum(score.influence.effect.prior for score in search.scan.scores), 1.0)
+
+
+def _log_prior_unknown(search: Search) -> float:
+    """Log prior of something without a name: that of one common effect of the library."""
+    return float(np.log((1.0 - EVIDENCE.prior_nothing) / _size_of_library(search)))
 
 
 def _without(names: Sequence[str], others: Sequence[str]) -> list[str]:

@@ -20,9 +20,9 @@ from springpot.policy import SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
 from .diagnose import Case, Progress, examine, silent, within
+from .grown import at_its_limit
 from .result import Candidate, Diagnosis, Verdict
 from .scan import scan_effects
-from .search import at_its_limit
 
 MOST_HIDDEN = 2
 """Effects that may be accepted from an unexplained rung on, if they complete the model."""
@@ -75,8 +75,8 @@ class Step:
 
     def to_dict(self) -> dict[str, Any]:
         """As in the schema."""
-        told = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
-        row = {name: getattr(self, name) for name in told}
+        shown = ("accepted", "relative_rms", "noise_floor", "material_floor", "predicted_error")
+        row = {name: getattr(self, name) for name in shown}
         values = {name: asdict(value) for name, value in self.parameters.items()}
         return {
             "model": self.model.name,

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from springpot.identification import Uncertainty, Window, held_costs, shown
-from springpot.measurement import CONDITIONS, DIGITS, telling
-from springpot.misfit.frame import DRIFT_DEGREE, LEAST_SEEN, Frame, orthonormal
+from springpot.measurement import CONDITIONS, distinct_log_omega, telling
+from springpot.misfit.frame import LEAST_SEEN, Frame
 from springpot.misfit.refit import Refit
+from springpot.misfit.shapes import DRIFT_DEGREE, orthonormal
 from springpot.policy import EVIDENCE, VERDICT
 from springpot.rheology import Complex, Real
 
-from .search import Grown, Search
+from .grown import Grown, Search
 
 ROW_BY_ROW = "from row to row"
 """How the kinds are called that follow the order of the rows."""
@@ -107,7 +108,7 @@ def unknowns(frame: Frame) -> Iterator[Unknown]:
         if len(curves):
             yield _family(frame, curves, f"a gain of its own at each {name}")
             yield _family(frame, np.multiply(1j, curves), f"a phase of its own at each {name}")
-    yield from _step(frame, log_omega)
+    yield from _step(frame)
 
 
 def _stand_by_a_condition(frame: Frame) -> bool:
@@ -167,15 +168,15 @@ def _each_alone(frame: Frame, curves: Complex) -> Real:
     return np.where(seen, drop, 0.0)
 
 
-def _step(frame: Frame, log_omega: Real) -> Iterator[Unknown]:
+def _step(frame: Frame) -> Iterator[Unknown]:
     """A gain that differs between two ranges of frequency."""
-    levels = np.unique(np.round(log_omega, DIGITS))
+    levels = distinct_log_omega(frame.measurement)
     if len(levels) < 4:
         return
     # Two frequencies on each side at least: a step beside a single one is a bad point.
     between = 0.5 * (levels[1:-2] + levels[2:-1])
     between = between[np.linspace(0, len(between) - 1, min(len(between), MOST_STEPS)).round().astype(int)]
-    drops = _each_alone(frame, (log_omega > between[:, None]).astype(np.complex128))
+    drops = _each_alone(frame, (np.log(frame.measurement.omega) > between[:, None]).astype(np.complex128))
     hertz = float(np.exp(between[int(np.argmax(drops))])) / (2.0 * np.pi)
     yield Unknown(f"a gain that steps at {frame.measurement.units.at(hertz)}", drops, 1)
 

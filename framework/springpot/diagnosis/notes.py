@@ -24,9 +24,9 @@ from springpot.policy import EVIDENCE, SCATTER, VERDICT
 from springpot.rheology import INERTANCE, Complex, Effect, Real
 
 from .evidence import Evidence
+from .grown import Search
 from .marginal import explaining_unknown, harmonic_evidence
 from .result import Candidate, Verdict
-from .search import Search
 
 LEADING = 3
 """Grown models of which it is told that they are beyond what physics allows."""
@@ -44,7 +44,7 @@ def notes(
     evidence: Evidence,
     verdict: Verdict,
     outliers: Sequence[Outlier],
-    behind: Column | EqualRows | Course | None,
+    cause: Column | EqualRows | Course | None,
     measured: int,
     library: Sequence[Effect],
 ) -> Iterator[str]:
@@ -58,7 +58,7 @@ def notes(
         Overall.
     outliers : sequence of Outlier
         Points set aside.
-    behind : Column or EqualRows or Course or None
+    cause : Column or EqualRows or Course or None
         With which of the columns the misfit goes, that repeats have no number, or how the specimen changed with time.
     measured : int
         Rows of the data before thinning.
@@ -70,11 +70,11 @@ def notes(
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
-    yield from _of_cause(search, verdict, behind)
-    if isinstance(behind, Course):
+    yield from _of_cause(search, verdict, cause)
+    if isinstance(cause, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
-        if behind.last_round and not behind.begun:
-            yield f"{behind.advice}{_by_rounds(library)}"
+        if cause.last_round and not cause.begun:
+            yield f"{cause.advice}{_by_rounds(library)}"
         return
     if verdict == "unexplained":
         yield from notes_on_levels(search.best, library)
@@ -94,10 +94,10 @@ def notes(
     yield from _beyond_physics(search)
 
 
-def _of_cause(search: Search, verdict: Verdict, behind: Column | EqualRows | Course | None) -> Iterator[str]:
+def _of_cause(search: Search, verdict: Verdict, cause: Column | EqualRows | Course | None) -> Iterator[str]:
     """With what the misfit goes, else what is left: either as a fault that has a description, or in general."""
-    if behind is not None:
-        yield behind.says
+    if cause is not None:
+        yield cause.says
         return
     if verdict != "adequate" and moves_with_frequency(search.base.data.raw):
         yield (
@@ -127,7 +127,9 @@ def _by_rounds(library: Sequence[Effect]) -> str:
 def _beyond_physics(search: Search) -> Iterator[str]:
     """That an effect which fits best would have to be larger than any specimen makes it."""
     units = search.base.fit.measurement.units
-    for effect in dict.fromkeys(effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics):
+    too_large = [effect for grown in search.grown[:LEADING] for effect in grown.beyond_physics]
+    # Each once, in the order of the models.
+    for effect in dict.fromkeys(too_large):
         end, reached = "the end of its range", "physics knows nothing of it there"
         if np.isfinite(effect.largest_of_modulus):
             _, unit = units.of(effect.element.parameters[0].unit)
@@ -149,6 +151,7 @@ def _of_one_frequency(search: Search) -> Iterator[str]:
 
 
 def _of_data(search: Search, outliers: Sequence[Outlier], measured: int) -> Iterator[str]:
+    """What was set aside, doubted or left out of the data, and how repeats differ."""
     if outliers:
         places = ", ".join(map(str, outliers))
         kind = "single points stand out and were"
@@ -175,7 +178,8 @@ def _of_own_gains(data: Averaged) -> str:
     assert data.gains is not None, "there is something to tell of"
     differ = f"replicates differ as a whole by {percent(data.own_gain)} (rms): each run was given a gain of its own"
     # In the order in which the runs stand in the file; each row of a run has the gain of all.
-    of_runs = np.array(list(dict.fromkeys(data.gains[data.gains != 0.0].tolist()))).real
+    gains = data.gains[data.gains != 0.0].tolist()
+    of_runs = np.array(list(dict.fromkeys(gains))).real
     steps = np.diff(of_runs)
     one_way = len(steps) > 1 and bool(np.all(steps > 0.0) or np.all(steps < 0.0))
     if not one_way:
@@ -216,14 +220,13 @@ def unexplained_harmonics(search: Search, verdict: Verdict) -> list[Finding]:
     refit = search.base
     if verdict == "effect-missing":
         refit = search.best
-    odd = harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic
-    told = judged(overtones(search.base.data.mean, search.base.noise.sd))
+    explained = set()
+    if harmonic_evidence(refit) >= EVIDENCE.unpredicted_harmonic:
+        explained.add("harmonic 3")
+    findings = judged(overtones(search.base.data.mean, search.base.noise.sd))
     # Loud as well as certain: every rig makes a little of them, and many points make a little certain.
-    return [
-        each
-        for each in told
-        if each.found and each.statistic > VERDICT.loud and not (odd and each.test == "harmonic 3")
-    ]
+    loud = [each for each in findings if each.found and each.statistic > VERDICT.loud]
+    return [each for each in loud if each.test not in explained]
 
 
 def _of_rest(search: Search) -> Iterator[str]:
@@ -273,11 +276,11 @@ def header_notes(candidates: Sequence[Candidate], measurement: Measurement) -> I
         if stated is None:
             continue
         factor = _to_si(candidate.physics, constant.parameter, measurement)
-        found = candidate.parameters[constant.parameter]
+        value = candidate.parameters[constant.parameter]
         # An interval without an end holds every number: that it holds this one is no agreement.
-        if not np.isfinite(found.high):
+        if not np.isfinite(value.high):
             continue
-        compared = _beside(float(stated.split()[0]), found, factor, candidate)
+        compared = _compared(float(stated.split()[0]), value, factor, candidate)
         yield f"the file's header gives {constant.says.format(stated=stated)}; {compared}"
 
 
@@ -289,7 +292,8 @@ def _to_si(effect: Effect, parameter: str, measurement: Measurement) -> float:
     return PRESSURE_UNITS[measurement.units.stiffness]
 
 
-def _beside(stated: float, value: Value, factor: float, candidate: Candidate) -> str:
+def _compared(stated: float, value: Value, factor: float, candidate: Candidate) -> str:
+    """How a fitted value stands to the one in the header: agreement says that no correction was made."""
     best, low, high = factor * value.value, factor * value.low, factor * value.high
     shown = f"{best:.3g} [{low:.3g}, {high:.3g}]"
     ratio = float("inf")
@@ -302,11 +306,12 @@ def _beside(stated: float, value: Value, factor: float, candidate: Candidate) ->
     return f"{candidate.effect} is found as {shown}, {ratio:.2g} times as much: the header does not explain it"
 
 
-def judged(found: list[Finding]) -> list[Finding]:
+def judged(findings: list[Finding]) -> list[Finding]:
     """Findings held against the number of tests made (Bonferroni), the surest first."""
     # No simulation as in the battery: harmonics are no part of K, and their noise is known in closed form.
-    kept = [replace(one, found=one.p_value * len(found) < VERDICT.harmonic_alarm) for one in found]
-    return sorted(kept, key=lambda one: (not one.found, one.p_value))
+    tests = len(findings)
+    findings = [replace(one, found=one.p_value * tests < VERDICT.harmonic_alarm) for one in findings]
+    return sorted(findings, key=lambda one: (not one.found, one.p_value))
 
 
 def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
@@ -327,6 +332,7 @@ def overtones(measurement: Measurement, noise: Complex) -> list[Finding]:
 
 
 def _harmonic(measurement: Measurement, relative: Real, order: int, word: str) -> Iterator[Finding]:
+    """The test of one harmonic: the sum of its squares over the noise is chi-square where there is none."""
     assert measurement.harmonics is not None
     if measurement.harmonics.shape[1] < order - 1:
         return

@@ -250,11 +250,11 @@ def applicable(library: Sequence[Effect], measurement: Measurement) -> list[Effe
     Factors without a law are left out: they can imitate every law.
     """
     columns = telling(measurement)
-    held = {name for name, values in measurement.conditions.items() if np.ptp(values) == 0.0}
+    unvaried = {name for name, values in measurement.conditions.items() if np.ptp(values) == 0.0}
     # One without parameters has no size to be found.
     sized = [effect for effect in library if effect.element.parameters]
     shown = [effect for effect in sized if effect.needs <= columns and not effect.by_levels]
-    return [effect for effect in shown if not (effect.only_varied and effect.needs & held)]
+    return [effect for effect in shown if not (effect.only_varied and effect.needs & unvaried)]
 
 
 def shifted_twice(model: Model, effect: Effect) -> bool:
@@ -374,7 +374,7 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
     gain, first = _joint_gain(unit, frame.rest)
     best = np.full((len(seen), len(seen)), -np.inf)
     np.maximum.at(best, (owner[:, None], owner[None, :]), gain)
-    found = []
+    pairs = []
     rows = np.concatenate(chosen)
     # Of two different effects, each pair once; what is needed twice is sought one by one.
     upper = np.where(np.triu(np.ones_like(best), 1) > 0, best, -np.inf)
@@ -385,8 +385,8 @@ def best_pairs(frame: Frame, scores: Sequence[Score], model: Model, theta: Real,
         inside = np.where((owner[:, None] == a) & (owner[None, :] == b), gain, -np.inf)
         i, j = np.unravel_index(int(np.argmax(inside)), inside.shape)
         sizes = float(first[i, j]), float(first[j, i])
-        found.append(_pair(model, theta, (seen[a], seen[b]), (int(rows[i]), int(rows[j])), sizes, float(gain[i, j])))
-    return found
+        pairs.append(_pair(model, theta, (seen[a], seen[b]), (int(rows[i]), int(rows[j])), sizes, float(gain[i, j])))
+    return pairs
 
 
 def _representatives(frame: Frame, score: Score) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.digits import counted
 from springpot.errors import DataError
 from springpot.measurement import Measurement
 from springpot.misfit.floor import as_given, borne_out, fitted_to_floor, sharpened
@@ -22,11 +23,11 @@ from springpot.misfit.outliers import (
     without,
 )
 from springpot.misfit.refit import Refit, refit
-from springpot.misfit.words import counted
 from springpot.policy import EVIDENCE, OUTLIERS, SEARCH, VERDICT
 from springpot.rheology import Effect, Model, Real
 
-from .search import Search, search_from
+from .grown import Search
+from .search import search_from
 
 
 def search_data(
@@ -62,7 +63,8 @@ def search_data(
         If there are too few data to judge the model.
     """
     search = _search_in_noise(measurement, model, library, rng, seeds)
-    if (start := better_start(search)) is not None:
+    start = better_start(search)
+    if start is not None:
         search = _search_in_noise(measurement, model, library, rng, [*seeds, start])
     if search.base.data.mean is not measurement:
         return search, []  # repeats tell by themselves which of them is off
@@ -72,8 +74,9 @@ def search_data(
 
     # A point that bends the curve can make its neighbour stand out: it is sought first.
     for way in (_without_a_pulling_point, _without_outliers):
-        if (found := way(search, measurement, reduced_by)) is not None:
-            return found
+        without_points = way(search, measurement, reduced_by)
+        if without_points is not None:
+            return without_points
     return search, []
 
 

@@ -16,7 +16,7 @@ from springpot.measurement import sweeps_of
 from springpot.misfit.refit import Refit, refit
 from springpot.policy import EVIDENCE
 
-from .search import Search
+from .grown import Search
 
 LARGEST = 0.5
 """Drift from the first row to the last, as a logarithm, beyond which nobody would call the rows one sweep."""
@@ -64,16 +64,15 @@ def drift_in_place(search: Search) -> SweepDrift | None:
         return None
     best = grown[0]
     as_good = best.refit.fair_rss + 2.0 * EVIDENCE.as_good
-    found: tuple[float, SweepDrift] | None = None
+    least, likeliest = as_good, None
     # A drift is slow: what is narrow is nothing that it could stand for.
     for effect in [effect for effect in best.effects if not effect.narrow]:
         share, rss = _drifting(_without(search, effect.name))
         # As many parameters as an effect of one; one of more would have to explain more to be preferred.
-        if rss <= as_good and abs(share) > LEAST_WORTH and (found is None or rss < found[0]):
-            found = rss, SweepDrift(effect.name, share)
-    if found is None:
-        return None
-    return found[1]
+        nearer = rss <= as_good and (likeliest is None or rss < least)
+        if nearer and abs(share) > LEAST_WORTH:
+            least, likeliest = rss, SweepDrift(effect.name, share)
+    return likeliest
 
 
 def _without(search: Search, effect: str) -> Refit:

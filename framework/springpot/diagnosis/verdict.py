@@ -19,9 +19,9 @@ from springpot.misfit.words import percent, times
 from springpot.policy import EVIDENCE, SEARCH, VERDICT
 
 from .evidence import Evidence
+from .grown import Grown, Search
 from .marginal import likeliest_unknown
 from .result import Verdict
-from .search import Grown, Search
 
 
 @dataclass(frozen=True)
@@ -304,10 +304,11 @@ def sentence(
     if ratio < VERDICT.noisy:
         error = f"{error}, but no pattern of noise"
     missing = "something is missing that no effect of the library explains"
-    if most := _most_of_it(own):
+    most, confounded = _most_of_it(own), _by_confounded(evidence.search)
+    if most:
         missing = _taken_by(most, own, evidence)
-    elif moved := _by_confounded(evidence.search):
-        missing = moved
+    elif confounded:
+        missing = confounded
     if isinstance(behind, EqualRows):
         # No effect is looked for: none of the library, and none beyond it, tells such rows apart.
         missing = behind.headline
@@ -342,16 +343,17 @@ def _if_little(base: Refit) -> str:
 
 def _by_confounded(search: Search) -> str:
     """What effects of a condition that was not varied by itself would explain, where no other effect does."""
+    # An information criterion drops by twice what the log-evidence gains.
     clear = 0.5 * SEARCH.decisive
     better = [each for each in search.confounded if each.refit.log_evidence > search.best.log_evidence + clear]
     if not better:
         return ""
     names = [grown.names[0] for grown in better]
-    first, last = names[:-1], names[-1]
     if len(names) > VERDICT.most_alike:
-        first = names[: VERDICT.most_alike]
-        last = f"one of {len(names) - VERDICT.most_alike} more"
-    shown = " or ".join(filter(None, (", ".join(first), last)))
+        names = [*names[: VERDICT.most_alike], f"one of {len(names) - VERDICT.most_alike} more"]
+    shown = names[-1]
+    if len(names) > 1:
+        shown = f"{', '.join(names[:-1])} or {shown}"
     moved = " and ".join(sorted(better[0].effects[0].needs & moved_along(search.base.fit.measurement)))
     left = times(better[0].refit.relative_rms / better[0].refit.floor)
     return f"{shown} would take it to {left}, but the {moved} was not varied by itself, and no fit can tell"

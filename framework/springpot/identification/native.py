@@ -9,6 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
+from springpot.digits import counted
 from springpot.errors import DataError
 from springpot.measurement import Measurement
 from springpot.rheology import Continuum, Model, Real
@@ -388,9 +389,10 @@ def require_enough(model: Model, measurement: Measurement) -> None:
         # The lines of a spectrum are chosen anew for each data, no more than these can bear.
         unknowns = len(Continuum().parameters) + len(own_parameters(model))
     if unknowns > data:
+        points = counted(len(measurement), "measured point")
         raise DataError(
-            f"{measurement.name}: {model.name} has {unknowns} parameters but the {len(measurement)} measured points "
-            f"give only {data} numbers; choose a simpler model or measure at more frequencies"
+            f"{measurement.name}: {model.name} has {unknowns} parameters, but there are only {data} numbers in "
+            f"{points}; choose a simpler model or measure at more frequencies"
         )
 
 

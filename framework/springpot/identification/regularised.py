@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import INTERVAL
 from springpot.rheology import GRADIENT, Complex, Continuum, Points, Real
 
 from .material import BEYOND, is_material, reduced_range
@@ -25,8 +26,6 @@ PER_DECADE = 8
 """Lines a decade: closer than the eye tells apart, and far closer than data can."""
 DRAWS = 100
 """Simulated measurements behind the band: its ends are then uncertain by a sixth of its width."""
-LEVEL = 0.95
-"""Probability of the band."""
 WEAKEST, STRONGEST = -12.0, 8.0
 """Decades of the weight of smoothness, in units of the variance of the noise, between which it is sought."""
 HALVINGS = 14
@@ -122,7 +121,7 @@ def regularised(fit: Fit, rng: np.random.Generator, draws: int = DRAWS) -> Spect
     # About the smooth curve, not about the data, which hold one draw of the noise already.
     noise = np.sqrt(system.variance) * rng.standard_normal((draws, len(followed)))
     again = np.array([best, *(system.solve(smoothing, followed + each) for each in noise)])[:, 2:]
-    tail = 50.0 * (1.0 - LEVEL)
+    tail = 50.0 * (1.0 - INTERVAL)
     low, high = np.percentile(again, [tail, 100.0 - tail], axis=0)
     # No density lies below zero: the draws may all lie to one side of the curve that the band belongs to.
     low, high = np.minimum(low, best[2:]), np.maximum(high, best[2:])

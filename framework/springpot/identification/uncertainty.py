@@ -9,6 +9,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import INTERVAL
 from springpot.rheology import Real
 
 from .coordinates import WIDEST, Coordinates
@@ -16,8 +17,6 @@ from .leastsquares import Rows, levenberg_marquardt
 from .native import Fit
 from .task import Task
 
-LEVEL = 0.95
-"""Probability of an interval, where no other is asked for."""
 RANK = 1e-10
 """Directions whose singular value is this small a fraction of the largest are not determined by the data."""
 PART = 1e-3
@@ -76,10 +75,10 @@ class Uncertainty:
 
     fit: Fit
     absolute: bool
-    level: float = LEVEL
+    level: float = INTERVAL
 
     @classmethod
-    def of(cls, fit: Fit, level: float = LEVEL) -> Uncertainty:
+    def of(cls, fit: Fit, level: float = INTERVAL) -> Uncertainty:
         """Intervals at `level`, in absolute terms where the objective uses given standard deviations."""
         # Weights that are no standard deviations know shares only: what a residual of one means, the scatter says.
         return cls(fit, uses_sd(fit), level)
@@ -270,7 +269,7 @@ def _linear_slope(fit: Fit, i: int) -> Real:
     return slope
 
 
-def profile(fit: Fit, parameter: str, level: float = LEVEL) -> tuple[float, float]:
+def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, float]:
     """Profile-likelihood interval of one parameter: all others are refitted while it is held.
 
     Parameters

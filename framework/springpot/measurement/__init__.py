@@ -6,6 +6,7 @@ from . import geometry
 from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
+from .from_signals import measurement_from_signals
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .imposed import Loading
@@ -15,6 +16,14 @@ from .joining import joined
 from .measurement import CONDITIONS, Measurement, misspelt, points_at
 from .moduli import Moduli
 from .noise import with_noise
+from .one_frequency import (
+    HELD_ALIKE,
+    at_one_frequency,
+    distinct_log_omega,
+    frequency_numbers,
+    held_frequency_numbers,
+    rounded_log_omega,
+)
 from .opening import open_measurement, parts_of, pick_reader
 from .question import OpenQuestion, Question
 from .reader import Choice, Part, Reader, parts_as_opened
@@ -31,14 +40,14 @@ from .scatter import (
     rounding_step,
 )
 from .selection import conditions, select, without
-from .signals import Harmonics, Signals, harmonics_of, measurement_from_signals
-from .sweeps import Sweep, at_one_frequency, distinct_log_omega, sweeps_of, temperatures_differ
+from .signals import Harmonics, Signals, harmonics_of
+from .sweeps import Sweep, sweeps_of, temperatures_differ
 from .timed import Timed, grown, material_of
 from .timeeffect import Answered, Record, Stage, TimeEffect
 from .timenoise import SignalNoise, noise_of, relative_scatter
 from .timereader import TimeReader, open_in_time
 from .timetest import TimeTest
-from .together import DIGITS, TIME, frequency_numbers, largest_test, settings_of, tests_together
+from .together import TIME, largest_test, settings_of, tests_together
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,
@@ -64,7 +73,8 @@ __all__ = [
     "distinct_log_omega",
     "frequency_numbers",
     "at_one_frequency",
-    "DIGITS",
+    "held_frequency_numbers",
+    "rounded_log_omega",
     "TIME",
     "sweeps_of",
     "temperatures_differ",
@@ -74,6 +84,7 @@ __all__ = [
     "Budget",
     "CONDITIONS",
     "HELD",
+    "HELD_ALIKE",
     "Choice",
     "DataSet",
     "FORCE_UNITS",

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import VARIED
+
 from .measurement import Measurement
-from .sweeps import DRIFT
+from .one_frequency import frequency_numbers
 from .together import NOTE as TOGETHER
-from .together import RUNS, frequency_numbers, largest_test, told_apart
+from .together import RUNS, largest_test, told_apart
 
 NOTE = "note repeats"
 """Key of the note in a measurement's provenance."""
@@ -70,7 +72,7 @@ def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
     # What names runs tells them apart already.
     if measurement.repeat is not None or RUNS & set(measurement.conditions) or _is_labelled(measurement):
         return None
-    for name, width in (("temperature", DRIFT), ("amplitude", SAME_AMPLITUDE)):
+    for name, width in (("temperature", VARIED.temperature_chosen), ("amplitude", SAME_AMPLITUDE)):
         column = measurement.conditions.get(name)
         if column is None:
             continue

@@ -14,29 +14,20 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import VARIED
 from springpot.rheology import Real
 
 from .measurement import CONDITIONS, Measurement, numbers_of_levels
+from .one_frequency import DECIMALS, held_frequency_numbers
 
-WANDER: Mapping[str, float] = {"amplitude": 0.1, "temperature": 1.0}
-"""What moves without being varied: amplitudes within 10 % (as logarithms), temperatures 1 K, in a whole test.
-
-Strain of a rheometer under strain control is held within 4 % and less, and ovens drift by some tenths of a kelvin."""
-CHOSEN: Mapping[str, float] = {"amplitude": 0.2, "temperature": 1.0}
-"""Least distance of values that were chosen: ten levels a decade lie 26 % apart, 0.23 in logarithms."""
+WANDER: Mapping[str, float] = {"amplitude": VARIED.amplitude_wanders, "temperature": VARIED.temperature_wanders}
+"""What moves without being varied, in a whole test."""
+CHOSEN: Mapping[str, float] = {"amplitude": VARIED.amplitude_chosen, "temperature": VARIED.temperature_chosen}
+"""Least distance of values that were chosen."""
 SMOOTH_DEGREE = 5
 """Highest degree of the polynomial in the logarithm of the frequency that counts as moving with it."""
 POINTS_PER_DEGREE = 3
 """Distinct frequencies that a degree needs: with fewer, the polynomial would follow levels chosen at random."""
-FEWEST_ONE_WAY = 5
-"""Distinct frequencies from which a condition that only rises or only falls with them moves with them: chosen at
-random, five values do so in 2 of 120 tests."""
-FREE_SHARE = 0.3
-"""Share of the rows that must be left over by what is fitted for the rest to say anything."""
-FEWEST = 3
-"""Rows beside the first at one frequency and temperature from which a difference between them was a choice."""
-SAME_FREQUENCY = 1e-3
-"""Distance of logarithms within which frequencies are one: instruments set them to a part in a thousand."""
 ROUNDS = 20
 """Reweighted fits towards the least sum of absolute deviations: changes are below a per cent after ten."""
 NORMAL = 1.4826
@@ -199,14 +190,16 @@ def _unexplained(measurement: Measurement, condition: str, values: Real) -> floa
     if condition == "temperature":
         return _off_curves(np.zeros(len(values), dtype=np.int64), log_omega, values)
     temperature = measurement.conditions.get("temperature", np.zeros(len(values)))
-    same_omega = numbers_of_levels(log_omega, SAME_FREQUENCY)
+    same_omega = held_frequency_numbers(measurement.omega)
     same_temperature = numbers_of_levels(temperature, WANDER["temperature"])
     both = same_omega * (int(same_temperature.max()) + 1) + same_temperature
     rest = values - (np.bincount(both, values) / np.maximum(np.bincount(both), 1))[both]
     free = len(values) - len(np.unique(both))
     within = float(np.sqrt(np.sum(rest**2) / max(free, 1)))
     # Rows that share frequency and temperature show without any curve what was chosen: they come first.
-    if free >= FREE_SHARE * len(values) or (free >= FEWEST and 2.0 * within >= CHOSEN["amplitude"]):
+    if free >= VARIED.share_left * len(values) or (
+        free >= VARIED.fewest_choices and 2.0 * within >= CHOSEN["amplitude"]
+    ):
         return within
     # Whichever of the two explains more: then it may be the cause.
     return min(_off_curves(same_temperature, log_omega, values), _off_curves(same_omega, temperature, values))
@@ -220,7 +213,7 @@ def _off_curves(level: NDArray[np.int64], x: Real, y: Real) -> float:
         left.append(_off_curve(x[rows], y[rows]))
     rest = np.concatenate(left)
     # Too few are left to tell their scatter.
-    if len(rest) < FREE_SHARE * len(y):
+    if len(rest) < VARIED.share_left * len(y):
         return np.inf
     return NORMAL * float(np.median(rest))
 
@@ -232,7 +225,7 @@ def _off_curve(x: Real, y: Real) -> Real:
     """
     from scipy.optimize import isotonic_regression  # the first look at a file must not take its time
 
-    if len(np.unique(np.round(x, 6))) >= FEWEST_ONE_WAY:
+    if len(np.unique(np.round(x, DECIMALS))) >= VARIED.fewest_one_way:
         order = np.argsort(x, kind="stable")
         for upwards in (True, False):
             off = np.abs(y[order] - isotonic_regression(y[order], increasing=upwards).x)
@@ -243,7 +236,7 @@ def _off_curve(x: Real, y: Real) -> Real:
 
 def _off_polynomial(x: Real, y: Real) -> Real:
     """Absolute deviations from the polynomial of the least sum of them, without those that it brings to zero."""
-    degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, 6))) // POINTS_PER_DEGREE)
+    degree = min(SMOOTH_DEGREE, len(np.unique(np.round(x, DECIMALS))) // POINTS_PER_DEGREE)
     # Legendre polynomials are nearly independent of one another on -1 to 1 only.
     scaled = 2.0 * (x - x.min()) / (float(np.ptp(x)) or 1.0) - 1.0
     basis = np.polynomial.legendre.legvander(scaled, degree)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.policy import SIGNALS
 
 from .fit import Basis, Fit
 from .record import Record
 from .steady import coarse_frequency
-
-SEEN = 0.999
-"""Probability that noise alone would show less than a motion that is believed."""
 
 
 def tried(record: Record, frequency: bool, part: bool) -> float:
@@ -45,7 +43,7 @@ def highest_of_noise(freedom: float, candidates: float) -> float:
     >>> round(highest_of_noise(20.0, 1.0), 2), round(highest_of_noise(1e7, 5e13), 1)
     (9.95, 38.5)
     """
-    chance = (1.0 - SEEN) / candidates
+    chance = (1.0 - SIGNALS.motion) / candidates
     return 0.5 * freedom * float(np.expm1(-2.0 / freedom * np.log(chance)))
 
 

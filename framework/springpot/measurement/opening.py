@@ -17,12 +17,13 @@ from springpot.errors import DataError
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
+from .from_signals import measurement_from_signals
 from .measurement import Measurement
 from .naming import LISTED, file_and_choice, is_file, short, temperature_offer
 from .reader import Choice, Part, Reader
 from .recognition import guarded, surest
 from .selection import conditions, select
-from .signals import Signals, measurement_from_signals
+from .signals import Signals
 
 T = TypeVar("T")
 

@@ -14,9 +14,10 @@ from springpot.policy import REPEATS
 from springpot.rheology import Complex, Model, Real
 
 from .measurement import CONDITIONS, Measurement
+from .one_frequency import frequency_numbers
 from .scatter import LEAST_RELATIVE, Noise, Scatter, noise_shape
 from .sweeps import sweeps_of
-from .together import frequency_numbers, told_apart
+from .together import told_apart
 
 Rows: TypeAlias = NDArray[np.int64]
 

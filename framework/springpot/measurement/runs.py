@@ -9,17 +9,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import VARIED
 from springpot.rheology import Real, levels_of
 
-from .together import RUNS, Rows, told_apart
-
-MOST_WORDS = 0.5
-"""Share of the rows that distinct words may be: with more, they are remarks on rows rather than names of sweeps."""
-RECURS = 1.5
-"""Times that a frequency was measured on average, from which several amplitudes were set at each frequency. A strain
-that follows the frequency, as inertia makes it, recurs once."""
-SAME_FREQUENCY = 3
-"""Digits of ln omega within which frequencies are one: a tenth of a per cent, far below any step of a sweep."""
+from .one_frequency import held_frequency_numbers
+from .together import MOST_NAMES, RUNS, Rows, told_apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +91,7 @@ def _named(data: Rows) -> list[NDArray[np.str_] | Real]:
     """Columns that name parts and runs."""
     columns: list[NDArray[np.str_] | Real] = []
     for name, words in data.labels.items():
-        if name == "step" or len(np.unique(words)) <= MOST_WORDS * len(words):
+        if name == "step" or len(np.unique(words)) <= MOST_NAMES * len(words):
             columns.append(words)
     apart = told_apart(data)
     return [*columns, *(column for name, column in data.conditions.items() if name in RUNS or name in apart)]
@@ -107,12 +101,12 @@ def _by_level(data: Rows, name: str, rows: NDArray[np.int64]) -> list[NDArray[np
     """The rows of each level, ascending, where frequencies were swept at each; else all as they are."""
     level = levels_of(name, data.conditions[name][rows])
     count = int(level.max()) + 1
-    frequency = np.round(np.log(data.omega[rows]), SAME_FREQUENCY)
+    frequency = held_frequency_numbers(data.omega[rows])
     pairs = len(np.unique(np.column_stack([level, frequency]), axis=0))
     # A level at which one frequency was measured is no sweep.
     if count == 1 or pairs < 2 * count:
         return [rows]
-    if name == "amplitude" and pairs < RECURS * len(np.unique(frequency)):
+    if name == "amplitude" and pairs < VARIED.recurs * len(np.unique(frequency)):
         return [rows]
     return [rows[level == number] for number in range(count)]
 

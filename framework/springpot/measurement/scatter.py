@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_quantile
+from springpot.policy import SCATTER
 from springpot.rheology import Complex, Real
 
 from .measurement import Measurement
@@ -27,10 +28,6 @@ LEAST_RSS = 1e-300
 """Stands for a residual of nothing, of which there is no logarithm."""
 MOST_DIGITS = 9
 """Digits from which a value counts as written in full: single precision has seven."""
-DOUBT = 0.0001
-"""Chance below which given standard deviations are held to be misstated."""
-FEWEST_TO_DOUBT = 10
-"""Degrees of freedom of the data's scatter below which it says nothing against given standard deviations."""
 WHOLE = 1e-9
 """Relative distance from a whole number that arithmetic leaves."""
 STUDENT_DOF = 4.0
@@ -38,22 +35,10 @@ STUDENT_DOF = 4.0
 judged nearly as well as by its own likelihood."""
 STUDENT_ROUNDS = 25
 """Rounds of reweighting for a scale: each takes away a fixed share of what is left to go."""
-UNUSUAL_SHAPE = 10.0
-"""Minus twice the log-likelihood that noise of another shape than "proportional to |K|" must bring: of few points
-some shape fits chance best, and structure is then seen where there is none."""
-PARTS_DIFFER = 6.0
-"""The same for noise of two sizes, one of K' and one of K'': that one of them scatters more is no structure, so that
-it must be believed before the test of each part alone raises its alarm."""
 END_LEVELS = (2.0, 4.0, 8.0)
 """Noise at an end of the frequencies over that far from it: rigs are weak where forces are small or masses pull."""
 END_POWERS = (2, 4)
 """How steeply it rises towards the end: over half of the logarithmic range, or over a quarter."""
-FORCE_FLOOR = 6.0
-"""Minus twice the log-likelihood that a floor of constant force must bring: a load cell has one, so that less is
-asked than of other shapes; noise proportional to |K| brings as much in 1 to 2 of 100 (a maximum over the levels of
-chi-square with one degree of freedom)."""
-FORCE_RANGE = 3.0
-"""Largest over smallest force from which such a floor can be told from noise proportional to |K|."""
 FORCE_LEVELS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Force, in units of the least one measured, at which the floor is as large as the rest of the noise."""
 
@@ -180,25 +165,25 @@ def _shapes_of(measurement: Measurement) -> Iterator[Shape]:
     size = measurement.magnitude
     parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
     yield Shape(size, size, True, 0.0)
-    yield Shape(size, size, False, UNUSUAL_SHAPE)
-    yield Shape(parts[0], parts[1], True, UNUSUAL_SHAPE)
+    yield Shape(size, size, False, SCATTER.unusual_shape)
+    yield Shape(parts[0], parts[1], True, SCATTER.unusual_shape)
     # A load cell's floor is a force: in K it is the larger the smaller the amplitude.
     amplitude = measurement.conditions.get("amplitude", np.ones(len(measurement)))
     force = size * amplitude
-    if force.max() > FORCE_RANGE * force.min():
+    if force.max() > SCATTER.force_range * force.min():
         for level in FORCE_LEVELS:
             floor = np.hypot(size, level * force.min() / amplitude)
-            yield Shape(floor, floor, True, FORCE_FLOOR)
+            yield Shape(floor, floor, True, SCATTER.force_floor)
 
 
 def _uneven_shapes_of(measurement: Measurement) -> Iterator[Shape]:
     """Noise of two sizes, or larger at an end of the frequencies: what the misfit of a wrong model looks like too."""
     size = measurement.magnitude
     parts = [np.maximum(np.abs(part), LEAST_PART * size) for part in (measurement.storage, measurement.loss)]
-    yield Shape(size, size, False, PARTS_DIFFER)
-    yield Shape(parts[0], parts[1], False, PARTS_DIFFER)
+    yield Shape(size, size, False, SCATTER.parts_differ)
+    yield Shape(parts[0], parts[1], False, SCATTER.parts_differ)
     for rise in _rises(np.log(measurement.omega)):
-        yield Shape(size * rise, size * rise, True, UNUSUAL_SHAPE)
+        yield Shape(size * rise, size * rise, True, SCATTER.unusual_shape)
 
 
 def _rises(log_omega: Real) -> Iterator[Real]:
@@ -315,7 +300,7 @@ def checked_noise(noise: Noise, variance: float, dof: float) -> Noise:
     >>> checked_noise(Noise(np.array([0.1 + 0.1j]), np.inf, "given"), 9.0, 40.0).doubt.split(":")[0]
     'the given standard deviations look too small'
     """
-    if dof < FEWEST_TO_DOUBT:
+    if dof < SCATTER.fewest_to_doubt:
         return noise
     # Standard deviations of the right size leave a variance of one, give or take what chance does with so few.
     low, high = plausible_variance(dof)
@@ -351,7 +336,7 @@ def plausible_variance(dof: float) -> tuple[float, float]:
     >>> round(low, 2), round(high, 2)
     (0.35, 2.11)
     """
-    low, high = chi2_quantile([DOUBT / 2, 1 - DOUBT / 2], dof) / dof
+    low, high = chi2_quantile([SCATTER.misstated / 2, 1 - SCATTER.misstated / 2], dof) / dof
     return float(low), float(high)
 
 

@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.policy import VARIED
 from springpot.rheology import Real
 
-from .independence import SAME_FREQUENCY, independent
-from .measurement import CONDITIONS, Measurement, numbers_of_levels
-from .together import DIGITS, told_apart
+from .independence import independent
+from .measurement import CONDITIONS, Measurement
+from .one_frequency import DECIMALS, at_one_frequency, held_frequency_numbers
+from .together import told_apart
 
-DRIFT = 1.0
-"""Kelvin by which temperatures differ at least if they were chosen: a chamber drifts by less."""
 SCALES: dict[str, Callable[[Real], Real]] = {"amplitude": np.log, "temperature": np.asarray}
 """Conditions that can be swept at one frequency, each with the scale on which K changes slowly."""
 
@@ -43,25 +43,6 @@ class Sweep(NamedTuple):
     x: Real
 
 
-def distinct_log_omega(measurement: Measurement) -> Real:
-    """Ln omega of the distinct frequencies, ascending.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from springpot import Measurement
-    >>> from springpot.measurement import distinct_log_omega
-    >>> np.exp(distinct_log_omega(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))).round(6)
-    array([1., 2.])
-    """
-    return np.asarray(np.unique(np.round(np.log(measurement.omega), DIGITS)), dtype=np.float64)
-
-
-def at_one_frequency(measurement: Measurement) -> bool:
-    """Whether all rows have one frequency: no more can be told of what depends on it than one complex number."""
-    return float(np.ptp(np.log(measurement.omega))) < SAME_FREQUENCY
-
-
 def temperatures_differ(measurement: Measurement) -> bool:
     """Whether there is more than the drift about one set temperature.
 
@@ -73,7 +54,7 @@ def temperatures_differ(measurement: Measurement) -> bool:
     False
     """
     column = measurement.conditions.get("temperature")
-    return column is not None and float(np.ptp(column)) >= DRIFT
+    return column is not None and float(np.ptp(column)) >= VARIED.temperature_chosen
 
 
 def sweeps_of(measurement: Measurement) -> list[Sweep]:
@@ -127,10 +108,10 @@ def _parted(rows: NDArray[np.int64], columns: list[NDArray[np.int64]]) -> Iterat
 def _at_constant(measurement: Measurement, swept: str) -> Iterator[NDArray[np.int64]]:
     """Rows at one frequency and equal conditions but for the swept one."""
     # A frequency that was held is told as it was measured, now a little higher and now a little lower.
-    columns = [numbers_of_levels(np.log(measurement.omega), SAME_FREQUENCY).astype(float)]
+    columns = [held_frequency_numbers(measurement.omega).astype(float)]
     for name in SCALES:
         if name != swept and name in measurement.conditions:
-            columns.append(np.round(measurement.conditions[name], DIGITS))
+            columns.append(np.round(measurement.conditions[name], DECIMALS))
     columns += [number.astype(float) for number in told_apart(measurement).values()]
     if measurement.repeat is not None:
         columns.append(measurement.repeat.astype(float))

@@ -15,8 +15,8 @@ from springpot.errors import DataError
 from springpot.plain import plain
 from springpot.rheology import KELVIN, Real
 
+from .from_signals import stiffness_unit
 from .imposed import SHORT, STEADY, Loading, controlled, from_rest, is_released
-from .signals import stiffness_unit
 from .units import (
     AMPLITUDE_UNITS,
     ANGLE_UNITS,

@@ -16,6 +16,7 @@ from springpot.policy import COURSE
 from springpot.rheology import Real, levels_of
 
 from .measurement import CONDITIONS, Measurement
+from .one_frequency import frequency_numbers
 
 NOTE = "note together"
 """Key of the note in a measurement's provenance."""
@@ -30,7 +31,7 @@ _ANSWERS = frozenset({"normal_force", "torque", "stress", "gap", "time", "axial_
 """Names of columns that hold what a specimen answered, or when: rounded in the file they look like settings."""
 TIME = "time"
 """The column in which files hold when a point was measured."""
-_MOST_RUNS = 0.5
+MOST_NAMES = 0.5
 """Share of the rows that distinct words may be, to be names of runs rather than a remark on each row."""
 _ROWS_OF_A_SETTING = 3
 """Rows of each value of a setting, on average, at least: a sweep of fewer has no course of its own."""
@@ -38,9 +39,6 @@ _ROWS_OF_A_SETTING = 3
 _HELD = 0.01
 """Share of the largest within which numbers with a fraction are one that was held: a rig's own rounding, 0.400 and
 0.401 mrad, is no setting. Rheometers hold what was set within 1 to 2 %."""
-
-DIGITS = 6
-"""Digits of ln omega to which frequencies are the same: instruments print six or seven digits of each."""
 
 
 class Rows(Hashable, Protocol):
@@ -63,21 +61,6 @@ class Rows(Hashable, Protocol):
         """Which repetition a row (n,) belongs to."""
 
 
-def frequency_numbers(data: Rows) -> NDArray[np.int64]:
-    """Number of the distinct frequency of each row, ascending; shape (n,).
-
-    Examples
-    --------
-    >>> from springpot import Measurement
-    >>> from springpot.measurement import frequency_numbers
-    >>> frequency_numbers(Measurement([2.0, 1.0, 2.0], [1j, 2j, 3j]))
-    array([1, 0, 1])
-    """
-    # In logarithms, as instruments print so many digits of each frequency, whatever its size.
-    _, number = np.unique(np.round(np.log(data.omega), DIGITS), return_inverse=True)
-    return np.asarray(number.ravel(), dtype=np.int64)
-
-
 def runs_together(
     numbers: Mapping[str, Real], words: Mapping[str, NDArray[np.str_]], known: frozenset[str] = frozenset()
 ) -> dict[str, str]:
@@ -94,7 +77,7 @@ def runs_together(
     for key, column in {**words, **{key: numbers[key] for key in numbers if key in RUNS}}.items():
         values = np.unique(column[column == column])  # not those that are missing
         # A word on nearly every row is a remark, such as a time of day, and names no test.
-        several = 1 < len(values) <= max(2, _MOST_RUNS * len(column))
+        several = 1 < len(values) <= max(2, MOST_NAMES * len(column))
         if (
             several
             and key not in known

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from springpot.policy import SIGNALS
 from springpot.rheology import Real
 
 from .fit import GONE, Basis, Fit, fit_harmonics
@@ -15,12 +16,8 @@ STEP = 1.25
 """Ratio of neighbouring time constants; the fit's second transient column makes up for what lies between them."""
 LONGEST = 4.0
 """Periods; what dies away more slowly than that is a drift and cannot pass for a harmonic."""
-CHANCE = 1e-5
-"""Of taking noise for a transient; one that hides in the noise moves K by less than its standard deviation."""
 ROUNDING = 1e-20
 """Share of the square of exact signals that is left over."""
-UNLIKE = 1e-3
-"""Chance by which a first cycle like the others is left out."""
 
 
 def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
@@ -33,9 +30,9 @@ def fit_with_transient(record: Record, basis: Basis) -> tuple[Basis, Fit]:
 
     # Two sieves, the cheap one first: most records have no transient, and are spared the second fit.
     trial, gain, noise = _strongest(record, basis)
-    if np.any(gain > chdtri(1, CHANCE) * noise):
+    if np.any(gain > chdtri(1, SIGNALS.transient_alarm) * noise):
         fit = fit_harmonics(record, trial)
-        if np.any(gain > fdtri(1, fit.freedom, 1 - CHANCE) * fit.noise[:2]):
+        if np.any(gain > fdtri(1, fit.freedom, 1 - SIGNALS.transient_alarm) * fit.noise[:2]):
             return trial, fit
     return basis, fit_harmonics(record, basis)
 
@@ -58,7 +55,7 @@ def unsteady_cycles(fit: Fit) -> int:
     scatter = float(np.sum(np.abs(settled - centre) ** 2))
     # Computed signals scatter by rounding only, which must not make every cycle an exception.
     variance = max(scatter / (2 * (n - 1)), ROUNDING * float(abs(centre)) ** 2)
-    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - UNLIKE)
+    limit = 2 * variance * (1 + 1 / n) * fdtri(2, 2 * (n - 1), 1 - SIGNALS.first_cycle_alarm)
     unlike = np.abs(each[: len(each) // 2] - centre) ** 2 > limit
     # Only an unbroken beginning is a transient; what comes later is scatter.
     return int(np.argmin(np.append(unlike, False)))

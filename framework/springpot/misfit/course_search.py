@@ -22,7 +22,8 @@ from springpot.policy import COURSE, VERDICT
 from springpot.rheology import Real
 
 from .course import Course
-from .frame import LEAST_SEEN, Frame, orthonormal
+from .frame import LEAST_SEEN, Frame
+from .shapes import orthonormal
 
 CLOCKS = frozenset({"s", "min", "h"})
 """Units in which another column is one of times; shorter ones are of delays."""

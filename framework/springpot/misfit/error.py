@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-BELIEVED = 0.1
-"""Relative error beyond which scatter about a model is no noise unless repeats or given standard deviations say so:
-rigs and rheometers repeat a stiffness within a few per cent."""
-
-ALIKE = 0.3
-"""Relative difference beyond which repeats are none of one thing; three specimens of bitumen differ by 3 %."""
+from springpot.policy import SCATTER
 
 
 @dataclass(frozen=True)
@@ -43,8 +38,8 @@ class Error:
     def is_hardly_noise(self) -> bool:
         """Whether an error is too large for what is called noise: scatter about models, or of unequal repeats."""
         if self.noise_source == "repeats":
-            return self.noise_floor > ALIKE
-        return self.noise_source == "estimated" and self.relative_rms > BELIEVED
+            return self.noise_floor > SCATTER.repeats_alike
+        return self.noise_source == "estimated" and self.relative_rms > SCATTER.believed
 
     @property
     def advice(self) -> str:

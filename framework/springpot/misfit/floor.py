@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import comb, inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.distributions import chi2_quantile, f_quantile, f_sf, gamma_sf
+from springpot.distributions import f_quantile, f_sf
 from springpot.measurement import (
-    DIGITS,
     Averaged,
     Measurement,
     Noise,
@@ -32,8 +30,9 @@ from springpot.measurement import (
 from springpot.policy import SCATTER, VERDICT
 from springpot.rheology import Complex, Model, Real
 
-from .frame import LEAST_SEEN, Frame, drift_shapes, orthonormal, spectrum, waves
+from .frame import Frame
 from .refit import Refit, refit
+from .trimming import Trimmed, trimmed
 
 STARTS = 16
 """Starts of a first fit, of whose parameters nothing is known."""
@@ -43,30 +42,12 @@ STARTS_RESCALED = 4
 """The same where all of the noise was multiplied by one number, which leaves the minima where they are."""
 STARTS_OF_A_ROUND = 2
 """The same where it only changed its shape."""
-MOST_TURNS = 10
-"""Times that the points which stand out are found anew; nearly all settle in three."""
-FINE = 41
-"""Periods tried between the neighbours of the strongest one."""
-LEAST_WAVE = 1e-9
-"""Singular value, beside the largest, below which a direction of a ripple is rounding."""
-MOST_RIPPLES = 2
-"""Periods that are taken out of the scatter; a third could follow noise."""
-SLOWEST_RIPPLE = 16.0
-"""Points of the longest period: longer waves are slow structure already."""
-SLOW_WAVES = 2
-"""Waves along a sweep up to which its polynomials of degree 5 are that structure, however many its points."""
-FEWEST_FREE = 20.0
-"""Degrees of freedom below which a period would take too many of them."""
 NEARLY = 2.0
 """Error over noise floor up to which a model may be right, and its scatter tell where the noise is larger."""
 LEAST_RISE = 0.01
 """Relative change of the noise over |K| along a sweep from which its shape is another than that of |K|."""
 LEAST_LEFT = 0.1
 """Share of a point's variance that curves leave, from which the rest says anything of it."""
-LEAST_KEPT = 0.7
-"""Share of the data below which what is left out is no few frequencies any more."""
-LEAST_FREE = 0.5
-"""Share of the degrees of freedom that must stay, likewise: an estimate from half of them is uncertain by 1.4 x."""
 ROUNDS = 2
 """Times that the noise is estimated anew about the fit that it gave."""
 TRIMMED_FITS = 6
@@ -122,29 +103,29 @@ def _given(model: Model, data: Averaged, sd: Complex, seeds: Sequence[Real]) -> 
     return refit(model, data, noise, [first.theta], starts=STARTS_RESCALED)
 
 
-def beyond_floor(found: Refit) -> bool:
+def beyond_floor(fitted: Refit) -> bool:
     """Whether an error is beyond the noise floor by more than chance.
 
     The floor of an estimated noise leaves out the few frequencies that are far off, and simulated noise has their
     long tails too: no test sees them, and yet the model does not go through them.
     """
-    ratio = found.relative_rms / found.floor
+    ratio = fitted.relative_rms / fitted.floor
     # Floor and error are both uncertain, so F and not chi-square; of many points a slight excess is sure but small.
-    chance = f_sf(ratio**2, found.fit.dof, found.noise.dof)
+    chance = f_sf(ratio**2, fitted.fit.dof, fitted.noise.dof)
     return bool(ratio > VERDICT.misfit and chance < VERDICT.structure_alarm)
 
 
-def is_arithmetic(found: Refit) -> bool:
+def is_arithmetic(fitted: Refit) -> bool:
     """Whether an error is that of arithmetic, on more points than anything would follow: the data were computed."""
-    return found.relative_rms < VERDICT.arithmetic and len(found.fit.measurement) > VERDICT.fewest_spare
+    return fitted.relative_rms < VERDICT.arithmetic and len(fitted.fit.measurement) > VERDICT.fewest_spare
 
 
-def is_hardly_known(found: Refit) -> bool:
+def is_hardly_known(fitted: Refit) -> bool:
     """Whether so few numbers are left over that neither the error nor the floor says anything.
 
     Of an estimate with three degrees of freedom an error of six floors is still no surprise.
     """
-    return min(found.fit.dof, found.noise.dof) < VERDICT.fewest_spare
+    return min(fitted.fit.dof, fitted.noise.dof) < VERDICT.fewest_spare
 
 
 def as_given(base: Refit) -> Refit:
@@ -175,14 +156,14 @@ def _estimated(model: Model, data: Averaged, seeds: Sequence[Real]) -> Refit:
     return _in_rounds(model, data, refit(model, data, shape, [first.theta], starts=STARTS_OF_A_ROUND), uneven=True)
 
 
-def _in_rounds(model: Model, data: Averaged, found: Refit, uneven: bool) -> Refit:
+def _in_rounds(model: Model, data: Averaged, fitted: Refit, uneven: bool) -> Refit:
     """The fit in units of a noise that is estimated about it, in turns."""
-    free, inside = found, np.ones(len(data.mean), dtype=bool)
+    free, inside = fitted, np.ones(len(data.mean), dtype=bool)
     for _ in range(ROUNDS):
         # Each way says at most how large the noise is: the smaller one is the better bound.
-        tried = [_scaled(model, data, shape, found) for shape in _shapes(free, data.mean, inside, uneven)]
-        found, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
-    return found
+        tried = [_scaled(model, data, shape, fitted) for shape in _shapes(free, data.mean, inside, uneven)]
+        fitted, free, inside = min(tried, key=lambda one: data.floor(one[0].noise))
+    return fitted
 
 
 def _scaled(model: Model, data: Averaged, shape: Noise, before: Refit) -> tuple[Refit, Refit, NDArray[np.bool_]]:
@@ -277,175 +258,14 @@ def _shapes(free: Refit, measurement: Measurement, inside: NDArray[np.bool_], un
         yield Noise(sd, float(max(frame.rough_dof, 1)), "estimated")
 
 
-def _of_residual(found: Refit, scatter: Trimmed) -> Noise:
+def _of_residual(fitted: Refit, scatter: Trimmed) -> Noise:
     """Noise of the shape and size of a whitened scatter; points set aside say nothing of it."""
-    weights, n = found.noise.weights, len(scatter.left) // 2
+    weights, n = fitted.noise.weights, len(scatter.left) // 2
     squares = np.where(scatter.kept, scatter.left, 0.0) ** 2
     each: Real = scatter.dof / float(np.sum(scatter.kept)) * scatter.kept.astype(np.float64)
     parts = Scatter(squares[:n] / weights.real**2, squares[n:] / weights.imag**2, each[:n])
-    sd = at_least_rounding(noise_shape(found.data.mean, parts), found.data.mean)
+    sd = at_least_rounding(noise_shape(fitted.data.mean, parts), fitted.data.mean)
     return Noise(sd, scatter.dof, "estimated")
-
-
-class Trimmed(NamedTuple):
-    """What slow curves leave of a residual, and the frequencies whose scatter is noise.
-
-    Attributes
-    ----------
-    left : ndarray, shape (2n,)
-        The residual without the curves, which are fitted to the kept rows alone.
-    kept : ndarray of bool, shape (2n,)
-        Rows that are kept.
-    dof : float
-        Degrees of freedom of what is left in them.
-    """
-
-    left: Real
-    kept: NDArray[np.bool_]
-    dof: float
-
-    @property
-    def variance(self) -> float:
-        """Of the scatter."""
-        return float(np.sum(self.left[self.kept] ** 2)) / self.dof
-
-
-def trimmed(frame: Frame, kept: NDArray[np.bool_] | None = None) -> Trimmed:
-    """The whitened scatter of a fit about slow curves, without the frequencies at which it is far larger.
-
-    Parameters
-    ----------
-    frame : Frame
-        The fit.
-    kept : ndarray of bool, shape (n,), optional
-        Rows known to be free of what stands out; without them the median over frequencies is the first guess.
-    """
-    followed = np.concatenate([frame.absorbed, frame.structured], axis=1)
-    omega = frame.measurement.omega
-    found = trimmed_residual(frame.residual, followed, omega, kept)
-    # Only what chance does not explain is taken out: shapes chosen to follow noise make the floor too low.
-    drift = frame.relative(drift_shapes(len(frame.measurement)))
-    if found.dof >= FEWEST_FREE and _explains(drift, followed, found):
-        followed = np.concatenate([followed, drift], axis=1)
-        found = trimmed_residual(frame.residual, followed, omega)
-    for _ in range(MOST_RIPPLES):
-        if found.dof < FEWEST_FREE or (period := _ripple(frame, found)) == 0.0:
-            break
-        ripple = frame.relative(waves(frame.measurement, period))
-        followed = np.concatenate([followed, ripple], axis=1)
-        found = trimmed_residual(frame.residual, followed, omega)
-    return found
-
-
-def _explains(columns: Real, followed: Real, scatter: Trimmed) -> bool:
-    """Whether columns explain more of a scatter than noise would, by the ratio of variances."""
-    rows = scatter.kept
-    inner = columns[rows] - followed[rows] @ np.linalg.lstsq(followed[rows], columns[rows], rcond=None)[0]
-    kept = np.linalg.norm(inner, axis=0) > LEAST_SEEN * np.linalg.norm(columns[rows], axis=0)
-    basis = orthonormal(inner[:, kept])
-    # In one sweep of even steps drift is slow structure already: nothing of it is left to explain.
-    spent = float(basis.shape[1])
-    if spent == 0.0 or scatter.dof <= spent:
-        return False
-    explained = float(np.sum((basis.T @ scatter.left[rows]) ** 2))
-    left = max(float(np.sum(scatter.left[rows] ** 2)) - explained, 1e-300)
-    ratio = (explained / spent) / (left / (scatter.dof - spent))
-    return bool(f_sf(ratio, spent, scatter.dof - spent) < SCATTER.ripple_alarm)
-
-
-def _ripple(frame: Frame, scatter: Trimmed) -> float:
-    """Period, in points, of a ripple that the scatter holds; zero where the strongest one may be chance.
-
-    Of white noise the power at each of n independent frequencies is a sum of exponentials, one for each part of each
-    sweep; a periodic error of the analysis or of a resonance of the chain is not (Fisher 1929,
-    doi:10.1098/rspa.1929.0151).
-    """
-    left = np.where(scatter.kept, scatter.left, 0.0)
-    power = spectrum(frame.measurement, left[None])[0]
-    lines = 2 * len(sweeps_of(frame.measurement))
-    longest = len(power) - 1
-    # Slow waves are structure, and told of elsewhere. The spectrum counts in half waves along a sweep.
-    first = min(int(np.ceil(2.0 * longest / SLOWEST_RIPPLE)), 2 * SLOW_WAVES)
-    if first + 1 >= len(power):
-        return 0.0
-    peak = first + int(np.argmax(power[first:]))
-    mean = float(np.sum(left**2)) / len(frame.measurement)
-    # The strongest of so many periods is told: each of them might have been it (Bonferroni).
-    chance = longest * float(gamma_sf(power[peak] / mean, lines))
-    if chance > SCATTER.ripple_alarm:
-        return 0.0
-    # A ripple hardly ever has a period of the coarse grid, and one that is off leaves much of it at the ends.
-    periods = 2.0 * longest / np.linspace(peak - 1.0, peak + 1.0, FINE)[1:-1]
-    return float(periods[np.argmax(_energy_of_ripples(frame, left, periods))])
-
-
-def _energy_of_ripples(frame: Frame, left: Real, periods: Real) -> Real:
-    """Energy (m,) of a whitened scatter along ripples in size and phase of K of some periods (m,), in points."""
-    n, energy = len(frame.measurement), np.zeros(len(periods))
-    # Sweep by sweep: a ripple of one says nothing of the others, and small matrices are quickly done.
-    for rows, _ in sweeps_of(frame.measurement):
-        phase = 2.0 * np.pi * np.arange(len(rows)) / periods[:, None]
-        waves_of_sweep = np.stack([np.cos(phase), np.sin(phase)], axis=-1)
-        relative = np.stack([factor * frame.model_stiffness[rows] for factor in (1.0, 1.0j)], axis=-1)
-        change = (relative[:, :, None] * waves_of_sweep[:, :, None, :]).reshape(len(periods), len(rows), -1)
-        weights = frame.weights[rows][:, None]
-        columns = np.concatenate([change.real * weights.real, change.imag * weights.imag], axis=1)
-        size = np.linalg.norm(columns, axis=1, keepdims=True)
-        axes, sizes, _ = np.linalg.svd(columns / np.where(size > 0.0, size, 1.0), full_matrices=False)
-        along = np.einsum("kji,j->ki", axes, np.concatenate([left[rows], left[rows + n]]))
-        # The fastest alternation has no sine: its direction is rounding.
-        energy += np.sum(along**2 * (sizes > LEAST_WAVE * sizes[:, :1]), axis=1)
-    return energy
-
-
-def trimmed_residual(residual: Real, followed: Real, omega: Real, first: NDArray[np.bool_] | None = None) -> Trimmed:
-    """What curves leave of a residual, without the frequencies at which it is far larger.
-
-    An outlier, a notch or line interference is confined to a few frequencies, whatever the sweep; noise is not. The
-    curves are fitted anew without them, or they would be drawn towards what is left out; the first guess is the
-    median over frequencies, which a notch of a few points does not move.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (2n,)
-        Whitened residual.
-    followed : ndarray, shape (2n, q)
-        Orthonormal basis of the curves.
-    omega : ndarray, shape (n,)
-        Angular frequencies.
-    first : ndarray of bool, shape (n,), optional
-        Rows from which to start; all of them by default.
-    """
-    # Frequencies that differ by rounding in the file are one.
-    _, group = np.unique(np.round(np.log(omega), DIGITS), return_inverse=True)
-    group = np.concatenate([group.ravel(), group.ravel()])
-    count = np.bincount(group).astype(float)
-    middle = chi2_quantile(0.5, count)
-    kept = np.ones(len(count), dtype=bool)
-    if first is not None:
-        kept[group[: len(omega)][~first]] = False
-    for turn in range(MOST_TURNS):
-        rows = kept[group]
-        left = residual - followed @ np.linalg.lstsq(followed[rows], residual[rows], rcond=None)[0]
-        found = Trimmed(left, rows, max(float(np.sum(rows)) - followed.shape[1], 1.0))
-        # Curves take their share from every frequency alike.
-        squares = np.bincount(group, left**2) * float(np.sum(rows)) / found.dof
-        mean = float(np.sum(squares[kept]) / np.sum(count[kept]))
-        variance = mean
-        if turn == 0 and first is None:
-            variance = float(np.median(squares / middle))
-        # By the ratio of variances: beside a few numbers that are left over one frequency is easily far larger.
-        usual = count * f_quantile(1.0 - SCATTER.outlying_frequency, count, found.dof)
-        within = squares <= usual * variance
-        # Where a good part of the data would go, these are no few frequencies: what scatters so is the noise. Where
-        # sweeps are short, so that each frequency holds a tenth of the data, the curves would soon follow the rest.
-        free = float(np.sum(count[within])) - followed.shape[1]
-        too_many = np.sum(count[within]) < LEAST_KEPT * len(residual)
-        too_many |= free < LEAST_FREE * (len(residual) - followed.shape[1])
-        if too_many or (turn > 0 and np.array_equal(within, kept)):
-            return found
-        kept = within
-    return found
 
 
 def scatter_about(frame: Frame) -> tuple[float, float]:

@@ -27,8 +27,9 @@ from springpot.measurement.again import ADVICE, stands_again
 from springpot.policy import VERDICT
 from springpot.rheology import Complex, Real, Shift
 
-from .frame import LEAST_SEEN, Frame, chance_of_squares, orthonormal
+from .frame import LEAST_SEEN, Frame, chance_of_squares
 from .refit import Refit
+from .shapes import orthonormal
 from .where import where
 from .words import percent, plain
 

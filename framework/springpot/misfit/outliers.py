@@ -13,9 +13,9 @@ from springpot.distributions import chi2_sf, f_log_density, f_sf
 from springpot.measurement import Measurement, sweeps_of
 from springpot.policy import OUTLIERS
 
-from .floor import trimmed_residual
 from .frame import Frame
 from .refit import Refit
+from .trimming import trimmed_residual
 from .where import Where, with_unit
 from .words import plain
 

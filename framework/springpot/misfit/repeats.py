@@ -9,8 +9,10 @@ import numpy as np
 from springpot.measurement import Averaged, sweeps_of
 from springpot.policy import REPEATS, VERDICT
 
-from .battery import Battery, judged, kinship
-from .frame import DRAWS, Drawn, drift_curves, orthonormal
+from .battery import Battery, judged
+from .frame import DRAWS
+from .residual_tests import kinship
+from .shapes import Drawn, drift_curves, orthonormal
 
 NEIGHBOURS = "neighbours"
 """The test of repeats for errors that neighbours share, be it as specimens with curves of their own do."""

@@ -11,8 +11,9 @@ from springpot.measurement import CONDITIONS, Measurement, frequency_numbers, te
 from springpot.policy import VERDICT
 from springpot.rheology import Real
 
-from .frame import Drawn, Frame
+from .frame import Frame
 from .refit import Refit, refit
+from .shapes import Drawn
 from .words import times
 
 FOLDS = 4

@@ -9,16 +9,23 @@ from typing import Any
 import numpy as np
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import HELD, Measurement, Units, frequency_numbers, sweeps_of, temperatures_differ
+from springpot.measurement import (
+    HELD,
+    HELD_ALIKE,
+    Measurement,
+    Units,
+    frequency_numbers,
+    sweeps_of,
+    temperatures_differ,
+)
 from springpot.policy import WHERE
 from springpot.rheology import Chain, Complex, Parallel, Real, Response, Series
 
-from .frame import Frame, spectrum
+from .frame import Frame
 from .regions import DRAWS, Axis, Blocks, Region, Rows, rare, scales
+from .shapes import spectrum
 from .words import plain
 
-SAME = 1.001
-"""Ratio up to which frequencies are one: instruments set them to a part in a thousand."""
 WIDE = 0.7
 """Range of ln omega, a factor of two, from which it is told how a misfit changes along it."""
 FEWEST_OF_A_LAW = 4
@@ -348,13 +355,13 @@ def _place(measurement: Measurement, axes: list[Axis], part: Part, rows: Rows, p
 
 def _range(low: float, high: float, frequency: Real, units: Units) -> str:
     least, most = float(frequency.min()), float(frequency.max())
-    if most <= least * SAME:
+    if most <= least * (1.0 + HELD_ALIKE):
         return f"at {units.at(low)}"
-    if low <= least * SAME and high >= most / SAME:
+    if low <= least * (1.0 + HELD_ALIKE) and high >= most / (1.0 + HELD_ALIKE):
         return EVERYWHERE
-    if low <= least * SAME:
+    if low <= least * (1.0 + HELD_ALIKE):
         return f"below {units.at(high)}"
-    if high >= most / SAME:
+    if high >= most / (1.0 + HELD_ALIKE):
         return f"above {units.at(low)}"
     if units.at(low) == units.at(high):
         return f"at {units.at(low)}"

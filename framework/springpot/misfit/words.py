@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from springpot.digits import number
+
 
 def times(ratio: float) -> str:
     """A ratio with two digits, such as ``3.1 x``; whole from a hundred on, never with a power of ten."""
@@ -11,11 +13,18 @@ def times(ratio: float) -> str:
     return f"{ratio:.2g} x"
 
 
-def over_floor(error: float, floor: float) -> str:
-    """An error in noise floors with three digits, such as ``1.24``; a dash where exact data have no floor."""
+def over_floor(error: float, floor: float, digits: int = 3) -> str:
+    """An error in noise floors, such as ``1.24``; a dash where exact data have no floor.
+
+    Examples
+    --------
+    >>> from springpot.misfit.words import over_floor
+    >>> over_floor(0.024, 0.02), over_floor(0.024, 0.02, 2), over_floor(0.024, 0.0)
+    ('1.20', '1.2', '-')
+    """
     if not floor > 0.0:
         return "-"
-    return f"{error / floor:.3g}"
+    return number(error / floor, digits)
 
 
 def percent(fraction: float) -> str:
@@ -30,10 +39,3 @@ def plain(value: float, digits: int = 3) -> str:
     if "e+" in text and value < 1e6:
         return f"{float(text):.0f}"
     return text
-
-
-def counted(number: int, noun: str) -> str:
-    """A number with its noun, such as ``1 point`` or ``3 points``."""
-    if number == 1:
-        return f"1 {noun}"
-    return f"{number} {noun}s"

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from springpot.comparison import Comparison, Judgement
 from springpot.diagnosis import Candidate, Diagnosis
+from springpot.digits import counted, number
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement, Units
 from springpot.misfit import Finding
 from springpot.misfit.error import Error
 from springpot.misfit.values import Value
-from springpot.misfit.words import plain
+from springpot.misfit.words import over_floor, plain
 
-from .numbers import number, percent
+from .numbers import percent
 from .reference import effects_note, reference_note
 from .text import Table, paragraphs, wrapped
 from .values import OPEN, shown
@@ -115,17 +116,10 @@ def _more(diagnosis: Diagnosis, verbose: bool, notes: int) -> str:
     if diagnosis.verdict != "adequate":
         absent = len(absent_effects(diagnosis))
     kinds = ((len(diagnosis.where) - PLACES, "place"), (absent, "absent effect"), (notes, "note"))
-    left = [_several(count, word) for count, word in kinds if count > 0]
+    left = [counted(count, word) for count, word in kinds if count > 0]
     if not left:
         return ""
     return f"-v tells {', '.join(left)} more"
-
-
-def _several(count: int, word: str) -> str:
-    """``1 note``, ``2 notes``."""
-    if count > 1:
-        return f"{count} {word}s"
-    return f"{count} {word}"
 
 
 def error_line(diagnosis: Diagnosis) -> str:
@@ -289,13 +283,6 @@ def _next(diagnosis: Diagnosis) -> str:
     if advice is None:
         return ""
     return f"next experiment: {advice.says}"
-
-
-def over_floor(error: float, floor: float, digits: int) -> str:
-    """An error in noise floors; a dash where exact data have none."""
-    if not floor > 0:
-        return "-"
-    return number(error / floor, digits)
 
 
 def comparison_text(comparison: Comparison, width: int = USUAL) -> str:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from springpot.diagnosis import Ladder, Step
+from springpot.digits import number
 from springpot.identification import Value as Measured
 from springpot.measurement import Measurement
+from springpot.misfit.words import over_floor
 
-from .answers import USUAL, beside_floor, diagnosis_text, over_floor, times
-from .numbers import number, percent
+from .answers import USUAL, beside_floor, diagnosis_text, times
+from .numbers import percent
 from .reference import reference_note
 from .text import Table, paragraphs
 from .values import shown

@@ -8,12 +8,13 @@ from io import StringIO
 from math import log
 from typing import TYPE_CHECKING, Any
 
+from springpot.digits import number
 from springpot.identification import Identification, Value, kept_interval
 from springpot.measurement import material_of
 from springpot.rheology.drawing import drawing_of
 
 from .floors import beside_floors
-from .numbers import number, percent, seconds, told_range
+from .numbers import percent, seconds, told_range
 from .reference import reference_note
 from .spectrum import in_words
 from .text import Table, cut, indented, paragraphs, wrapped

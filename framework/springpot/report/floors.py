@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.digits import number
 from springpot.identification import Identification
 from springpot.rheology import Real
 
-from .numbers import number, percent
+from .numbers import percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,17 +10,18 @@ from pathlib import Path
 
 from springpot.benchmark.plan import digest_of_data
 from springpot.diagnosis import Candidate, Ladder, Step
+from springpot.digits import number
 from springpot.errors import OutputError
 from springpot.files import require_writable, write_text
 from springpot.markup import Html, joined, table, tag
 from springpot.measurement import Measurement
+from springpot.misfit.words import over_floor
 from springpot.versions import versions
 
 from .answers import (
     absent_effects,
     beside_floor,
     nowhere,
-    over_floor,
     probability,
     times,
     value_text,
@@ -34,7 +35,7 @@ from .interactive.bench import Bench, bench_of
 from .interactive.scene import PageScene
 from .ladder import draw_ladder
 from .network import network_svg
-from .numbers import number, percent, told_range, with_interval
+from .numbers import percent, told_range, with_interval
 from .page import page
 from .panels import data_and_model, keys, other_views, panel, residual_planes
 from .reference import effects_note, reference_note

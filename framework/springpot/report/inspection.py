@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from shlex import quote
 from typing import Any
 
+from springpot.digits import counted, number
 from springpot.measurement import TimeTest, Units
 from springpot.measurement.naming import with_part
 
-from .numbers import number, percent
+from .numbers import percent
 from .text import Table, cut, wrapped
 
 LONG = 24
@@ -58,7 +59,7 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
     if others:
         others_shown = parts_text(others, width)
     parts = [
-        f"{result['data']}: {_counted(points, 'point')}, {_counted(len(sweeps), 'sweep')}",
+        f"{result['data']}: {counted(points, 'point')}, {counted(len(sweeps), 'sweep')}",
         _columns(result, units),
         "\n".join(labels),
         f"standard deviations: {given}",
@@ -69,12 +70,6 @@ def inspected_text(result: dict[str, Any], units: Units, spec: str, width: int) 
         next_step(result, spec),
     ]
     return "\n\n".join(part for part in parts if part)
-
-
-def _counted(count: int, word: str) -> str:
-    if count == 1:
-        return f"1 {word}"
-    return f"{count} {word}s"
 
 
 def _few(words: Sequence[str], width: int) -> str:
@@ -204,7 +199,7 @@ def next_step(result: dict[str, Any], spec: str) -> str:
 
 def in_time_text(result: dict[str, Any], tests: Sequence[TimeTest], spec: str, width: int) -> str:
     """What tests in time hold."""
-    head = f"{result['data']}: {_counted(len(tests), 'test')} in time, {result['points']} points"
+    head = f"{result['data']}: {counted(len(tests), 'test')} in time, {counted(result['points'], 'point')}"
     blocks = [_test_text(each, test, width) for each, test in zip(result["tests"], tests, strict=True)]
     following = f"next: springpot identify {quote(spec)} --model EXPR   (springpot list models shows all)"
     # A steady sine is a point of a sweep as well.

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from springpot.digits import number
 from springpot.rheology import Points, Real
 from springpot.rheology.points import KELVIN
 from springpot.superposition import MasterCurve, level_text
 from springpot.superposition.laws import LawFit
 
 from .canvas import COLOURS, INK, QUIET, blank, finished, logarithmic
-from .numbers import number, percent, seconds, with_interval
+from .numbers import percent, seconds, with_interval
 from .text import Table, fitted_to
 
 if TYPE_CHECKING:

@@ -1,41 +1,20 @@
-"""How numbers are printed everywhere: as many digits as are known, and no more."""
+"""How numbers are printed in reports: values with their intervals, ranges and durations."""
 
 from __future__ import annotations
 
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
+from springpot.digits import TINY, at_place, exponent_of, number
+
 if TYPE_CHECKING:
     from springpot.measurement import Measurement
-
-TINY = 1e-300
-"""Below, a number is printed as nothing: its power of ten can no longer be divided by."""
-DIGITS = 4
-"""Significant digits of a number whose uncertainty is not known."""
 
 APART = 5.0
 """Ratio of the ends of an interval from which each has its own digits: rounded alike, the lower one would vanish."""
 
-PLAIN = 4
-"""Decimals of what rounds to zero: ``0.00`` beside ``0.12`` says how nearly it is known, a row of them nothing."""
-
 MOST_DIGITS = 8
 """Significant digits of a number known to the last bit, as from noise-free artificial data."""
-
-
-def number(value: float | None, digits: int = DIGITS) -> str:
-    """`value` with `digits` significant digits; a hyphen where there is none."""
-    # Only nan differs from itself.
-    if value is None or value != value:
-        return "-"
-    if not isfinite(value):
-        if value > 0:
-            return "inf"
-        return "-inf"
-    # Nothing has no first digit to count from.
-    if value == 0:
-        return "0"
-    return _at_place(value, _exponent(value, digits) - digits + 1)
 
 
 def percent(fraction: float | None, digits: int = 3) -> str:
@@ -66,13 +45,13 @@ def with_interval(value: float, low: float | None, high: float | None) -> tuple[
     sized = value
     if abs(value) < TINY:
         sized = width
-    size = _exponent(sized)
+    size = exponent_of(sized)
     place = max(_place(width), size - MOST_DIGITS + 1)
     wide = low > 0.0 and high > APART * low
     # The interval says little more than the size of the value.
     if place > size or wide:
         return number(value, 2), f"[{number(low, 2)}, {number(high, 2)}]"
-    return _at_place(value, place), f"[{_at_place(low, place)}, {_at_place(high, place)}]"
+    return at_place(value, place), f"[{at_place(low, place)}, {at_place(high, place)}]"
 
 
 def told_range(data: Measurement) -> str:
@@ -93,14 +72,6 @@ def seconds(value: float) -> str:
     return f"{value / 60:.1f} min"
 
 
-def _exponent(value: float, digits: int = DIGITS) -> int:
-    """Power of ten of the first digit, after rounding to `digits`: 9.9999 is printed as 10.00."""
-    if abs(value) < TINY:
-        return 0
-    exponent = floor(log10(abs(value)))
-    return exponent + (round(abs(value) / 10.0**exponent, digits - 1) >= 10)
-
-
 def _place(width: float) -> int:
     """The decimal place, as a power of ten, to which a quantity with this half-width is known."""
     exponent = floor(log10(width))
@@ -109,19 +80,3 @@ def _place(width: float) -> int:
     if 355 <= leading < 950:
         return exponent
     return exponent - 1
-
-
-def _at_place(value: float, place: int) -> str:
-    """`value` rounded at 10**place; scientific where plain digits would be long."""
-    if not isfinite(value):
-        return number(value)
-    # Nothing from below is nothing: without the sum, -0.001 would be printed as -0.00.
-    rounded = round(value, -place) + 0.0
-    # Nothing has no decimals, and what rounds to it would have as many as the place is small.
-    if value == 0.0 or (rounded == 0.0 and -place > PLAIN):
-        return "0"
-    exponent = _exponent(rounded)
-    # Plain as long as people read it at a glance, and as every digit that is written is known.
-    if rounded and (exponent >= 6 or exponent < -3) and exponent >= place:
-        return f"{rounded:.{exponent - place}e}"
-    return f"{rounded:.{max(0, -place)}f}"

@@ -10,9 +10,8 @@ import numpy as np
 from springpot.benchmark.comparison import OVER_ALL, Ranking
 from springpot.benchmark.findings import Findings
 from springpot.benchmark.statistics import Interval, expected_running_time, wilson
+from springpot.digits import number
 from springpot.markup import Html, joined, tag
-
-from .numbers import number
 
 
 @dataclass(frozen=True)

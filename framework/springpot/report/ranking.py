@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from springpot.comparison import Judgement, Ranking
+from springpot.digits import number
 
 from .answers import USUAL, floors, times_floor, value_text
 from .climbed import doubt_text
-from .numbers import number, percent
+from .numbers import percent
 from .reference import reference_note
 from .text import Table, paragraphs
 

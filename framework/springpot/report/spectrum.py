@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.digits import number
 from springpot.identification import Identification, Spectrum
 
 from . import views
@@ -14,7 +15,6 @@ from .canvas import COLOURS, QUIET, blank, finished, logarithmic
 from .curves import Fit
 from .figures import headed
 from .floors import beside_floors
-from .numbers import number
 from .scene import Scene
 from .views import WIDE_RANGE
 

@@ -16,10 +16,11 @@ from springpot.benchmark.standings import CHOICE_NOTE
 from springpot.benchmark.statistics import Interval
 from springpot.benchmark.summary import CellSummary
 from springpot.benchmark.tables import Table, text
+from springpot.digits import counted, number
 from springpot.files import write_text
 from springpot.markup import Html, joined, table, tag
 
-from .numbers import number, seconds
+from .numbers import seconds
 from .page import page
 from .pools import pools, share_text, verdict
 from .study_plots import Pens, accuracy_against_time, attained, diagram, distribution, pair, profile_figures, progress
@@ -103,11 +104,11 @@ def _head(findings: Findings) -> Iterator[Html]:
     failed = sum(summary.failed for summary in findings.summaries)
     # How much stands behind the answer, before the answer.
     counts = (
-        _count(len({cell.label for cell in cells}), "optimiser"),
-        _count(len({problem.model for problem in problems.values()}), "model"),
-        _count(len({problem.dataset for problem in problems.values()}), "data set"),
-        _count(len(problems), "problem"),
-        f"{_count(trials, 'trial')} of {findings.scale.budget} evaluations",
+        counted(len({cell.label for cell in cells}), "optimiser"),
+        counted(len({problem.model for problem in problems.values()}), "model"),
+        counted(len({problem.dataset for problem in problems.values()}), "data set"),
+        counted(len(problems), "problem"),
+        f"{counted(trials, 'trial')} of {findings.scale.budget} evaluations",
         f"{failed} failed",
     )
     yield tag("h1", f"{findings.name}: which optimiser?")
@@ -116,12 +117,6 @@ def _head(findings: Findings) -> Iterator[Html]:
     if by_budget:
         # The last is that of the whole budget.
         yield tag("div", *verdict(findings, by_budget[-1]), class_="verdict")
-
-
-def _count(number: int, word: str) -> str:
-    if number == 1:
-        return f"1 {word}"
-    return f"{number} {word}s"
 
 
 def _choices(findings: Findings) -> Iterator[Html]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from math import inf, isfinite
 
+from springpot.digits import number
 from springpot.identification import Value
 
-from .numbers import number, with_interval
+from .numbers import with_interval
 
 OPEN = "not determined"
 NOTHING = 1e-3

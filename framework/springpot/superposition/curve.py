@@ -17,28 +17,22 @@ from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement, at_one_frequency
+from springpot.policy import SUPERPOSITION
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
 from .factors import Factors, Rows, factors_of, told_by_data
 from .flatness import flat_levels
 from .laws import LawFit, judged_laws, slower_when_hot
-from .simplicity import Alone, Simplicity, each_alone, simplicity
+from .simplicity import Simplicity, each_alone, simplicity
 from .vertical import lifted
 from .words import level_text, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+from .remarks import not_told_apart, repeats_in_words, undetermined, vertical_range
 
 SCHEMA = "springpot.mastercurve/1"
-SHARED = 0.5
-"""Scatter within a sweep in units of the given standard deviations, below which these are not those of scatter."""
-LARGE = 2.0
-"""Range of vertical factors beyond physics: rho T changes by less than this between any two common temperatures."""
-DIFFER = 0.005
-"""Relative scatter of repeats from which it is told; below it is the usual noise of an instrument."""
-WIDE = float(np.log(10.0))
-"""Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
 
 FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
@@ -251,15 +245,15 @@ def mastercurve(
     searched = np.abs(fitted.log_a) < (1.0 - ROUNDING) * WIDEST
     # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
     flat = flat_levels(rows) & (np.arange(len(factors)) != at)
-    determined = connected & searched & (factors.reach_a < WIDE) & ~flat
+    determined = connected & searched & (factors.reach_a < SUPERPOSITION.undetermined) & ~flat
     told = told_by_data(rows, at)
     notes += [
         *remarks,
-        *_undetermined(factors, connected, determined, flat),
+        *undetermined(factors, connected, determined, flat),
         *slower_when_hot(factors, determined),
-        *_not_told_apart(factors, told),
-        *_vertical_range(factors, told),
-        *_repeats(rows, own),
+        *not_told_apart(factors, told),
+        *vertical_range(factors, told),
+        *repeats_in_words(rows, own),
     ]
     # Laws are judged against free factors: a law within the fit would bend them to itself.
     laws = judged_laws(factors, determined, told & vertical)
@@ -323,7 +317,7 @@ def _weighing(measurement: Measurement, column: str, objective: Objective | None
     own = each_alone(measurement, levels_of(column, measurement.points.need(column)), given)
     dof, cost = float(own.dof[own.judged].sum()), float(own.cost[own.judged].sum())
     # Where each level's own material leaves as much as is given, the deviations are those of scatter.
-    if not dof or cost >= SHARED**2 * dof:
+    if not dof or cost >= SUPERPOSITION.shared_errors**2 * dof:
         return given, []
     size = np.sqrt(dof / max(cost, 1e-300))
     note = (
@@ -381,69 +375,6 @@ def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
     for _ in range(m):
         reached = touching[reached].any(axis=0)
     return np.asarray(reached)
-
-
-def _undetermined(
-    factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_], flat: NDArray[np.bool_]
-) -> list[str]:
-    """One sentence for flat levels, one for those that do not overlap, one for those that hardly do."""
-
-    def named(which: NDArray[np.bool_]) -> str:
-        return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
-
-    notes = []
-    apart = ~connected & ~flat
-    if np.any(apart):
-        notes.append(
-            f"{named(apart)}: the sweeps do not overlap with the rest; their factors are not "
-            "determined, as many fit alike"
-        )
-    if np.any(flat):
-        notes.append(
-            f"{named(flat)}: storage and loss are flat within their scatter, so that there is nothing to shift "
-            "by: any factor a fits"
-        )
-    hardly = connected & ~determined & ~flat
-    if np.any(hardly):
-        notes.append(
-            f"{named(hardly)}: the sweeps overlap too little or are too straight; "
-            "their factors are known to no better than a decade"
-        )
-    return notes
-
-
-def _not_told_apart(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
-    """A sentence for levels at which a shift does what a vertical factor would do as well."""
-    if np.all(told):
-        return []
-    names = ", ".join(level_text(factors.column, value) for value in factors.levels[~told].tolist())
-    return [
-        f"{names}: a and b cannot be told apart, as the sweeps are nearly straight: b is taken as near to 1 as the "
-        "data allow, and the interval of a holds for such a b"
-    ]
-
-
-def _vertical_range(factors: Factors, told: NDArray[np.bool_]) -> list[str]:
-    """A sentence where the data ask for vertical factors that physics does not explain."""
-    if factors.column != "temperature":
-        return []
-    span = float(np.exp(np.ptp(factors.log_b[told])))
-    if span < LARGE:
-        return []
-    return [
-        f"the vertical factors range over a factor of {span:.2g}, more than density and rubber elasticity explain: "
-        "the data contradict smaller ones, as a changed geometry, a slip or a failure of superposition would"
-    ]
-
-
-def _repeats(rows: Rows, own: Alone) -> list[str]:
-    """A sentence where repeated sweeps differ, which no curve can follow."""
-    scatter = own.repeats
-    far = np.flatnonzero(scatter > DIFFER)
-    if not len(far):
-        return []
-    names = ", ".join(rows.named(i) for i in far.tolist())
-    return [f"repeated sweeps differ by up to {100.0 * scatter.max():.2g} % ({names}), which no curve can follow"]
 
 
 def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from springpot.identification import Fit, weighted
 from springpot.identification.uncertainty import student
+from springpot.policy import INTERVAL, SUPERPOSITION
 from springpot.rheology import Continuum, Levels, Real, levels_of
 
 from .words import level_text
 
-LEVEL = 0.95
-"""Probability of the intervals."""
 LOST = 1e-5
 """Singular value, relative to the largest, below which a direction of the factors is not determined."""
 ALIKE = 1e-9
@@ -24,8 +23,6 @@ SMALLEST = 1e-12
 """Size of a slope, relative to the largest, that is no more than rounding."""
 OPEN = 30.0
 """Standard deviation in ln a of what is not determined: thirteen decades."""
-MOST_ALIKE = 0.9
-"""Largest correlation of neighbouring residuals that is believed; of few points it is no more than a guess."""
 LEAST = 1e-12
 """Least standard deviation of a weighted residual: exact data leave rounding."""
 
@@ -263,7 +260,7 @@ class Rows:
             product = np.mean((residual[1:] * residual[:-1])[same])
         # A negative correlation would narrow the intervals, on no more than a guess.
         variance = max(float(np.mean(residual**2)), 1e-300)
-        r = float(np.clip(product / variance, 0.0, MOST_ALIKE))
+        r = float(np.clip(product / variance, 0.0, SUPERPOSITION.most_alike))
         return (1.0 + r) / (1.0 - r)
 
     @cached_property
@@ -414,5 +411,5 @@ def _spread(rows: Rows, covariance: Real) -> Factors:
     values[place] = np.log(rows.fit.theta[len(rows.fit.model.material.parameters) :])
     whole = np.zeros((2 * m, 2 * m))
     whole[np.ix_(place, place)] = covariance
-    quantile = student(LEVEL, rows.fit.dof)
+    quantile = student(INTERVAL, rows.fit.dof)
     return Factors(first.column, np.array(first.shown), first.reference, values[:m], values[m:], whole, quantile)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification.uncertainty import student
-from springpot.policy import SUPERPOSITION
+from springpot.policy import INTERVAL, SUPERPOSITION
 from springpot.rheology import Real
 
-from .factors import LEVEL, Rows
+from .factors import Rows
 
 FEWEST = 3
 """Points of a sweep that a slope and its scatter take up."""
@@ -40,5 +40,5 @@ def _is_level(x: Real, values: Real) -> bool:
     freedom = len(x) - 2
     sd = float(np.sqrt(left @ left / freedom / (away @ away)))
     # Few points or a short sweep show no slope either, and leave room for a large one.
-    room = slope + student(LEVEL, freedom) * sd
+    room = slope + student(INTERVAL, freedom) * sd
     return slope <= student(SUPERPOSITION.seen, freedom) * sd + EXACT and DECADE * room < SUPERPOSITION.flat

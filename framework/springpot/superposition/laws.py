@@ -12,15 +12,13 @@ from scipy.optimize import least_squares
 
 from springpot.distributions import chi2_sf, normal_sf
 from springpot.identification.uncertainty import student
-from springpot.policy import SUPERPOSITION
+from springpot.policy import INTERVAL, SUPERPOSITION
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.points import KELVIN
 
-from .factors import LEVEL, Factors
+from .factors import Factors
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
-HARDLY = 1.0
-"""Half-width of an interval of ln b from which a vertical factor says nothing about a law."""
 TRIES = 12
 """Starts of a law's fit along its second parameter, which alone can have two minima."""
 BISECTIONS = 8
@@ -142,7 +140,7 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], told: NDArray[n
     for law in LAWS:
         known = judging
         if law.vertical:
-            known = judging & told & (factors.reach_b < HARDLY)
+            known = judging & told & (factors.reach_b < SUPERPOSITION.vertical_unknown)
         used = np.flatnonzero(known)
         if len(used) < len(law.element.parameters):
             continue
@@ -275,7 +273,7 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit | Non
     freedom = inf
     if misfit > 1.0 or verdict == "departs":
         freedom = spare
-    reach = student(LEVEL, freedom) * spread
+    reach = student(INTERVAL, freedom) * spread
     bounds = (np.maximum(theta - reach, task.low), np.minimum(theta + reach, task.high))
     # Of a constant whose interval is all its range nothing is known.
     empty = (bounds[0] <= task.low) & (bounds[1] >= task.high)

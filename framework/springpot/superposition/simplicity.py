@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.distributions import f_sf, normal_sf
 from springpot.identification import Objective, fit, weighted
-from springpot.measurement import Measurement
+from springpot.measurement import Measurement, frequency_numbers
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import Continuum, Model, Real
 
@@ -23,14 +23,8 @@ from .factors import Rows, without
 Verdict = Literal["simple", "nearly-simple", "not-simple", "not-judged"]
 BAND = float(np.log(10.0))
 """Width of a branch of relaxation times: a decade."""
-LEAST_BRANCH = 1e-2
-"""Share of |K| that a branch must have somewhere to be looked at."""
-DIGITS = 6
-"""Decimals of ln omega by which frequencies are the same: one that is set again comes back with other last digits."""
 TINY = 1e-24
 """Least variance: exact data leave rounding."""
-LEAST_SHARE = 0.1
-"""Share of what superposition leaves that a place must explain to be told: many small ones are no answer."""
 FEW = 4
 """Points of a level from which it can be fitted by itself."""
 ROUNDING = 1e-8
@@ -213,7 +207,7 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     failures = strange
     # Where superposition holds, what is found among so many places is chance.
     if verdict != "simple":
-        failures = [*strange, *(place for place in places if place.share > LEAST_SHARE)]
+        failures = [*strange, *(place for place in places if place.share > SUPERPOSITION.worth_a_place)]
     return Simplicity(
         verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(failures)
     )
@@ -264,7 +258,8 @@ def each_alone(measurement: Measurement, number: NDArray[np.int64], objective: O
 
 def repeat_scatter(data: Measurement, number: NDArray[np.int64]) -> Real:
     """Relative scatter (m,) of points repeated at one level and frequency; zero where none is."""
-    _, group = np.unique(np.column_stack([number, np.round(np.log(data.omega), DIGITS)]), axis=0, return_inverse=True)
+    rows = np.column_stack([number, frequency_numbers(data)])
+    _, group = np.unique(rows, axis=0, return_inverse=True)
     group = group.ravel()
     count = np.bincount(group)
     mean = (np.bincount(group, data.storage) + 1j * np.bincount(group, data.loss)) / count
@@ -380,7 +375,7 @@ def _branches(rows: Rows, alone: Alone) -> list[Failure]:
     for each in np.unique(band).tolist():
         lines = band == each
         # A branch at the edge of what was measured stands for all that lies beyond.
-        if share[lines].sum(axis=0).max() > LEAST_BRANCH and _inside(each, x):
+        if share[lines].sum(axis=0).max() > SUPERPOSITION.branch_seen and _inside(each, x):
             columns.append(by_shift[lines].sum(axis=0))
             places.append(float(np.exp(-(each + 0.5) * BAND)))
     # A branch shifts more or less than the others: one alone has none to differ from.

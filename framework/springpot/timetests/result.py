@@ -11,6 +11,7 @@ import numpy as np
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of, student
 from springpot.measurement import Timed, TimeTest, Units, material_of
+from springpot.policy import INTERVAL
 from springpot.rheology import Continuum, Model, Real
 
 from .sizes import rms
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from .parts import Part
 
 SCHEMA = "springpot.identification-in-time/1"
-LEVEL = 0.95
 AGREE = 1.5
 """A test that the common parameters miss by this many times what its own would leave does not agree with the others:
 with the fifty numbers of a usual test that is beyond a chance of 1e-3 (F test)."""
@@ -170,7 +170,7 @@ class TimeIdentification:
     def quantile(self) -> float:
         """Student's factor of a 95 % interval."""
         points = sum(test.points for test in self.tests)
-        return student(LEVEL, max(points - len(self.theta), 1))
+        return student(INTERVAL, max(points - len(self.theta), 1))
 
     @cached_property
     def slopes(self) -> Real:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.measurement import LENGTH_UNITS, MODULUS_UNITS, known_unit, normal_unit
-from springpot.measurement.signals import stiffness_unit
+from springpot.measurement.from_signals import stiffness_unit
 from springpot.rheology import Real
 
 from .table import Column

@@ -50,8 +50,9 @@ _PAIRS = (
 """What gives a complex modulus, best first."""
 _REPEATED = set(FREQUENCIES).union(*_PAIRS)
 """Columns that say once more what the chosen ones say."""
-SAME_FREQUENCY = 0.01
-"""Share by which two columns of one frequency may differ, as what was set and what was measured do."""
+COLUMNS_AGREE = 0.01
+"""Share by which two columns of one frequency may differ, as what was set and what was measured do: much more than
+rows of one column, which come from one instrument."""
 RATIOS = ("loss_factor", "damping_ratio")
 """Plain numbers, which need no unit."""
 _MEANT = {*UNITS, "repeat"} - {"time"}
@@ -316,7 +317,7 @@ def _require_one_clock(columns: Sequence[Column]) -> None:
 def _is_near(one: str, two: str) -> bool:
     """Whether two cells are one frequency, to 1 %."""
     first, second = value_of(one), value_of(two)
-    return abs(first - second) <= SAME_FREQUENCY * abs(first)
+    return abs(first - second) <= COLUMNS_AGREE * abs(first)
 
 
 def _named(columns: Sequence[Column], name: str) -> Column | None:

@@ -33,6 +33,19 @@ _MOST_LINES = 5000
 """Lines beyond which a file is no such table: a sweep has some hundred points."""
 _NAMES = {True: "temperature [degC],25 Hz,10 Hz", False: "frequency [Hz],20 degC,40 degC"}
 """Names of a table whose columns go by frequency, and of one whose columns go by temperature."""
+_PARTNERS = {
+    "storage": "loss [MPa]",
+    "loss": "storage [MPa]",
+    "magnitude": "phase [deg]",
+    "viscosity": "phase [deg]",
+    "dynamic_viscosity": "eta'' [Pa s]",
+    "out_of_phase_viscosity": "eta' [Pa s]",
+    "storage_compliance": "J'' [1/MPa]",
+    "loss_compliance": "J' [1/MPa]",
+}
+"""What makes a modulus of one quantity alone, as the line above a table says it."""
+_MODULUS = "|E*| [MPa]"
+"""The same beside an angle, and beside whatever else is no modulus."""
 _CORNER = re.compile(r"\s*[\\/|]\s+|\s+[\\/|]\s*|\\")
 """Between the names of both sides in the first cell: ``T [degC] \\ f [Hz]``."""
 
@@ -78,12 +91,18 @@ def from_tables_of_one(grid: Grid, choice: Choice) -> Grid | None:
     quantities = list(dict.fromkeys(value.quantity for value in values))
     if wide and not makes_modulus(quantities):
         raise DataError(
-            f"its columns go by frequency or temperature, and hold {' and '.join(quantities)} alone; beside |E*| add "
-            "below it a line 'phase [deg]', beside storage one such as 'loss [MPa]', and a table with the same names"
+            f"its columns go by frequency or temperature, and hold {' and '.join(quantities)} alone; add below it a "
+            f"line '{_lacking(quantities)}', and a table with the same names"
         )
     if len(quantities) < 2 or not makes_modulus(quantities):
         return None
     return side_by_side(values)
+
+
+def _lacking(quantities: Sequence[str]) -> str:
+    """The line above the table that lacks, such as ``phase [deg]`` beside ``|E*| [MPa]``."""
+    roles = [heading(title).role for title in quantities]
+    return next((_PARTNERS[role] for role in roles if role in _PARTNERS), _MODULUS)
 
 
 def is_wide(grid: Grid) -> bool:

@@ -28,7 +28,7 @@ from springpot.measurement import (
     normal_unit,
     temperature_in_celsius,
 )
-from springpot.measurement.signals import stiffness_unit
+from springpot.measurement.from_signals import stiffness_unit
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 

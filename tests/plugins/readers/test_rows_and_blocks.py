@@ -240,10 +240,35 @@ def test_what_a_part_leaves_open_names_the_file(folder):
         assert f"open '{folder.path / 'data.txt'}?phase=deg'" in part.says
 
 
-def test_one_quantity_alone_names_the_other(folder):
-    says = folder.complaint(f"|E*| [MPa]\n{wide(abs(E))}")
-    assert "add below it a line 'phase [deg]'" in says
-    is_table(folder.open(f"|E*| [MPa]\n{wide(abs(E))}phase [deg]\n{wide(ANGLE)}"))
+@pytest.mark.parametrize(
+    ("alone", "values", "lacks", "others"),
+    [
+        ("|E*| [MPa]", abs(E), "phase [deg]", ANGLE),
+        ("phase [deg]", ANGLE, "|E*| [MPa]", abs(E)),
+        ("tan delta [-]", E.imag / E.real, "|E*| [MPa]", abs(E)),
+        ("storage [MPa]", E.real, "loss [MPa]", E.imag),
+        ("loss [MPa]", E.imag, "storage [MPa]", E.real),
+    ],
+)
+def test_one_quantity_alone_names_the_other_which_mends_it(folder, alone, values, lacks, others):
+    text = f"{alone}\n{wide(values)}"
+    assert f"add below it a line '{lacks}', and a table with the same names" in folder.complaint(text)
+    is_table(folder.open(f"{text}{lacks}\n{wide(others)}"))
+
+
+@pytest.mark.parametrize(
+    ("alone", "lacks"),
+    [
+        ("J' [1/MPa]", "J'' [1/MPa]"),
+        ("J'' [1/MPa]", "J' [1/MPa]"),
+        ("eta' [Pa s]", "eta'' [Pa s]"),
+        ("eta'' [Pa s]", "eta' [Pa s]"),
+    ],
+)
+def test_half_a_compliance_or_viscosity_names_its_other_half(folder, alone, lacks):
+    text = f"{alone}\n{wide(abs(E))}"
+    assert f"add below it a line '{lacks}'" in folder.complaint(text)
+    assert len(folder.open(f"{text}{lacks}\n{wide(abs(E))}")) == E.size
 
 
 def test_a_wide_table_of_nobody_knows_what_shows_how_to_write_it(folder):

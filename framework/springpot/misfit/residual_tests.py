@@ -1,0 +1,323 @@
+"""The tests of a residual, each a statistic and the words for what it finds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.measurement import CONDITIONS, sweeps_of
+from springpot.policy import OUTLIERS
+from springpot.rheology import Real
+
+from .frame import Frame
+from .outliers import point_in_words
+from .shapes import Drawn, spectrum
+from .unseen import unseen_error, unseen_in_words
+from .words import plain, times
+
+Rows: TypeAlias = NDArray[np.int64]
+MAINS = (50.0, 60.0)
+MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
+"""Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
+NEAR_MAINS = 0.015
+"""Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
+FEWEST_OFF_MAINS = 10
+"""Points away from the mains from which their scatter can be held against that at the mains."""
+NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
+"""Weights of the first to sixth neighbour in runs: an error that is shared is mostly shared by several points, and a
+sum over them sees it where the products of next neighbours alone are too few."""
+
+
+class ResidualTest(NamedTuple):
+    """One test of the battery.
+
+    Attributes
+    ----------
+    name : str
+        What is looked for.
+    statistic : callable
+        Of a fit and residuals (m, 2n) the statistics (m,), larger where there is more structure; None where the data
+        have nothing to test.
+    says : callable
+        Of a fit a number and a sentence on it.
+    """
+
+    name: str
+    statistic: Callable[[Frame, Drawn], Real | None]
+    says: Callable[[Frame], tuple[float, str]]
+
+
+# Too much scatter: noise that was estimated from it cannot be exceeded, but one part may exceed the other.
+def _scatter(frame: Frame, sample: Drawn) -> Real | None:
+    if frame.estimated:
+        return None
+    return np.asarray(np.einsum("ij,ij->i", sample, sample), dtype=np.float64)
+
+
+def _scatter_in_words(frame: Frame) -> tuple[float, str]:
+    value, free = float(frame.rest @ frame.rest), frame.size - frame.absorbed.shape[1]
+    ratio = times(np.sqrt(value / max(free, 1)))
+    says = f"the residual is {ratio} what the noise leaves (chi-square {value:.4g} on {free} degrees of freedom)"
+    return value, says
+
+
+# An estimated noise is brought to unit scatter over both parts together: one of them may still be too large.
+def _part(number: int) -> Callable[[Frame, Drawn], Real]:
+    def statistic(frame: Frame, sample: Drawn) -> Real:
+        n = len(frame.measurement)
+        return np.asarray(np.sum(sample[:, number * n : (number + 1) * n] ** 2, axis=1), dtype=np.float64)
+
+    return statistic
+
+
+def _part_in_words(number: int, word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        n = len(frame.measurement)
+        rows = slice(number * n, (number + 1) * n)
+        # What the parameters follow of this part alone: a fit may spend nearly all of its freedom on the storage.
+        free = max(float(n - np.sum(frame.absorbed[rows] ** 2)), 1.0)
+        ratio = float(np.sqrt(np.sum(frame.rest[rows] ** 2) / free))
+        return ratio, f"{word} alone is {times(ratio)} what its noise leaves"
+
+    return says
+
+
+# Structure along sweeps: slow curves, of each sweep or of all, and errors that all sweeps share at a frequency.
+def _along(basis_of: Callable[[Frame], Real]) -> Callable[[Frame, Drawn], Real | None]:
+    def statistic(frame: Frame, sample: Drawn) -> Real | None:
+        basis = basis_of(frame)
+        if basis.shape[1] == 0:
+            return None
+        along = sample @ basis.astype(sample.dtype)
+        return np.asarray(np.einsum("ij,ij->i", along, along), dtype=np.float64)
+
+    return statistic
+
+
+def _along_in_words(basis_of: Callable[[Frame], Real], word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        basis = basis_of(frame)
+        there = float(np.sum((basis.T @ frame.rest) ** 2)) / basis.shape[1]
+        scatter = float(frame.rough @ frame.rough) / max(frame.rough_dof, 1)
+        ratio = float(np.sqrt(there / max(scatter, 1e-300)))
+        return ratio, f"{word} is {times(ratio)} what point-to-point scatter leaves"
+
+    return says
+
+
+def _smooth(frame: Frame) -> Real:
+    return frame.smooth
+
+
+def _shared(frame: Frame) -> Real:
+    return frame.shared
+
+
+def _common(frame: Frame) -> Real:
+    return frame.common
+
+
+# Neighbours that are alike, along frequency and in the order in which they were measured; and what swings.
+def _along_frequency(frame: Frame) -> list[Rows]:
+    return [sweep.rows for sweep in sweeps_of(frame.measurement)]
+
+
+def _in_order(frame: Frame) -> list[Rows]:
+    return [np.arange(len(frame.measurement))]
+
+
+def _alike(orders: Callable[[Frame], list[Rows]]) -> Callable[[Frame, Drawn], Real]:
+    def statistic(frame: Frame, sample: Drawn) -> Real:
+        n = len(frame.measurement)
+        total: Real = np.zeros(len(sample))
+        for rows in orders(frame):
+            for offset in (0, n):
+                total += kinship(sample[:, rows + offset])
+        return total
+
+    return statistic
+
+
+def kinship(rows: Drawn) -> Real:
+    """Weighted sum of products of neighbours along the last axis."""
+    total: Drawn = np.zeros(rows.shape[:-1], dtype=rows.dtype)
+    for lag, weight in enumerate(NEIGHBOURS[: rows.shape[-1] - 1], 1):
+        total += weight * np.einsum("...i,...i->...", rows[..., lag:], rows[..., :-lag])
+    return np.asarray(total, dtype=np.float64)
+
+
+def _alike_in_words(orders: Callable[[Frame], list[Rows]], word: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        n, rest = len(frame.measurement), frame.rest
+        pairs = [(rows[:-1] + k, rows[1:] + k) for rows in orders(frame) for k in (0, n)]
+        first, second = (np.concatenate(side) for side in zip(*pairs, strict=True))
+        # By the size of the very points that are paired (Cauchy and Schwarz): within -1 and 1.
+        size = float(np.linalg.norm(rest[first]) * np.linalg.norm(rest[second])) or 1.0
+        correlation = float(np.clip(np.sum(rest[first] * rest[second]) / size, -1.0, 1.0))
+        return correlation, f"neighbouring residuals {word} correlate by {correlation:.2f}"
+
+    return says
+
+
+def _ripple(frame: Frame, sample: Drawn) -> Real:
+    """Largest energy of a periodic residual along the sweeps, of one period in all of them.
+
+    Where the noise is told by these data, as a share of all: the scatter beside slow curves holds the ripple itself.
+    """
+    # The largest over all periods, in the data and in each draw alike: so the number of periods costs no false alarm.
+    largest = spectrum(frame.measurement, sample).max(axis=1)
+    if frame.estimated:
+        # Of three points a fit may leave nothing at all.
+        largest = largest / np.maximum(np.einsum("ij,ij->i", sample, sample), np.finfo(sample.dtype).tiny)
+    return np.asarray(largest)
+
+
+def _ripple_in_words(frame: Frame) -> tuple[float, str]:
+    power = spectrum(frame.measurement, frame.rest[None])[0]
+    # The place 0 is a constant, of no period at all.
+    peak = max(int(np.argmax(power)), 1)
+    period = 2.0 * (len(power) - 1) / peak
+    return period, f"the residual swings with a period of {period:.2g} points"
+
+
+# What stands out: one frequency in all sweeps, single points, multiples of the mains.
+def _one_frequency(frame: Frame, sample: Drawn) -> Real:
+    narrow = frame.narrow.astype(sample.dtype)
+    return np.asarray(np.max(np.abs(sample @ narrow), axis=1, initial=0.0), dtype=np.float64)
+
+
+def _one_frequency_in_words(frame: Frame) -> tuple[float, str]:
+    along = np.abs(frame.rest @ frame.narrow)
+    size = float(np.max(along, initial=0.0))
+    words = "at one frequency, with its neighbours or alone, the residual is off by"
+    return size, f"{words} {plain(size, 2)} sd in all sweeps"
+
+
+def _largest(frame: Frame, sample: Drawn) -> Real | None:
+    """The furthest point; where the data's own scatter is dealt out, it is dealt out too, and tells nothing."""
+    if frame.estimated:
+        return None
+    return np.asarray(np.max(np.abs(sample), axis=1), dtype=np.float64)
+
+
+def _largest_in_words(frame: Frame) -> tuple[float, str]:
+    size = float(np.max(np.abs(frame.rest)))
+    return size, f"the furthest point is off by {plain(size, 2)} sd"
+
+
+def points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, bool, str]:
+    """Size, chance and sentence of points that stand out by the rule of `outliers`."""
+    rows = list(points)
+    n = len(frame.measurement)
+    storage, loss = frame.rest[rows], frame.rest[np.add(rows, n)]
+    size = float(np.max(np.hypot(storage, loss)))
+    hertz = frame.measurement.frequency[rows]
+    places = "; ".join(point_in_words(frame.measurement, row) for row in rows[:3])
+    if len(rows) > 3:
+        places = f"{places} and {len(rows) - 3} more"
+    if np.all(_near_mains(hertz)):
+        places = f"{places} (a multiple of the mains frequency)"
+    verb = "a single point stands out"
+    if len(rows) > 1:
+        verb = "single points stand out"
+    return size, OUTLIERS.rare, True, f"{verb} at {places}"
+
+
+def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
+    """Every inner point of a sweep with its neighbours, in both parts: rows of (2n,)."""
+    n = len(frame.measurement)
+    lines = [rows + k for rows in _along_frequency(frame) for k in (0, n)]
+    # The ends have one neighbour only, from which a slope of the residual would be a difference too.
+    before = np.concatenate([rows[:-2] for rows in lines])
+    here = np.concatenate([rows[1:-1] for rows in lines])
+    after = np.concatenate([rows[2:] for rows in lines])
+    return before, here, after
+
+
+def _hum(frame: Frame, sample: Drawn) -> Real | None:
+    """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
+    before, here, after = _bends(frame)
+    near = np.tile(_near_mains(frame.measurement.frequency), 2)[here]
+    if not np.any(near) or np.sum(~near) < FEWEST_OFF_MAINS:
+        return None
+    off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
+    # In double precision: of exact data next to nothing is left, whose square is none in single.
+    others = np.mean(off[:, ~near] ** 2, axis=1, dtype=np.float64)
+    at_mains = np.mean(off[:, near] ** 2, axis=1, dtype=np.float64)
+    return np.asarray(at_mains / np.maximum(others, 1e-300), dtype=np.float64)
+
+
+def _hum_in_words(frame: Frame) -> tuple[float, str]:
+    value = _hum(frame, frame.rest[None])
+    ratio = 1.0
+    if value is not None:
+        ratio = float(value[0])
+    frequency = frame.measurement.frequency
+    units = frame.measurement.units
+    places = ", ".join(units.at(x) for x in np.unique(frequency[_near_mains(frequency)])[:4])
+    says = f"at multiples of the mains ({places}) points stand off {times(np.sqrt(ratio))} as far as others"
+    return ratio, says
+
+
+def _near_mains(frequency: Real) -> NDArray[np.bool_]:
+    lines = np.outer(MAINS, MAINS_FACTORS).ravel()
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR_MAINS, axis=1)
+    return near
+
+
+# Trends with a condition that the model does not follow.
+def _trend_basis(name: str) -> Callable[[Frame], Real]:
+    def basis(frame: Frame) -> Real:
+        return frame.trends[name]
+
+    return basis
+
+
+def _trend_in_words(name: str) -> Callable[[Frame], tuple[float, str]]:
+    def says(frame: Frame) -> tuple[float, str]:
+        x = frame.condition(name)
+        assert x is not None, "the test was made"
+        # All that is seen against the model, not its part beyond the parameters: the user can look that up.
+        off = np.log(frame.measurement.stiffness / frame.model_stiffness)
+        size, phase = (off.real @ x) / (x @ x), np.degrees((off.imag @ x) / (x @ x))
+        verb = "loses"
+        if size > 0:
+            verb = "gains"
+        words = (
+            f"from the lowest to the highest {name} the measured |K| {verb} {100 * abs(np.expm1(size)):.2g} % "
+            f"and its phase {phase:+.2g} deg against the model"
+        )
+        return float(size), words
+
+    return says
+
+
+# Levels of a condition that a fit without them would not foretell.
+def _unseen(name: str) -> ResidualTest:
+    return ResidualTest(
+        f"unseen {name}",
+        lambda frame, sample: unseen_error(frame, sample, name),
+        lambda frame: unseen_in_words(frame, name),
+    )
+
+
+TESTS = (
+    ResidualTest("scatter", _scatter, _scatter_in_words),
+    ResidualTest("storage alone", _part(0), _part_in_words(0, "storage")),
+    ResidualTest("loss alone", _part(1), _part_in_words(1, "loss")),
+    ResidualTest("slow", _along(_smooth), _along_in_words(_smooth, "slow structure along the sweeps")),
+    ResidualTest("shared", _along(_shared), _along_in_words(_shared, "what all sweeps share at a frequency")),
+    ResidualTest("common", _along(_common), _along_in_words(_common, "slow structure that all sweeps share")),
+    ResidualTest("runs", _alike(_along_frequency), _alike_in_words(_along_frequency, "along frequency")),
+    ResidualTest("order", _alike(_in_order), _alike_in_words(_in_order, "from row to row")),
+    ResidualTest("ripple", _ripple, _ripple_in_words),
+    ResidualTest("one frequency", _one_frequency, _one_frequency_in_words),
+    ResidualTest("furthest point", _largest, _largest_in_words),
+    ResidualTest("mains frequency", _hum, _hum_in_words),
+    *(ResidualTest(f"trend with {name}", _along(_trend_basis(name)), _trend_in_words(name)) for name in CONDITIONS),
+    *(_unseen(name) for name in CONDITIONS),
+)
+"""All that is looked for."""
