@@ -22,6 +22,7 @@ FLOORS = {
     "plain": -1,
     "errors": 0,
     "distributions": 0,
+    "nonnegative": 0,
     "policy": 0,
     "drawing": 0,
     "markup": 0,

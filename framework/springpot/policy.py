@@ -247,8 +247,9 @@ class VerdictLevels:
     enough_spare: int = 10
     """Degrees of freedom from which the evidence may rule out that nothing is missing without an alarm: of fewer one
     lucky fit does, as of a sweep of three points that a phase error follows to a thirtieth of its scatter."""
-    harmonic_alarm: float = 0.05
-    """Chance that any harmonic of the force is held to be real where all are noise."""
+    harmonic_alarm: float = 0.01
+    """Chance that any harmonic of the force is held to be real where all are noise: twice that of an alarm, for the
+    two tests of odd and even ones."""
     own_curves: float = 0.75
     """Share of what sets repeats apart from which a curve of each run is its cause: 0.998 or more for specimens of
     bitumen (fhwa-ptf-binder-dsr), 0.24 to 0.51 for noise that goes on from point to point."""

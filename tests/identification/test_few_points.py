@@ -5,7 +5,8 @@ import pytest
 
 import springpot
 from springpot.identification import default_objective
-from springpot.identification.material import SPARE, fit_spectrum
+from springpot.identification.material import SPARE
+from springpot.identification.material_fit import fit_spectrum
 from springpot.misfit import any_material
 
 

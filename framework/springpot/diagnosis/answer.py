@@ -119,7 +119,7 @@ def answer(
         # To look at one test needs no measurement, nor to number repeats: they come first.
         if not one_test and not isinstance(cause, EqualRows):
             experiment = _next_experiment(search, evidence, verdict, outliers, leading, course)
-    sentences = list(notes(evidence, verdict, outliers, cause, len(measurement), library))
+    sentences = list(notes(evidence, verdict, outliers, cause, floor, len(measurement), library))
     sentences += [*_in_order_of_time(search, cause), *header_notes(candidates, measurement)]
     if doubted:
         sentences.insert(0, error.advice)

@@ -52,12 +52,27 @@ def harmonic_evidence(refit: Refit) -> float:
         return EVIDENCE.unpredicted_harmonic
     noise: Real = np.hypot(refit.noise.sd.real, refit.noise.sd.imag) / data.magnitude
     sd = noise[rows] + EVIDENCE.least_harmonic
+    distance = np.abs(measured[rows] - predicted[rows])
     # Within the range that a model allows nothing is missed: it is a bound, not a prediction.
-    off = np.maximum(np.abs(measured[rows] - predicted[rows]) - radius[rows], 0.0)
+    off = np.maximum(distance - radius[rows], 0.0)
     size = np.maximum(np.abs(measured[rows]), np.abs(predicted[rows]))
-    missed = off**2 / (sd**2 + (EVIDENCE.harmonic_tolerance * size) ** 2)
+    # What of a prediction is known: to the noise, and to how far its formula may be off.
+    known = np.hypot(sd, EVIDENCE.harmonic_tolerance * size)
     rows_that_count = min(float(len(rows)), EVIDENCE.most_harmonic_rows)
-    return -0.5 * float(np.mean(missed)) * rows_that_count
+    missed = 0.5 * float(np.mean((off / known) ** 2)) * rows_that_count
+    return -missed - _price_of_a_bound(distance / known, radius[rows] / known)
+
+
+def _price_of_a_bound(distance: Real, radius: Real) -> float:
+    """What a model pays that only bounds the harmonic, beside one that predicts it; 0 where there is no room.
+
+    Its size may be any up to the bound, all decades alike, in any phase: the density of that where the harmonic was
+    measured, over that of a prediction which is right. Distances (m,) in units of what is known of a prediction.
+    """
+    room = 1.0 + np.log(np.maximum(radius, 1.0))
+    price = 2.0 * np.log(np.maximum(np.minimum(distance, radius), 1.0)) + np.log(room)
+    # Once and not for each row: what is right in one is right in all. A bound costs no more than to know nothing.
+    return min(float(np.mean(price)), -EVIDENCE.unpredicted_harmonic)
 
 
 @dataclass(frozen=True, eq=False)

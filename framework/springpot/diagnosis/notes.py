@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
-from springpot.measurement import PRESSURE_UNITS, Averaged, Measurement, at_one_frequency, moved_along
+from springpot.measurement import PRESSURE_UNITS, TIME, Averaged, Measurement, at_one_frequency, moved_along
+from springpot.misfit.amplitudes import notes_on_amplitudes
 from springpot.misfit.battery import Finding
 from springpot.misfit.course import Course
 from springpot.misfit.course_search import moves_with_frequency
 from springpot.misfit.floor import is_arithmetic, scatter_about
 from springpot.misfit.leftover import Column, EqualRows, discrepancy, log_shift_of
-from springpot.misfit.material import notes_on_levels
+from springpot.misfit.material import NAME, MaterialFloor, beyond_any_material, notes_on_levels
 from springpot.misfit.outliers import Outlier
 from springpot.misfit.unseen import validation
 from springpot.misfit.values import Value
@@ -45,6 +46,7 @@ def notes(
     verdict: Verdict,
     outliers: Sequence[Outlier],
     cause: Column | EqualRows | Course | None,
+    floor: MaterialFloor,
     measured: int,
     library: Sequence[Effect],
 ) -> Iterator[str]:
@@ -60,6 +62,8 @@ def notes(
         Points set aside.
     cause : Column or EqualRows or Course or None
         With which of the columns the misfit goes, that repeats have no number, or how the specimen changed with time.
+    floor : MaterialFloor
+        What any material reaches in the place of the user's.
     measured : int
         Rows of the data before thinning.
     library : sequence of Effect
@@ -71,11 +75,16 @@ def notes(
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"
     yield from _of_cause(search, verdict, cause)
+    if isinstance(cause, Column):
+        yield from _by_column(search.base.fit.measurement, cause, library)
     if isinstance(cause, Course):
         # What else would explain it, or cannot be told, is told of what stands still.
         if cause.last_round and not cause.begun:
             yield f"{cause.advice}{_by_rounds(library)}"
         return
+    if verdict != "adequate" and cause is None:
+        yield from beyond_any_material(floor)
+        yield from notes_on_amplitudes(floor.refit)
     if verdict == "unexplained":
         yield from notes_on_levels(search.best, library)
     if evidence.narrow > VERDICT.worth_a_word:
@@ -114,6 +123,21 @@ def _of_cause(search: Search, verdict: Verdict, cause: Column | EqualRows | Cour
     # What rounding leaves of computed data is full of patterns, and nothing is missing.
     elif search.left.p_value < VERDICT.structure_alarm and not is_arithmetic(search.base):
         yield from _of_rest(search)
+
+
+def _by_column(measurement: Measurement, column: Column, library: Sequence[Effect]) -> Iterator[str]:
+    """How to join the values of a column: water, cure and salt shift a material's times as a temperature does."""
+    free = [effect for effect in library if effect.by_levels and effect.plane == "shift"]
+    # Of words there is no more or less, and at one frequency no times show.
+    if not free or column.name not in measurement.conditions or at_one_frequency(measurement):
+        return
+    if column.name == TIME:
+        return
+    yield (
+        f"whether a factor of the times at each {column.name} joins them is told by "
+        f"'springpot mastercurve DATA --column {column.name}'; "
+        f"'{NAME} + {free[0].of_column(column.name).name}' fits them together"
+    )
 
 
 def _by_rounds(library: Sequence[Effect]) -> str:

@@ -259,6 +259,8 @@ def _together(search: Search) -> list[_Asked]:
     base, asked = search.base, []
     for pair in best_pairs(search.frame, search.scan.scores, base.model, base.theta, SEARCH.together):
         both = (pair.first.influence.effect, pair.second.influence.effect)
+        if _second_law(both[:1], both[1]):
+            continue
         asked.append(_Asked(both, pair.model, [pair.start], 1, base.rss - pair.gain))
     return asked
 
@@ -273,12 +275,23 @@ def _one_by_one(search: Search, effects: Sequence[Effect]) -> list[_Asked]:
             for effect in effects
             if not (effect.narrow and any(one.narrow for one in first.effects))
             and not shifted_twice(first.refit.model, effect)
+            and not _second_law(first.effects, effect)
         ]
         for score in scan_effects(first.refit, frame, others).scores[: SEARCH.seconds]:
             both = (*first.effects, score.influence.effect)
             # Beside another effect the scan's own starts are near enough; those read off the data know of neither.
             asked.append(_Asked(both, score.influence.model, list(score.starts), 0, score.predicted))
     return asked
+
+
+def _second_law(effects: Sequence[Effect], other: Effect) -> bool:
+    """Whether another shift by the same condition is among them: of a material's times there is one law.
+
+    What a second one would mend, such as a temperature that was misread, is no physics of the material.
+    """
+    if other.plane != "shift":
+        return False
+    return any(effect.plane == "shift" and effect.needs == other.needs for effect in effects)
 
 
 def _once(asked: Sequence[_Asked]) -> list[_Asked]:

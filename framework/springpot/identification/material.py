@@ -7,13 +7,13 @@ doi:10.1088/0266-5611/19/2/201) with the exact derivative on the lines that carr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 
 from springpot.measurement import Measurement
+from springpot.nonnegative import non_negative
 from springpot.rheology import (
     GRADIENT,
     Chain,
@@ -30,12 +30,8 @@ from springpot.rheology import (
     Shift,
 )
 
-from .alignment import aligned
 from .coordinates import Coordinates
-from .nonnegative import non_negative
 from .objective import Objective, weighted
-from .settings import Window, settings
-from .starts import thinned
 
 PER_DECADE = 3
 """Lines a decade of the first lattice: a smooth spectrum is followed to 2 exp(-4.29 * 3) = 5e-6 of K, by the error of
@@ -44,16 +40,6 @@ BEYOND = 2.0
 """Decades beyond the reduced frequencies: what relaxes further off is a spring or a dashpot to 1 %, squared."""
 REFINEMENTS = 3
 """Times that the lattice is halved about the lines that carry weight; a single Maxwell element lies between lines."""
-SETTINGS = 48
-"""Settings of the effects' parameters that are tried for each of them."""
-MOST_SETTINGS = 192
-"""Settings that are tried at most, however many effects there are: each costs a convex problem."""
-KEPT = 2
-"""Settings from which the search begins."""
-COARSE_POINTS = 120
-"""Of more points so many show the effects' parameters; the last steps are taken with all of them."""
-LAST = 3
-"""Steps with all points: each squares the error that was left."""
 ITERATIONS = 40
 """Steps at most of a descent."""
 QUICK = 10
@@ -286,9 +272,17 @@ class SpectrumSearch:
         return best
 
     def descend(
-        self, trial: Trial, iterations: int = ITERATIONS, still: float = STILL, hopeless: float = np.inf
+        self,
+        trial: Trial,
+        iterations: int = ITERATIONS,
+        still: float = STILL,
+        hopeless: float = np.inf,
+        lines: Real | None = None,
     ) -> tuple[Trial, bool]:
-        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest; ended where it is hopeless."""
+        """Levenberg-Marquardt on the effects' parameters, and whether it came to rest; ended where it is hopeless.
+
+        The spectrum has the given lines, by default those of the first lattice.
+        """
         if not len(trial.u) or not np.isfinite(trial.cost):
             return trial, True
         # Nearly a Gauss-Newton step at first; what the data do not bear makes it shorter.
@@ -299,7 +293,7 @@ class SpectrumSearch:
             moved = np.clip(trial.u + _step(*slopes, damping), self.low, self.high)
             if float(np.max(np.abs(moved - trial.u))) < SHORTEST:
                 return trial, True
-            other = self.solve(moved)
+            other = self.solve(moved, lines)
             drop = trial.cost - other.cost
             if not drop > 0.0:
                 # Not better, or no number: a shorter step, nearer to the steepest descent.
@@ -410,77 +404,3 @@ def reduced_range(fitted: Model, theta: Real, points: Points) -> tuple[float, fl
     with np.errstate(all="ignore"):
         replace(fitted, material=probe).network.respond(own, points)
     return min(seen[0] for seen in probe.seen), max(seen[1] for seen in probe.seen)
-
-
-def fit_spectrum(
-    model: Model,
-    measurement: Measurement,
-    objective: Objective,
-    seeds_theta: Sequence[Real] = (),
-    starts: int = 8,
-    *,
-    still: float = STILL,
-    hopeless: float = np.inf,
-    expected: Real | None = None,
-) -> Spectral:
-    """Fit a material, and the effects around it, to a measurement.
-
-    Parameters
-    ----------
-    model : Model
-        Its material is a `Continuum`.
-    measurement : Measurement
-        The data.
-    objective : Objective
-        How the misfit is measured; a logarithmic one by its weights relative to |K|.
-    seeds_theta : sequence of ndarray
-        Starts, of which the last numbers are the effects' parameters.
-    starts : int
-        0 where the seeds are to be the only starts.
-    still : float
-        Relative drop of the objective below which a descent ends.
-    hopeless : float
-        Objective above which a descent ends after its first steps.
-    expected : ndarray, shape (r, q), optional
-        What is known of the effects' q parameters beforehand: the squares of these rows times their logarithms are
-        added to the objective (Tikhonov's regularisation).
-    """
-    search = coarse = SpectrumSearch.of(model, measurement, objective, expected)
-    # A material alone is a convex problem: nothing is searched but its lines.
-    if not search.own:
-        return search.result(search.refined(search.solve(np.zeros(0))), True)
-    rows = thinned(measurement.points.log_omega, COARSE_POINTS)
-    part = len(rows) / len(measurement)
-    if len(rows) < len(measurement):
-        if expected is not None:
-            # What is expected weighs against the points: of fewer points as much less.
-            expected = np.sqrt(part) * expected
-        coarse = SpectrumSearch(model, measurement.subset(rows), search.weights[rows], expected)
-    count = len(search.own)
-    seeds = [np.asarray(seed, dtype=float)[len(seed) - count :] for seed in seeds_theta]
-    if starts and not seeds:
-        seeds = list(_settings(search, measurement))
-    # A setting costs one convex problem; descents are begun only from the best of them.
-    trials = sorted((coarse.solve(coarse.u_of(own)) for own in seeds), key=lambda trial: trial.cost)
-    ends = [coarse.descend(trial, ITERATIONS, still, hopeless * part) for trial in trials[:KEPT]]
-    best, converged = min(ends, key=lambda end: end[0].cost)
-    if coarse is not search:
-        start = search.solve(search.u_of(coarse.theta_of(best.u)))
-        best, _ = search.descend(start, LAST)
-        search.evaluations += coarse.evaluations
-    return search.result(search.refined(best), converged)
-
-
-def _settings(search: SpectrumSearch, measurement: Measurement) -> Real:
-    """Settings (m, q) of the effects' parameters; factors of levels are read off the data."""
-    known: dict[str, float] = {}
-    if any(effect.by_levels for effect in search.model.effects):
-        # A factor for each level is too many to be tried: overlapping sweeps tell where it lies.
-        known = aligned(search.model, measurement)
-    scanned = np.array([parameter.name not in known for parameter in search.own])
-    count = min(SETTINGS * int(scanned.sum()), MOST_SETTINGS) or 1
-    places = np.tile([known.get(parameter.name, 1.0) for parameter in search.own], (count, 1))
-    if scanned.any():
-        others = tuple(parameter for parameter in search.own if parameter.name not in known)
-        places[:, scanned] = settings(others, Window.of(measurement), count)
-    return places

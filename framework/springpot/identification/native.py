@@ -16,7 +16,8 @@ from springpot.rheology import Continuum, Model, Real
 
 from .alignment import superposed
 from .leastsquares import ALIKE, FLAT, Solution
-from .material import STILL, fit_spectrum, is_material, own_parameters
+from .material import STILL, is_material, own_parameters
+from .material_fit import fit_spectrum
 from .objective import Objective, default_objective
 from .problem import Problem
 from .space import require_conditions, require_size

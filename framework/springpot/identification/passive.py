@@ -6,10 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from springpot.nonnegative import non_negative
 from springpot.rheology import Effect, Layer, Model
 
 from .material import is_material
-from .nonnegative import non_negative
 
 OMEGA = np.geomspace(1e-3, 1e3, 61)
 """Frequencies in rad/s, about the time of one second that an element is given."""

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.nonnegative import non_negative
 from springpot.policy import INTERVAL
 from springpot.rheology import GRADIENT, Complex, Continuum, Points, Real
 
 from .material import BEYOND, is_material, reduced_range
 from .native import Fit
-from .nonnegative import non_negative
 from .objective import weighted
 
 PER_DECADE = 8

@@ -69,8 +69,10 @@ def stands_again(measurement: Measurement) -> NDArray[np.int64] | None:
     count = np.bincount(number)
     if len(count) < FEWEST_FREQUENCIES or count.min() < 2 or count.min() != count.max():
         return None
-    # What names runs tells them apart already.
+    # What names runs, or was set to several values, tells them apart already.
     if measurement.repeat is not None or RUNS & set(measurement.conditions) or _is_labelled(measurement):
+        return None
+    if told_apart(measurement):
         return None
     for name, width in (("temperature", VARIED.temperature_chosen), ("amplitude", SAME_AMPLITUDE)):
         column = measurement.conditions.get(name)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from springpot.nonnegative import non_negative
 from springpot.rheology import Complex, Real
 
 from .measurement import Measurement
@@ -100,9 +101,6 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     >>> bool(material_misfit(omega, maxwell) < 0.01), bool(material_misfit(omega, maxwell.conj()) > 0.3)
     (True, True)
     """
-    # Loaded here: who opens a file need not wait for all of scipy's optimisers.
-    from scipy.optimize import nnls
-
     low, high = np.log10([omega.min() / BEYOND, omega.max() * BEYOND])
     rates = np.logspace(low, high, int(MODES_PER_DECADE * (high - low)) + 1)
     modes = 1j * omega[:, None] / (1j * omega[:, None] + rates)
@@ -111,5 +109,5 @@ def material_misfit(omega: Real, stiffness: Complex) -> float:
     # Relative at each point: a sweep over decades would else be judged at its stiff end alone.
     weighted = basis / np.abs(stiffness)[:, None]
     target = stiffness / np.abs(stiffness)
-    _, misfit = nnls(np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag]))
-    return float(misfit / np.sqrt(len(omega)))
+    _, left = non_negative(np.vstack([weighted.real, weighted.imag]), np.concatenate([target.real, target.imag]))
+    return float(np.sqrt(left / len(omega)))

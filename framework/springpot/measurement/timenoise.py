@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.nonnegative import non_negative
 from springpot.rheology import Real
 
 from .measurement import Measurement
@@ -196,13 +197,11 @@ def _two_parts(scatter: Real, level: Real) -> tuple[float, float]:
 
 def _fitted(columns: Real, power: Real, worth: Real) -> tuple[Real, float]:
     """Non-negative amounts of the columns, and minus twice the logarithm of their likelihood."""
-    from scipy.optimize import nnls
-
     expected, parts = power, np.zeros(columns.shape[1])
     for _ in range(ROUNDS):
         # Weighed by what is expected: by what was found, groups that are small by chance would count for more.
         share = np.sqrt(worth) / expected
-        parts = nnls(columns * share[:, None], power * share)[0]
+        parts, _ = non_negative(columns * share[:, None], power * share)
         expected = np.maximum(columns @ parts, LEAST_EXPECTED * power)
     return parts, float(np.sum(worth * (np.log(expected) + power / expected)))
 

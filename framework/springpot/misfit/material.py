@@ -22,7 +22,7 @@ from springpot.rheology import Continuum, Effect, Model, Real
 from .battery import Battery, battery
 from .error import Error
 from .refit import Refit, refit
-from .where import with_unit
+from .where import where, with_unit
 from .words import percent, times
 
 FEWEST_LEVELS = 3
@@ -44,10 +44,13 @@ class MaterialFloor:
         Its fit, in units of the same noise.
     rest : Battery
         The test on its residual.
+    judged : bool
+        Whether it is the judged model itself.
     """
 
     refit: Refit
     rest: Battery
+    judged: bool = False
 
     @property
     def relative_rms(self) -> float:
@@ -81,7 +84,7 @@ def material_floor(base: Refit, rng: np.random.Generator) -> MaterialFloor:
         # Its effects only: a spectrum is found for given effects by a convex problem, which needs no start.
         seed = base.theta[len(base.model.material.parameters) :]
         found = refit(free, base.data, base.noise, [seed])
-    return MaterialFloor(found, battery(found.frame(), rng))
+    return MaterialFloor(found, battery(found.frame(), rng), is_material(base.model))
 
 
 def error_of(base: Refit, floor: MaterialFloor) -> Error:
@@ -116,6 +119,22 @@ def split_in_words(base: Refit, floor: MaterialFloor) -> str:
     if left > (1.0 - VERDICT.mostly) * misfit:
         return f"{could}{beside}: a part of the material is missing, and something that is no part of it"
     return f"{could}{beside}: most of what is missing is a part of the material, the rest is not"
+
+
+def beyond_any_material(floor: MaterialFloor) -> Iterator[str]:
+    """A sentence on where no material behaves as the data do; none where one does, or where it is what is judged.
+
+    Parameters
+    ----------
+    floor : MaterialFloor
+        What any material reaches.
+    """
+    # Where a material itself is judged, the places at which it fails are told already.
+    if floor.judged or floor.chance >= VERDICT.structure_alarm:
+        return
+    places = where(floor.refit.frame())
+    if places:
+        yield f"no linear material behaves so: beside the nearest one {places[0].says}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,12 +180,12 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
     # Conditions that some effect has free factors for: of the others no shift could be expected anyway.
     free = [effect for effect in library if effect.by_levels]
     for name in sorted({name for effect in free for name in effect.needs} & set(measurement.conditions)):
-        levels = _each_alone(base, name)
+        levels = each_alone(base, name)
         if len(levels) < FEWEST_LEVELS:
             continue
-        strange = _no_material(levels)
+        strange = levels_of_no_material(levels)
         if strange:
-            yield _strange_in_words(measurement, name, levels, strange)
+            yield strange_in_words(measurement, name, levels, strange)
         # A level that is no material by itself could be joined to nothing: the question is asked of the others.
         sound = [level for level in levels if level not in strange]
         joining = [effect for effect in free if effect.needs == {name}]
@@ -174,7 +193,7 @@ def notes_on_levels(base: Refit, library: Sequence[Effect]) -> Iterator[str]:
             yield from _joined(base, name, sound, joining)
 
 
-def _each_alone(base: Refit, name: str) -> list[Level]:
+def each_alone(base: Refit, name: str) -> list[Level]:
     """Every level of a condition that has enough points, with its own material."""
     measurement = base.fit.measurement
     number = measurement.levels(name)
@@ -191,7 +210,7 @@ def _each_alone(base: Refit, name: str) -> list[Level]:
     return found
 
 
-def _no_material(levels: Sequence[Level]) -> list[Level]:
+def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
     """Levels at which a free spectrum fails far more than at the others, beyond what scatter makes of such few."""
     # The median, which one or two levels that fail do not raise.
     middle = float(np.median([level.error for level in levels]))
@@ -239,13 +258,27 @@ def _rms(levels: Sequence[Level]) -> float:
     return float(np.sqrt(np.average(squares, weights=[len(level.rows) for level in levels])))
 
 
-def _strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]) -> str:
+def strange_in_words(measurement: Measurement, name: str, levels: Sequence[Level], strange: Sequence[Level]) -> str:
+    """A sentence on levels that are no material by themselves, with what they are off and what the others are.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The data.
+    name : str
+        Of the condition.
+    levels, strange : sequence of Level
+        All, and those that stand out.
+    """
     places = " and ".join(with_unit(measurement, name, level.value) for level in strange[:MOST_NAMED])
     if len(strange) > MOST_NAMED:
         places = f"{places} and {len(strange) - MOST_NAMED} more"
     errors = " and ".join(percent(level.error) for level in strange[:MOST_NAMED])
     usual = percent(float(np.median([level.error for level in levels])))
+    causes = "the instrument, the amplitude or a change of the specimen, not a shift"
+    if name == "amplitude":
+        causes = "the instrument, a force that is no sinusoid there, or a change of the specimen"
     return (
         f"no linear passive material behaves as at {places}: a free spectrum at that {name} alone is {errors} off, "
-        f"elsewhere {usual}; the instrument, the amplitude or a change of the specimen, not a shift"
+        f"elsewhere {usual}; {causes}"
     )

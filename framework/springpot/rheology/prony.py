@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.errors import ModelError
+from springpot.nonnegative import non_negative
 
 from .points import Complex, Real
 
@@ -200,20 +201,11 @@ def _columns(s: Complex, u: Real, dashpot: bool) -> Complex:
 
 
 def _weights(s: Complex, u: Real, target: Complex, share: Real, dashpot: bool) -> Real:
-    from scipy.optimize import lsq_linear, nnls
-
     # Over |K|, so that what counts is the relative error at each frequency.
     columns = share[:, None] * _columns(s, u, dashpot)
     matrix, right = (
         np.vstack([columns.real, columns.imag]),
         np.concatenate([share * target.real, share * target.imag]),
     )
-    # Columns of one length: a dashpot's and a spring's differ by the decades of the band.
-    size = np.linalg.norm(matrix, axis=0)
-    try:
-        scaled: Real = nnls(matrix / size, right)[0]
-    except RuntimeError:
-        # It gives up where times nearly coincide; bounded least squares then takes longer.
-        scaled = lsq_linear(matrix / size, right, (0.0, np.inf)).x
-    amounts: Real = scaled / size
+    amounts, _ = non_negative(matrix, right)
     return amounts

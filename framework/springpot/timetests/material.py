@@ -16,8 +16,8 @@ import numpy as np
 from springpot.errors import ModelError, SpringpotError
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.material import PER_DECADE
-from springpot.identification.nonnegative import non_negative
 from springpot.measurement import Timed, material_of
+from springpot.nonnegative import non_negative
 from springpot.rheology import Continuum, Model, Real
 
 from .parts import InTimePart, Part

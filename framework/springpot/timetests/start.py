@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from springpot.errors import SpringpotError
 from springpot.identification import fit
 from springpot.measurement import Loading, Measurement, TimeTest
+from springpot.nonnegative import non_negative
 from springpot.rheology import Complex, Model, Real
 from springpot.rheology.intime import acceleration
 from springpot.rheology.recursion import Modes, driven
@@ -55,8 +56,6 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     The response is fitted by non-negative exponentials (Prony in relaxation, Kelvin elements in creep), whose complex
     stiffness is known in closed form.
     """
-    from scipy.optimize import nnls
-
     picked = _picked(len(test))
     clock = test.time - test.start
     shortest = max(float(np.min(clock[clock > 0.0], initial=np.inf)), 1e-6 * test.duration, 1e-12)
@@ -66,14 +65,8 @@ def apparent(test: TimeTest, sd: Real) -> Measurement | None:
     answers = answers_of(test.loading, test.control, times, test.time)
     # Without the mass, which is no part of such a sum.
     columns = np.delete(answers, 2, axis=1)[picked] / sd[picked, None]
-    size = np.linalg.norm(columns, axis=0)
-    size[size == 0.0] = 1.0
-    try:
-        # Not negative: so it is a material, and no fit to the noise.
-        amounts = nnls(columns / size, (test.response / sd)[picked])[0] / size
-    # It gives up after so many rounds; the search then begins without this sweep.
-    except RuntimeError:
-        return None
+    # Not negative: so it is a material, and no fit to the noise.
+    amounts, _ = non_negative(columns, (test.response / sd)[picked])
     count = max(4, int(FREQUENCIES * np.log10(longest / shortest)))
     omega = np.geomspace(1.0 / longest, 1.0 / shortest, count)
     stiffness = _sum_at(omega, times, amounts, test.control)

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TypeAlias
 
-from springpot.rheology import Real
+import numpy as np
+from numpy.typing import NDArray
+
+Real: TypeAlias = NDArray[np.float64]
+ROUNDS = 20
+"""Changes of the active set for each column, before another algorithm takes over; a spectrum takes about one."""
 
 
 def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
     """Weights >= 0 of columns (m, q) that come nearest to a target (m,), and the sum of squares that is left.
 
-    Raises
-    ------
-    RuntimeError
-        If the active set does not settle.
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.nonnegative import non_negative
+    >>> weights, left = non_negative(np.eye(2), np.array([3.0, -4.0]))
+    >>> weights, left
+    (array([3., 0.]), 16.0)
     """
-    from scipy.optimize import nnls  # loading the plugins must not take its time
+    from scipy.optimize import lsq_linear, nnls  # loading the plugins must not take its time
 
     # Columns of one size: the active set is chosen by slopes, which depend on the units otherwise.
     size = np.linalg.norm(columns, axis=0)
@@ -26,7 +34,11 @@ def non_negative(columns: Real, target: Real) -> tuple[Real, float]:
         # The same problem in as many rows as columns: the active set then moves among small matrices.
         basis, system = np.linalg.qr(scaled)
         wanted = basis.T @ target
-    weights, _ = nnls(system, wanted, maxiter=20 * scaled.shape[1])
+    try:
+        weights, _ = nnls(system, wanted, maxiter=ROUNDS * scaled.shape[1])
+    except RuntimeError:
+        # Where columns are nearly one, the active set may go round in circles; an inner point does not.
+        weights = lsq_linear(system, wanted, (0.0, np.inf)).x
     # From the columns themselves: a mass that a spring takes back would leave a difference of large squares.
     with np.errstate(all="ignore"):
         left = target - scaled @ weights

@@ -1,0 +1,99 @@
+"""Whether the amplitude matters, and how, without a model: a material for each amplitude beside one for all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from springpot.digits import number
+from springpot.distributions import f_sf
+from springpot.measurement import Measurement, temperatures_differ
+from springpot.policy import VERDICT
+from springpot.rheology import Real
+
+from .material import Level, any_material, each_alone, levels_of_no_material, strange_in_words
+from .refit import Refit, refit
+from .where import with_unit
+from .words import percent
+
+FEWEST_COMMON = 3
+"""Frequencies that the lowest amplitude shares with all others, from which their moduli are compared."""
+TURNS = 0.1
+"""Share of its range by which a course goes beyond both of its ends to be told as one that turns."""
+
+
+def notes_on_amplitudes(base: Refit) -> Iterator[str]:
+    """Sentences on what the amplitude does; none where it was not varied, or where temperatures differ as well.
+
+    Parameters
+    ----------
+    base : Refit
+        A fit that leaves structure; its data and their noise are used, its model is not.
+    """
+    measurement = base.fit.measurement
+    # At several temperatures one material could not follow them at one amplitude either.
+    if "amplitude" not in measurement.conditions or temperatures_differ(measurement):
+        return
+    levels = each_alone(base, "amplitude")
+    if len(levels) < 2:
+        return
+    inside = np.zeros(len(measurement), dtype=bool)
+    inside[np.concatenate([level.rows for level in levels])] = True
+    one = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
+    sizes = np.array([len(level.rows) for level in levels])
+    errors = np.array([level.error for level in levels])
+    each = float(np.sqrt(np.sum(sizes * errors**2) / np.sum(sizes)))
+    beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
+    if not _differ(one, levels):
+        yield f"{beside}, one for each {percent(each)}: the amplitude does not matter"
+        return
+    yield f"{beside}, one for each {percent(each)}: {_course(measurement, levels)}"
+    strange = levels_of_no_material(levels)
+    if len(levels) > 2 and strange:
+        yield strange_in_words(measurement, "amplitude", levels, strange)
+
+
+def _differ(one: Refit, levels: Sequence[Level]) -> bool:
+    """Whether a material for each level explains more than its freedom does by chance."""
+    apart = sum(level.fitted.rss for level in levels)
+    spare = max(sum(level.fitted.fit.dof for level in levels), 1)
+    spent = max(one.fit.dof - spare, 1)
+    # Against the scatter about each level's own material: the noise itself may have been misjudged.
+    ratio = (one.rss - apart) / spent / max(apart / spare, 1e-300)
+    return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
+
+
+def _course(measurement: Measurement, levels: Sequence[Level]) -> str:
+    """How the modulus and the loss factor go with the amplitude, at the frequencies that all levels share."""
+    low = max(float(measurement.omega[level.rows].min()) for level in levels)
+    high = min(float(measurement.omega[level.rows].max()) for level in levels)
+    own = measurement.omega[levels[0].rows]
+    omega = np.unique(own[(own >= low) & (own <= high)])
+    if len(omega) < FEWEST_COMMON:
+        return "the amplitude matters"
+    curves = [level.fitted.model.stiffness(level.fitted.theta, omega) for level in levels]
+    places = [with_unit(measurement, "amplitude", level.value) for level in levels]
+    # In logarithms: a modulus is compared by ratios, over frequencies at which it differs by decades.
+    sizes = np.array([float(np.exp(np.mean(np.log(np.abs(curve / curves[0]))))) for curve in curves])
+    tangents = np.array([float(np.tan(np.mean(np.angle(curve)))) for curve in curves])
+    change = "rises"
+    if sizes[-1] < 1.0:
+        change = "falls"
+    size = f"{measurement.units.magnitude} {change} by {percent(abs(sizes[-1] - 1.0))}{_turn(sizes, places)}"
+    loss = f"the loss factor goes from {number(tangents[0], 2)} to {number(tangents[-1], 2)}{_turn(tangents, places)}"
+    return f"from {places[0]} to {places[-1]} {size}, and {loss}"
+
+
+def _turn(values: Real, places: Sequence[str]) -> str:
+    """Where between its ends a course lies beyond both of them; empty where it goes one way."""
+    inner = values[1:-1]
+    ends = min(values[0], values[-1]), max(values[0], values[-1])
+    beyond = np.maximum(inner - ends[1], ends[0] - inner)
+    if not len(inner) or float(np.max(beyond)) < TURNS * float(np.ptp(values)):
+        return ""
+    at = int(np.argmax(beyond))
+    extreme = "least"
+    if inner[at] > ends[1]:
+        extreme = "most"
+    return f" ({extreme} at {places[1 + at]})"
