@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot.diagnosis.marginal import _price_of_a_bound
+from springpot.policy import EVIDENCE
 from springpot.registry import parse_model
 
 OMEGA = np.geomspace(0.5, 60.0, 24)
@@ -72,3 +74,15 @@ def test_filled_rubber_makes_little_of_a_third_harmonic():
     centre, radius = model.third_harmonic_range(theta, at)
     np.testing.assert_array_equal(centre, 0.0)
     np.testing.assert_allclose(radius, slope / 12.0 / np.abs(stiffness(amplitude)), rtol=1e-3, atol=1e-9)
+
+
+def test_a_bound_costs_what_its_room_is_beside_a_prediction():
+    """In units of what is known of a prediction: one that is right, a bound far away, and one that is met."""
+    one = np.ones(3)
+    assert _price_of_a_bound(0.0 * one, 0.0 * one) == 0.0
+    # Beside a harmonic of nothing only the decades of the room are paid for.
+    assert _price_of_a_bound(0.0 * one, 10.0 * one) == pytest.approx(np.log(1.0 + np.log(10.0)))
+    # Where one is seen, a prediction that met it would have been the better guess by its square.
+    assert _price_of_a_bound(2.0 * one, 2.0 * one) == pytest.approx(np.log(4.0 * (1.0 + np.log(2.0))))
+    # Never more than to know nothing at all.
+    assert _price_of_a_bound(1e3 * one, 1e6 * one) == -EVIDENCE.unpredicted_harmonic
