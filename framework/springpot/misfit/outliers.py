@@ -14,6 +14,7 @@ from springpot.measurement import Measurement, sweeps_of
 from springpot.policy import OUTLIERS
 
 from .frame import Frame
+from .mains import near_mains
 from .refit import Refit
 from .trimming import trimmed_residual
 from .where import Where, with_unit
@@ -24,10 +25,6 @@ FEWEST_POINTS = 12
 END = 2
 """Rows of an end of a sweep at which the beginning of an effect is easily taken for a bad point: a mass that has just
 come up at the last row bends the model there, and the row before it then stands out."""
-MAINS = (50.0, 60.0)
-"""Frequencies of the mains in Hz."""
-AT_MAINS = 0.02
-"""Share within which a frequency beats with the mains over a test of fifty cycles."""
 LEAST_LEFT = 0.1
 """A point of which less than this share is free of the fitted curves says nothing by itself."""
 TAILS = [(nu, s) for nu in (1e6, 10.0, 5.0, 3.0, 2.0) for s in (1.0, 0.8, 0.6, 0.45, 0.3)]
@@ -83,9 +80,8 @@ class Outlier:
 
     @property
     def at_mains(self) -> bool:
-        """Whether its frequency is that of the mains, 50 or 60 Hz, or twice or three times as much."""
-        hums = np.outer(MAINS, (1.0, 2.0, 3.0))
-        return bool(np.any(np.abs(self.frequency / hums - 1.0) < AT_MAINS))
+        """Whether the hum of the mains lands at its frequency."""
+        return bool(near_mains(np.array([self.frequency]))[0])
 
     def counted_in(self, measurement: Measurement) -> Outlier:
         """The same with its row in the whole measurement, of which the data of a fit may be a part."""

@@ -13,17 +13,13 @@ from springpot.policy import OUTLIERS
 from springpot.rheology import Real
 
 from .frame import Frame
+from .mains import near_mains
 from .outliers import point_in_words
 from .shapes import Drawn, spectrum
 from .unseen import unseen_error, unseen_in_words
 from .words import plain, times
 
 Rows: TypeAlias = NDArray[np.int64]
-MAINS = (50.0, 60.0)
-MAINS_FACTORS = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
-"""Multiples at which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
-NEAR_MAINS = 0.015
-"""Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
 FEWEST_OFF_MAINS = 10
 """Points away from the mains from which their scatter can be held against that at the mains."""
 NEIGHBOURS = np.exp(-0.5 * (np.arange(1, 7) / 3.0) ** 2)
@@ -218,7 +214,7 @@ def points_in_words(frame: Frame, points: Sequence[int]) -> tuple[float, float, 
     places = "; ".join(point_in_words(frame.measurement, row) for row in rows[:3])
     if len(rows) > 3:
         places = f"{places} and {len(rows) - 3} more"
-    if np.all(_near_mains(hertz)):
+    if np.all(near_mains(hertz)):
         places = f"{places} (a multiple of the mains frequency)"
     verb = "a single point stands out"
     if len(rows) > 1:
@@ -240,7 +236,7 @@ def _bends(frame: Frame) -> tuple[Rows, Rows, Rows]:
 def _hum(frame: Frame, sample: Drawn) -> Real | None:
     """Whether points at multiples of the mains frequency stand off from their neighbours more than others do."""
     before, here, after = _bends(frame)
-    near = np.tile(_near_mains(frame.measurement.frequency), 2)[here]
+    near = np.tile(near_mains(frame.measurement.frequency), 2)[here]
     if not np.any(near) or np.sum(~near) < FEWEST_OFF_MAINS:
         return None
     off = sample[:, here] - 0.5 * (sample[:, before] + sample[:, after])
@@ -257,15 +253,9 @@ def _hum_in_words(frame: Frame) -> tuple[float, str]:
         ratio = float(value[0])
     frequency = frame.measurement.frequency
     units = frame.measurement.units
-    places = ", ".join(units.at(x) for x in np.unique(frequency[_near_mains(frequency)])[:4])
+    places = ", ".join(units.at(x) for x in np.unique(frequency[near_mains(frequency)])[:4])
     says = f"at multiples of the mains ({places}) points stand off {times(np.sqrt(ratio))} as far as others"
     return ratio, says
-
-
-def _near_mains(frequency: Real) -> NDArray[np.bool_]:
-    lines = np.outer(MAINS, MAINS_FACTORS).ravel()
-    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR_MAINS, axis=1)
-    return near
 
 
 # Trends with a condition that the model does not follow.

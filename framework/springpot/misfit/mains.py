@@ -1,0 +1,30 @@
+"""Frequencies at which the hum of the mains may land in a measurement."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+
+MAINS = (50.0, 60.0)
+"""Frequencies of the mains in Hz."""
+MULTIPLES = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
+"""At which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
+NEAR = 0.015
+"""Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
+
+
+def near_mains(frequency: Real) -> NDArray[np.bool_]:
+    """Whether frequencies (n,) in Hz are as near to a multiple of the mains as its hum is seen; shape (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.misfit.mains import near_mains
+    >>> near_mains(np.array([25.1, 40.0, 50.2]))
+    array([ True, False,  True])
+    """
+    lines = np.outer(MAINS, MULTIPLES).ravel()
+    near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR, axis=1)
+    return near
