@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,13 +11,15 @@ from springpot.rheology import Real
 
 MAINS = (50.0, 60.0)
 """Frequencies of the mains in Hz."""
-MULTIPLES = (1.0 / 3.0, 0.5, 1.0, 2.0, 3.0)
-"""At which hum lands: harmonics of the mains, and tests one of whose own harmonics is the mains."""
+HARMONICS = (1.0, 2.0, 3.0)
+"""Multiples of the mains at which one point may be hum and nothing else."""
+MULTIPLES = (1.0 / 3.0, 0.5, *HARMONICS)
+"""At which hum lands at all: there, and at tests one of whose own harmonics is the mains."""
 NEAR = 0.015
 """Relative distance from a multiple of the mains at which its hum leaks into a sinusoid of some ten periods."""
 
 
-def near_mains(frequency: Real) -> NDArray[np.bool_]:
+def near_mains(frequency: Real, multiples: Sequence[float] = MULTIPLES) -> NDArray[np.bool_]:
     """Whether frequencies (n,) in Hz are as near to a multiple of the mains as its hum is seen; shape (n,).
 
     Examples
@@ -25,6 +29,6 @@ def near_mains(frequency: Real) -> NDArray[np.bool_]:
     >>> near_mains(np.array([25.1, 40.0, 50.2]))
     array([ True, False,  True])
     """
-    lines = np.outer(MAINS, MULTIPLES).ravel()
+    lines = np.outer(MAINS, multiples).ravel()
     near: NDArray[np.bool_] = np.any(np.abs(frequency[:, None] / lines - 1.0) < NEAR, axis=1)
     return near

@@ -14,7 +14,7 @@ from springpot.measurement import Measurement, sweeps_of
 from springpot.policy import OUTLIERS
 
 from .frame import Frame
-from .mains import near_mains
+from .mains import HARMONICS, near_mains
 from .refit import Refit
 from .trimming import trimmed_residual
 from .where import Where, with_unit
@@ -80,8 +80,8 @@ class Outlier:
 
     @property
     def at_mains(self) -> bool:
-        """Whether the hum of the mains lands at its frequency."""
-        return bool(near_mains(np.array([self.frequency]))[0])
+        """Whether its frequency is that of the mains, or twice or three times as much."""
+        return bool(near_mains(np.array([self.frequency]), HARMONICS)[0])
 
     def counted_in(self, measurement: Measurement) -> Outlier:
         """The same with its row in the whole measurement, of which the data of a fit may be a part."""
