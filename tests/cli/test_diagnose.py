@@ -161,7 +161,7 @@ def test_what_discover_cannot_do_is_one_line(springpot, heavy, arguments, words)
 @pytest.mark.parametrize("command", [("diagnose",), ("discover", "--auto"), ("compare",)])
 def test_too_few_points_is_one_line(springpot, write, command):
     data = write("frequency [Hz],storage [kN/m],loss [kN/m]\n1,2,3\n")
-    springpot(command[0], data, *command[1:], "-m", "fractional-zener").is_one_line("points", "parameters")
+    springpot(command[0], data, *command[1:], "-m", "fractional-zener").is_one_line("point", "parameters")
 
 
 def test_models_are_compared_in_text_json_and_figure(springpot, heavy, tmp_path):
