@@ -1,5 +1,7 @@
 """``springpot inspect``: what a file holds."""
 
+import shlex
+
 KEYS = {
     "schema", "data", "points", "frequency", "storage", "loss", "standard_deviations", "conditions", "labels",
     "sweeps", "parts", "provenance",
@@ -54,3 +56,13 @@ def test_a_file_beside_the_name_is_suggested(springpot, damper):
     answer = springpot("signals", damper.with_name("other.txt"))
     assert answer.is_one_line("other.txt: there is no such file")
     assert "did you mean" not in answer.err
+
+
+def test_the_part_to_go_on_with_is_chosen_before_what_is_said_of_columns(springpot, write):
+    rows = "\n".join(f"{f},{100 + f},{10 + f},{200 + f},{20 + f}" for f in range(1, 8))
+    file = write(f"f,run 1,,run 2,\nHz,G',G'',G',G''\n{rows}\n", "runs.csv")
+    answer = springpot("inspect", f"{file}?storage=Pa,loss=Pa")
+    assert answer.code == 0
+    command = shlex.split(answer.out.splitlines()[-1])
+    assert command == ["next:", "springpot", "compare", f"{file}#1?storage=Pa,loss=Pa"]
+    assert springpot("inspect", command[3]).code == 0

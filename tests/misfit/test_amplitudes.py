@@ -64,11 +64,11 @@ def test_a_diagnosis_tells_it():
 
 def test_a_mass_shows_where_no_material_behaves_so():
     found = springpot.diagnose(measured(GEL - 0.02 * OMEGA**2), "kelvin")
-    (note,) = (each for each in found.notes if each.startswith("no linear material behaves so"))
+    (note,) = (each for each in found.notes if each.startswith("no linear material follows"))
     assert "above" in note
     assert "Hz" in note
 
 
 def test_what_a_material_follows_is_no_such_place():
     found = springpot.diagnose(measured(GEL), "kelvin")
-    assert not any("no linear material behaves so" in note for note in found.notes)
+    assert not any("no linear material follows" in note for note in found.notes)

@@ -134,7 +134,7 @@ def beyond_any_material(floor: MaterialFloor) -> Iterator[str]:
         return
     places = where(floor.refit.frame())
     if places:
-        yield f"no linear material behaves so: beside the nearest one {places[0].says}"
+        yield f"no linear material follows: {places[0].says}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,10 @@
 """Several curves in one table: side by side, one below the other; and columns of logarithms."""
 
 import io
-import shlex
 
 import numpy as np
 import pytest
 
-from springpot.cli import main
 from springpot.measurement import Part, parts_as_opened
 
 from .samples import OMEGA, STIFFNESS, rows
@@ -276,15 +274,3 @@ def test_a_part_that_is_no_dynamic_test_is_never_usable(folder):
     creep = Part("creep", 2, False, "creep in time, no dynamic test")
     parts = parts_as_opened([*folder.parts(text), creep], folder.open(text, "?storage=Pa,loss=Pa"))
     assert [part.usable for part in parts] == [True, True, False]
-
-
-def test_the_part_to_go_on_with_is_chosen_before_what_is_said_of_columns(tmp_path, capsys):
-    file = tmp_path / "runs.csv"
-    file.write_text(f"f,run 1,,run 2,\nHz,G',G'',G',G''\n{NUMBERS}\n")
-    with pytest.raises(SystemExit, match="0"):
-        main(["inspect", f"{file}?storage=Pa,loss=Pa"])
-    command = shlex.split(capsys.readouterr().out.splitlines()[-1])
-    assert command[:3] == ["next:", "springpot", "compare"]
-    assert command[3] == f"{file}#1?storage=Pa,loss=Pa"
-    with pytest.raises(SystemExit, match="0"):
-        main(["inspect", command[3]])
