@@ -31,6 +31,7 @@ def test_a_gel_that_softens_is_told_to_soften():
     # From 1 / 1.05 to 1 / 2.5.
     change = float(note.partition("falls by ")[2].partition(" %")[0])
     assert change == pytest.approx(58.0, abs=1.0)
+    assert "the loss factor stays at" in note
 
 
 def test_a_gel_that_stiffens_and_loses_more_is_told_both():

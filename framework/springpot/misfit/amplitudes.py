@@ -19,6 +19,8 @@ from .words import percent
 
 FEWEST_COMMON = 3
 """Frequencies that the lowest amplitude shares with all others, from which their moduli are compared."""
+STAYS = 0.05
+"""Share of a loss factor by which it may differ from amplitude to amplitude and be one in two digits."""
 TURNS = 0.1
 """Share of its range by which a course goes beyond both of its ends to be told as one that turns."""
 
@@ -82,6 +84,8 @@ def _course(measurement: Measurement, levels: Sequence[Level]) -> str:
         change = "falls"
     size = f"{measurement.units.magnitude} {change} by {percent(abs(sizes[-1] - 1.0))}{_turn(sizes, places)}"
     loss = f"the loss factor goes from {number(tangents[0], 2)} to {number(tangents[-1], 2)}{_turn(tangents, places)}"
+    if float(np.ptp(tangents)) < STAYS * float(np.max(tangents)):
+        loss = f"the loss factor stays at {number(float(np.mean(tangents)), 2)}"
     return f"from {places[0]} to {places[-1]} {size}, and {loss}"
 
 
