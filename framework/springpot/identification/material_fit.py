@@ -85,10 +85,10 @@ def fit_spectrum(
         start = search.solve(search.u_of(coarse.theta_of(best.u)))
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
-    return search.result(_settled(search, best), converged)
+    return search.result(_on_closer_lines(search, best), converged)
 
 
-def _settled(search: SpectrumSearch, trial: Trial) -> Trial:
+def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:
     """The same with closer lines, and the effects' parameters fitted anew where those alone have mended much.
 
     Of single Maxwell elements between the lines of the first lattice, the parameters had to follow what the lines

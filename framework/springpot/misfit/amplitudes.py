@@ -7,12 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from springpot.digits import number
-from springpot.distributions import f_sf
 from springpot.measurement import Measurement, temperatures_differ
-from springpot.policy import VERDICT
 from springpot.rheology import Real
 
-from .material import Level, any_material, each_alone, levels_of_no_material, strange_in_words
+from .material import Level, any_material, each_alone, levels_of_no_material, needs_each, strange_in_words
 from .refit import Refit, refit
 from .where import with_unit
 from .words import percent
@@ -47,23 +45,13 @@ def notes_on_amplitudes(base: Refit) -> Iterator[str]:
     errors = np.array([level.error for level in levels])
     each = float(np.sqrt(np.sum(sizes * errors**2) / np.sum(sizes)))
     beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
-    if not _differ(one, levels):
+    if not needs_each(one, levels):
         yield f"{beside}, one for each {percent(each)}: the amplitude does not matter"
         return
     yield f"{beside}, one for each {percent(each)}: {_course(measurement, levels)}"
     strange = levels_of_no_material(levels)
     if len(levels) > 2 and strange:
         yield strange_in_words(measurement, "amplitude", levels, strange)
-
-
-def _differ(one: Refit, levels: Sequence[Level]) -> bool:
-    """Whether a material for each level explains more than its freedom does by chance."""
-    apart = sum(level.fitted.rss for level in levels)
-    spare = max(sum(level.fitted.fit.dof for level in levels), 1)
-    spent = max(one.fit.dof - spare, 1)
-    # Against the scatter about each level's own material: the noise itself may have been misjudged.
-    ratio = (one.rss - apart) / spent / max(apart / spare, 1e-300)
-    return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
 
 
 def _course(measurement: Measurement, levels: Sequence[Level]) -> str:

@@ -210,6 +210,24 @@ def each_alone(base: Refit, name: str) -> list[Level]:
     return found
 
 
+def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
+    """Whether a material for each level explains more than its freedom does by chance, by Fisher's test.
+
+    Parameters
+    ----------
+    together : Refit
+        One material for all levels.
+    levels : sequence of Level
+        Each with its own.
+    """
+    apart = sum(level.fitted.rss for level in levels)
+    spare = max(sum(level.fitted.fit.dof for level in levels), 1)
+    spent = max(together.fit.dof - spare, 1)
+    # Against the scatter about each level's own material, not the noise: that may have been misjudged.
+    ratio = (together.rss - apart) / spent / max(apart / spare, 1e-300)
+    return ratio > 1.0 and float(f_sf(ratio, spent, spare)) < VERDICT.sentence_alarm
+
+
 def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
     """Levels at which a free spectrum fails far more than at the others, beyond what scatter makes of such few."""
     # The median, which one or two levels that fail do not raise.
@@ -234,12 +252,7 @@ def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effe
     inside[np.concatenate([level.rows for level in levels])] = True
     model = replace(any_material(), effects=tuple(free))
     together = refit(model, base.data.without(~inside), base.noise.of(inside))
-    apart = sum(level.fitted.rss for level in levels)
-    spare = sum(level.fitted.fit.dof for level in levels)
-    spent = max(together.fit.dof - spare, 1)
-    # Against the scatter about each level's own material, not the noise: a level that is a little off is told above.
-    ratio = (together.rss - apart) / spent / (apart / max(spare, 1))
-    if ratio <= 1.0 or float(f_sf(ratio, spent, max(spare, 1))) > VERDICT.sentence_alarm:
+    if not needs_each(together, levels):
         return
     # With many points the slightest difference is sure; it must be large enough to matter too, as `mastercurve` asks.
     if together.relative_rms <= SUPERPOSITION.nearly * _rms(levels):
