@@ -10,8 +10,16 @@ from springpot.digits import number
 from springpot.measurement import Measurement, temperatures_differ
 from springpot.rheology import Real
 
-from .material import Level, any_material, each_alone, levels_of_no_material, needs_each, strange_in_words
-from .refit import Refit, refit
+from .material import (
+    Level,
+    each_alone,
+    error_of_each,
+    fitted_together,
+    levels_of_no_material,
+    needs_each,
+    strange_in_words,
+)
+from .refit import Refit
 from .where import with_unit
 from .words import percent
 
@@ -38,12 +46,7 @@ def notes_on_amplitudes(base: Refit) -> Iterator[str]:
     levels = each_alone(base, "amplitude")
     if len(levels) < 2:
         return
-    inside = np.zeros(len(measurement), dtype=bool)
-    inside[np.concatenate([level.rows for level in levels])] = True
-    one = refit(any_material(), base.data.without(~inside), base.noise.of(inside))
-    sizes = np.array([len(level.rows) for level in levels])
-    errors = np.array([level.error for level in levels])
-    each = float(np.sqrt(np.sum(sizes * errors**2) / np.sum(sizes)))
+    one, each = fitted_together(base, levels), error_of_each(levels)
     beside = f"one material for all {len(levels)} amplitudes is {percent(one.relative_rms)} off"
     if not needs_each(one, levels):
         yield f"{beside}, one for each {percent(each)}: the amplitude does not matter"

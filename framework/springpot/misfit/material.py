@@ -210,6 +210,14 @@ def each_alone(base: Refit, name: str) -> list[Level]:
     return found
 
 
+def fitted_together(base: Refit, levels: Sequence[Level], effects: Sequence[Effect] = ()) -> Refit:
+    """One material, with these effects around it, fitted to the rows of all levels in the noise of the whole."""
+    inside = np.zeros(len(base.fit.measurement), dtype=bool)
+    inside[np.concatenate([level.rows for level in levels])] = True
+    model = replace(any_material(), effects=tuple(effects))
+    return refit(model, base.data.without(~inside), base.noise.of(inside))
+
+
 def needs_each(together: Refit, levels: Sequence[Level]) -> bool:
     """Whether a material for each level explains more than its freedom does by chance, by Fisher's test.
 
@@ -248,23 +256,21 @@ def levels_of_no_material(levels: Sequence[Level]) -> list[Level]:
 
 def _joined(base: Refit, name: str, levels: Sequence[Level], free: Sequence[Effect]) -> Iterator[str]:
     """A sentence where each level is a material, and no factors of time and modulus make them one."""
-    inside = np.zeros(len(base.fit.measurement), dtype=bool)
-    inside[np.concatenate([level.rows for level in levels])] = True
-    model = replace(any_material(), effects=tuple(free))
-    together = refit(model, base.data.without(~inside), base.noise.of(inside))
+    together = fitted_together(base, levels, free)
     if not needs_each(together, levels):
         return
     # With many points the slightest difference is sure; it must be large enough to matter too, as `mastercurve` asks.
-    if together.relative_rms <= SUPERPOSITION.nearly * _rms(levels):
+    if together.relative_rms <= SUPERPOSITION.nearly * error_of_each(levels):
         return
     yield (
         f"no shift of times and moduli lays the {name}s over one another: each by itself is a linear material to "
-        f"{percent(_rms(levels))}, all together with factors of their own to {percent(together.relative_rms)}; the "
+        f"{percent(error_of_each(levels))}, all "
+        f"together with factors of their own to {percent(together.relative_rms)}; the "
         f"material is not thermorheologically simple, or something else changed between the {name}s"
     )
 
 
-def _rms(levels: Sequence[Level]) -> float:
+def error_of_each(levels: Sequence[Level]) -> float:
     """Relative error of all levels, each followed by its own material."""
     # Weighted by points, so that it stands beside the error of one fit to all of them.
     squares: Real = np.array([level.error**2 for level in levels])
