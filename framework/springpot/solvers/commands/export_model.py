@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .common import FILE, POSITIVE, emit, json_option
+from springpot.cli.common import FILE, POSITIVE, emit, json_option
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
@@ -35,8 +35,8 @@ def command(
     refused, for they do not belong to the specimen: leave them out with --without.
     """
     from springpot.errors import OptionError
-    from springpot.exporting import exported
     from springpot.files import write_text, write_with
+    from springpot.solvers.exporting import exported
 
     handed = exported(source, format_name, tolerance=tolerance, **options)
     data = handed.data
