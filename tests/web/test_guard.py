@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import json
 import socket
 import time
+from collections.abc import Iterator
 
 import pytest
 from client import ask, head, raw, token_of
@@ -233,3 +235,50 @@ def test_base64_is_made_by_the_server_alone(bench: Workbench, damper: bytes):
     """The bytes of a file are sent as they are; what looks like an encoding is data."""
     found = ask(bench, "/api/data?name=x.csv", base64.b64encode(damper))
     assert "error" in found or "question" in found.get("result", {})
+
+
+def test_the_page_itself_may_be_come_to_from_a_file(bench: Workbench):
+    come = {"Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "navigate"}
+    assert raw(bench, head(bench, **come))[0] == 200
+    assert raw(bench, head(bench, path="/api/start", X_Springpot_Token=token_of(bench), **come))[0] == 403
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> Iterator[Workbench]:
+    """A workbench that waits a second for a head, and takes eight connections."""
+    monkeypatch.setattr("springpot.web.connection.HEAD_PATIENCE", 1.0)
+    monkeypatch.setattr("springpot.web.connection.MOST", 8)
+    running = Workbench().start()
+    yield running
+    running.close()
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost: 127.0", b"GET / HTTP/1.1\r\n"])
+def test_half_a_head_is_not_waited_for_without_end(impatient: Workbench, sent: bytes):
+    with socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) as line:
+        line.sendall(sent)
+        assert line.recv(1) == b""
+
+
+def test_half_a_head_behind_a_whole_request_is_not_waited_for_either(impatient: Workbench):
+    whole = head(impatient, path="/page/icon.svg").replace("close", "keep-alive").replace("\n", "\r\n")
+    with socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) as line:
+        line.sendall(whole.encode() + b"\r\n\r\n")
+        assert line.recv(12) == b"HTTP/1.1 200"
+        line.sendall(b"GET / HT")
+        # Far less than what an idle connection may last.
+        begun = time.monotonic()
+        while line.recv(1 << 16):
+            pass
+        assert time.monotonic() - begun < 15.0
+
+
+def test_many_half_heads_keep_nobody_out(impatient: Workbench, capfd: pytest.CaptureFixture[str]):
+    lines = [socket.create_connection(("127.0.0.1", impatient.port), timeout=30.0) for _ in range(40)]
+    for line in lines:
+        with contextlib.suppress(OSError):
+            line.sendall(b"GET / HTTP/1.1\r\nHos")
+    assert raw(impatient, head(impatient))[0] == 200
+    for line in lines:
+        line.close()
+    assert capfd.readouterr().err == ""

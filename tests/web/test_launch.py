@@ -12,6 +12,8 @@ import threading
 import time
 import tomllib
 from pathlib import Path
+from urllib.parse import urlparse
+from urllib.request import url2pathname
 
 import pytest
 from client import ask, head, raw, token_of
@@ -165,3 +167,22 @@ def test_time_signals_are_one_point_of_a_test(tmp_path: Path):
     found = understand(print, "signals.csv", content)
     assert found["scene"]["count"] == 1
     assert found["scene"]["axis"]["column"] == "frequency"
+
+
+def test_the_browser_is_called_without_the_token(monkeypatch: pytest.MonkeyPatch):
+    """All users of a machine see what a process is called with; only its owner reads the file that is named."""
+    called: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: called.append(address))
+    running = Workbench().start()
+    running.open()
+    while not called:
+        time.sleep(0.01)
+    door = Path(url2pathname(urlparse(called[0]).path))
+    try:
+        assert token_of(running) not in called[0]
+        assert running.address in door.read_text(encoding="utf-8")
+        assert door.stat().st_mode & 0o777 == 0o600
+        assert door.parent.stat().st_mode & 0o777 == 0o700
+    finally:
+        running.close()
+    assert not door.parent.exists()

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 from browsing import IN_A_BROWSER, PATIENCE, Open, Page, playwright, tab_to, violations_on
+from test_state import a_session
 
 from springpot.web import Workbench
+from springpot.web.datatext import measured_in
 
 pytestmark = IN_A_BROWSER
 
@@ -428,3 +430,33 @@ def test_a_lost_server_is_told_and_the_page_stays(browser: Any, named: Workbench
     here.page.hover("#effect-inertia")
     assert here.page.locator("#plot-view .line.preview").count() == 2
     context.close()
+
+
+@pytest.mark.parametrize("view", [{"view": "of a later version"}, {"plane": 3, "plan": "x"}])
+def test_a_session_with_an_unknown_view_is_opened_with_the_usual_one(page: Open, damper: bytes, view: dict[str, Any]):
+    here = page()
+    session = a_session(measured_in("damper.csv", damper)[0]) | {"view": view}
+    here.drop("session.json", json.dumps(session).encode())
+    here.shows(f"{MODEL} + inertia")
+    assert here.page.locator("#plot-view .mark").count() > 0
+    here.page.reload()
+    here.shows(f"{MODEL} + inertia")
+    assert here.page.input_value("#view") == "storage-loss"
+
+
+def test_after_a_restart_the_printed_address_goes_on_in_the_same_tab(browser: Any, damper: bytes):
+    first = Workbench().start()
+    context = browser.new_context()
+    here, port = Page(context, first), first.port
+    here.drop("damper.csv", damper)
+    here.judge(MODEL)
+    first.close()
+    here.page.locator("#lost").wait_for()
+    second = Workbench(port=port).start()
+    here.page.goto(second.address)
+    here.page.locator("#lost").wait_for(state="hidden")
+    here.done()
+    assert "token" not in here.page.url
+    here.judge("fractional-kelvin")
+    context.close()
+    second.close()

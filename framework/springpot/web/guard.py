@@ -97,7 +97,11 @@ class Guard:
         if origin is not None and origin != b"http://" + headers[b"host"]:
             raise Refusal(403, "this server answers only to its own page")
         # An address that was typed comes with "none"; a browser that knows no such header sends nothing.
-        if headers.get(b"sec-fetch-site", b"none") not in (b"same-origin", b"none"):
+        site = headers.get(b"sec-fetch-site", b"none")
+        # The browser comes to the page itself from a file, or by a link: there is nothing in it that is not public.
+        if scope["path"] == "/" and headers.get(b"sec-fetch-mode") == b"navigate":
+            site = b"none"
+        if site not in (b"same-origin", b"none"):
             raise Refusal(403, "this server answers only to its own page")
         # In constant time: how long a comparison takes would tell the token sign by sign.
         if scope["path"].startswith("/api/") and not hmac.compare_digest(headers.get(TOKEN, b""), self._token):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import os
 import secrets
+import shutil
 import signal
 import socket
+import tempfile
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -44,6 +47,7 @@ class Workbench:
         try:
             import uvicorn
 
+            from .connection import Punctual
             from .guard import Guard
             from .server import Server
         except ImportError as error:
@@ -60,7 +64,7 @@ class Workbench:
         app = Guard(self._behind.app(), self._token)
         config = uvicorn.Config(
             app,
-            http="h11",
+            http=Punctual,
             # Nothing that the page does not use.
             ws="none",
             lifespan="off",
@@ -76,6 +80,7 @@ class Workbench:
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)
+        self._doors: list[Path] = []
         self._thread: threading.Thread | None = None
 
     @property
@@ -88,6 +93,19 @@ class Workbench:
     def address(self) -> str:
         """What to open: the token stands behind ``#``, which a browser sends to nobody."""
         return f"http://{HOST}:{self.port}/#token={self._token}"
+
+    def open(self) -> None:
+        """Open the page in the browser.
+
+        The browser is called with the name of a file that only this user can read and that leads to the address: the
+        address itself, with its token, would stand in the list of processes, which all users of a machine see.
+        """
+        import webbrowser
+
+        door = _door(self.address)
+        self._doors.append(door)
+        # A browser that talks on the terminal, or blocks it, is kept apart from this thread.
+        threading.Thread(target=webbrowser.open, args=(door.as_uri(),), daemon=True).start()
 
     def __repr__(self) -> str:
         return f"<Workbench at {self.address}>"
@@ -127,6 +145,7 @@ class Workbench:
             self._thread.join(10.0)
 
     async def _serve(self, ready: Callable[[], object] | None) -> None:
+        asyncio.get_running_loop().set_exception_handler(_told_once)
         # The workers first: they check the data, and import what they need while the browser opens.
         await self._desk.open()
         try:
@@ -137,6 +156,23 @@ class Workbench:
         finally:
             await self._desk.close()
             self._socket.close()
+            for door in self._doors:
+                shutil.rmtree(door.parent, ignore_errors=True)
+
+
+def _told_once(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Let a connection that cannot be taken pass without a word; asyncio tries again, and would tell each time."""
+    if not isinstance(context.get("exception"), OSError):
+        loop.default_exception_handler(context)
+
+
+def _door(address: str) -> Path:
+    """A page that leads to an address, in a folder of this user alone."""
+    # mkdtemp makes it with mode 0700.
+    door = Path(tempfile.mkdtemp(prefix="springpot-")) / "open.html"
+    with open(os.open(door, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as page:
+        page.write(f'<!doctype html><meta http-equiv="refresh" content="0; url={address}"><title>springpot</title>')
+    return door
 
 
 def _listening(port: int) -> socket.socket:
@@ -174,7 +210,7 @@ def serve(data: str | None, model: str | None, port: int, browser: bool, tell: C
     def ready() -> None:
         tell(bench)
         if browser:
-            _open(bench.address)
+            bench.open()
 
     # A KeyboardInterrupt that is raised within a callback of the interpreter is swallowed there, and the server would
     # run on: Ctrl-C is noted instead, also by the server, which hands it on here when it has ended.
@@ -239,12 +275,5 @@ def workbench(
         data = {"name": f"{measurement.name}.csv", "content": content}
     bench = Workbench(data, model or "", port).start()
     if browser:
-        _open(bench.address)
+        bench.open()
     return bench
-
-
-def _open(address: str) -> None:
-    import webbrowser
-
-    # A browser that talks on the terminal, or blocks it, is kept apart from this thread.
-    threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

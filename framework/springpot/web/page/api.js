@@ -5,10 +5,10 @@ const TOKEN = "springpot-token";
 // The token came behind # in the address; it is kept for a reload of this tab and taken off the address.
 export function takeToken() {
   const found = /token=([\w-]+)/.exec(location.hash);
-  if (found) {
-    sessionStorage.setItem(TOKEN, found[1]);
-    history.replaceState(null, "", location.pathname);
-  }
+  if (!found) return false;
+  sessionStorage.setItem(TOKEN, found[1]);
+  history.replaceState(null, "", location.pathname);
+  return true;
 }
 
 export class Failed extends Error {}

@@ -13,12 +13,12 @@ import { Missing } from "./missing.js";
 import { ModelPanel } from "./model.js";
 import { Next } from "./next.js";
 import { Race } from "./race.js";
+import { looksOf } from "./views.js";
 import { answerTo, keyOf, lacking, rowsOf, textOf } from "./wants.js";
 import { Work } from "./work.js";
 
 const SAVED = "springpot-session";
 const PULSE = 5000; // ms between looks whether the server is still there
-const LOOKS = { view: "storage-loss", plane: "stiffness", plan: 0 };
 const READING = "reading"; // the work that brings data: no step ends it
 const BEGINNING = { model: "", accepted: [], seed: 0 };
 const WAIT = "wait for the computation, or cancel it";
@@ -32,7 +32,7 @@ class App {
     this.answers = new Map(); // answers by state
     this.left = new Map(); // what was refused or cancelled, and why: it is not asked for again before the next step
     this.history = new History();
-    this.looks = { ...LOOKS };
+    this.looks = looksOf();
     this.hovered = null;
     this.edited = null;
     this.named = null; // a model that waits for data
@@ -165,7 +165,7 @@ class App {
     this.known.set(found.digest, found);
     if (found.session) {
       this.history = new History(found.session);
-      Object.assign(this.looks, LOOKS, found.session.view);
+      this.looks = looksOf(found.session.view);
       if (this.named !== null) this.history.push(this.judging(this.named));
     } else this.history.push(this.stateOn(found.digest, onto));
     this.named = null;
@@ -373,6 +373,18 @@ class App {
     return { branches: branches.filter((branch) => branch.states.length), branch: this.history.at };
   }
 
+  // A server that was started anew knows nothing of these data: they are sent again, with all their branches.
+  async resume() {
+    this.refused = "";
+    this.left.clear();
+    if (!this.data) {
+      await this.begin();
+      return;
+    }
+    const { name, text } = await this.fileOf("session");
+    await this.read((how) => api.upload(new TextEncoder().encode(text), { name }, how));
+  }
+
   // ---- begin ------------------------------------------------------------------------------------------------
 
   async begin() {
@@ -387,7 +399,7 @@ class App {
     if (saved) {
       const session = JSON.parse(saved);
       this.history = new History(session);
-      Object.assign(this.looks, session.view);
+      this.looks = looksOf(session.view);
       if (this.state) {
         this.arrive();
         return;
@@ -444,9 +456,15 @@ function listen(app) {
   const lost = byId("lost");
   document.addEventListener("lost", () => {
     lost.hidden = false;
-    lost.textContent = "The server has gone; what is on the page stays. Start 'springpot workbench' again to go on.";
+    lost.textContent = "The server has gone; what is on the page stays. To go on, start 'springpot workbench' again and open its address here; on another port, save a session first.";
   });
   setInterval(() => { if (!document.hidden) api.alive().then(() => { lost.hidden = true; }).catch(() => {}); }, PULSE);
+  // The address of a server that was started anew, opened in this tab, differs from the old one behind # alone.
+  window.addEventListener("hashchange", () => {
+    if (!api.takeToken()) return;
+    lost.hidden = true;
+    app.resume();
+  });
   listenForDrops(app);
 }
 

@@ -5,6 +5,7 @@ import { Compare, verdict } from "./compare.js";
 import { Ladder } from "./ladder.js";
 import { Missing } from "./missing.js";
 import { withInterval } from "./numbers.js";
+import { looksOf } from "./views.js";
 
 class Report {
   constructor({ scene, rungs, excluded }) {
@@ -18,7 +19,7 @@ class Report {
     this.edited = null;
     this.beside = null;
     this.busy = null;
-    this.looks = { view: "storage-loss", plane: "stiffness", plan: 0 };
+    this.looks = looksOf();
     this.history = { branches: [] };
     this.verdict = h("p", { id: "verdict" });
     this.parameters = h("dl", { id: "parameters" });

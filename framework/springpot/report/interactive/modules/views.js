@@ -176,3 +176,13 @@ export function planeLines(name, scene, k) {
   });
   return lines;
 }
+
+const PLAIN = { view: "storage-loss", plane: "stiffness", plan: 0 };
+
+// What is looked at, as a session or an earlier page left it: what is not known here, perhaps of a later version, is
+// as at the beginning.
+export function looksOf(given = {}) {
+  const view = given.view in VIEWS || given.view === "master-curve" ? given.view : PLAIN.view;
+  const plane = given.plane in PLANES || given.plane === "none" ? given.plane : PLAIN.plane;
+  return { view, plane, plan: given.plan ? 1 : 0 };
+}
