@@ -1,0 +1,33 @@
+"""Whether the tests of a room notice a changed line of it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from mutation import Copy, drawn
+from soak import Row
+
+COUNT = 100
+LEAST = 0.85
+"""Share of the changes that the room's own tests are to notice; some change nothing that anybody could see."""
+
+
+def rows(rng: np.random.Generator, scale: float) -> Iterator[Row]:
+    """One promise: enough of the changes are noticed; those that were not are named."""
+    count = max(1, round(scale * COUNT))
+    unnoticed = []
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Copy(Path(folder))
+        for mutant in drawn(rng, count):
+            if not copy.notices(mutant):
+                place = mutant.path.relative_to("framework/springpot")
+                change = mutant.change
+                unnoticed.append(f"{place}:{change.line} `{change.before}` to `{change.after}`")
+    noticed = count - len(unnoticed)
+    named = "; ".join(unnoticed).replace("|", "\\|")
+    kept = noticed >= LEAST * count
+    what = f"{100 * LEAST:.0f} % of single-line changes are noticed by the tests of their room"
+    yield Row(what, 1, int(kept), f"{noticed} of {count}; not noticed: {named or 'none'}")
