@@ -89,8 +89,9 @@ def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table
     columns = ("optimiser", *(f"{name}, {mark}" for name in CLASSES for mark in marks))
     note = (
         f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that reached the "
-        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test over problems, "
-        f"adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy: the same with 1 % and with 2 % noise of eq. (53)."
+        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test over "
+        f"problems, adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy: the same with 1 % and with 2 % noise "
+        "of eq. (53)."
     )
     return Table("The paper's swarm among others", columns, rows, note)
 
