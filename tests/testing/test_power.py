@@ -1,13 +1,16 @@
 """What a baseline is said to see is what drawn samples show."""
 
+import csv
 from math import inf
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from springpot.testing.difference import Successes, chance, drop
+from springpot.testing.difference import LEVEL, Successes, chance, drop
 from springpot.testing.power import POWER, least_drop_seen, least_rise, smallest_seen
 
+ROOT = Path(__file__).resolve().parents[2]
 SHARE = 0.002
 
 
@@ -45,3 +48,30 @@ def test_a_baseline_that_missed_often_sees_a_rise_less(rng):
     whole = np.exp(0.3 * rng.standard_normal(20))
     half = np.where(np.arange(20) < 9, inf, whole)
     assert least_rise(half, SHARE) > least_rise(whole, SHARE)
+
+
+def committed() -> dict[str, dict[str, str]]:
+    """Rows of the table of what the gate sees, by what changed."""
+    with (ROOT / "results" / "gate" / "power.csv").open(encoding="utf-8", newline="") as file:
+        return {row["what changed"]: row for row in csv.DictReader(file)}
+
+
+def test_the_documents_say_what_was_measured():
+    rows, said = committed(), (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+    for change in ("success 100 -> 50 % in one cell of 6", "evaluations x1.5 in one cell of 6"):
+        [line] = [line for line in said.splitlines() if line.startswith(f"| {change} |")]
+        shares = [100 * float(rows[change][f"{trials} trials"]) for trials in (20, 40, 60, 80)]
+        assert [float(cell) for cell in line.split("|")[2:-1]] == pytest.approx(shares, abs=0.51)
+    fifth = rows["success 100 -> 80 % of one optimiser on all its 3 problems"]
+    assert float(fifth["20 trials"]) > POWER
+    quiet = [row for change, row in rows.items() if change.startswith("nothing")]
+    assert len(quiet) == 3
+    assert all(float(row[f"{trials} trials"]) <= LEVEL for row in quiet for trials in (20, 40, 60, 80))
+
+
+def test_a_row_is_drawn_as_the_gate_judges(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "studies"))
+    from gate_power import Scene, share_seen
+
+    assert share_seen(Scene(1, 6, after=0.8), 20, 15).value > 0.9
+    assert share_seen(Scene(3, 0), 20, 15).value == 0.0

@@ -269,7 +269,7 @@ def test_identified_parameters_of_own_data_are_held(tmp_path):
     assert "fit on mine" in line
     assert "off by up to 0.02" in line
     assert "max_parameter_error is 0.01" in line
-    assert "k 102 for 100" in line
+    assert "k 102.0 for 100.0" in line
 
 
 @pytest.mark.parametrize(
