@@ -89,10 +89,17 @@ def overview(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table
     columns = ("optimiser", *(f"{name}, {mark}" for name in CLASSES for mark in marks))
     note = (
         f"Place of {len(RIVALS) + 1} by mean rank of what was reached, and the share of trials that reached the "
-        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test, adjusted by "
-        "Holm. Exact: 5 models; noisy: the same with 1 % and with 2 % noise of eq. (53)."
+        f"target (excess {findings.scale.target:g}); an asterisk: told from {SWARM} by Wilcoxon's test over "
+        f"problems, adjusted by Holm{_doubts(found)}. Exact: 5 models; noisy: the same with 1 % and with 2 % noise "
+        "of eq. (53)."
     )
     return Table("The paper's swarm among others", columns, rows, note)
+
+
+def _doubts(found: dict[tuple[str, int], Ranking]) -> str:
+    """Why there are no asterisks, where there can be none."""
+    doubts = dict.fromkeys(ranked.doubt for ranked in found.values() if ranked.doubt)
+    return "".join(f"; {doubt} {len(RIVALS) + 1} optimisers apart" for doubt in doubts)
 
 
 def _place(findings: Findings, ranked: Ranking, label: str) -> str:
@@ -101,7 +108,7 @@ def _place(findings: Findings, ranked: Ranking, label: str) -> str:
     i, swarm = ranked.labels.index(label), ranked.labels.index(own)
     place = 1 + int((ranked.means < ranked.means[i]).sum())
     rate = success(findings, ranked.scope, label, ranked.budget)
-    told = "*" if ranked.p[i, swarm] <= 0.05 else ""
+    told = "*" if ranked.told(i, swarm) else ""
     return f"{place}.{told} {100 * rate.value:.0f} %" if rate else f"{place}.{told}"
 
 
@@ -121,8 +128,9 @@ def details(findings: Findings, found: dict[tuple[str, int], Ranking]) -> Table:
         "data", "budget", "optimiser", "success", "mean rank", "swarm ends below", "p (Wilcoxon, Holm)", "blocks",
     )  # fmt: skip
     note = (
-        "Success with Wilson's and mean rank with a bootstrap 95 % interval. Swarm ends below: chance that a trial "
-        "of the swarm is better than one of this optimiser on the same problem at that budget, ties by half (A12)."
+        "Success with Wilson's 95 % interval; mean rank with a bootstrap 95 % interval over problems, or their range "
+        f"where they are too few{_doubts(found)}. Swarm ends below: chance that a trial of the swarm is better than "
+        "one of this optimiser on the same problem at that budget, ties by half (A12)."
     )
     return Table("The paper's swarm: ranks", columns, rows, note)
 

@@ -12,6 +12,7 @@ from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.comparison import OVER_ALL, choose, profiles, quality, rank, rankings, scopes
 from springpot.benchmark.rows import CellRow, ProblemRow
 from springpot.benchmark.scores import CellScores, Race, Scale, races_of, score_cell
+from springpot.benchmark.standings import rank_table
 from springpot.benchmark.statistics import expected_running_time
 from springpot.benchmark.trace import at
 
@@ -96,11 +97,42 @@ def test_ranks_over_many_problems(rng):
     assert found.means.sum() == pytest.approx(6.0)
 
 
-def test_few_problems_are_ranked_by_repetition(rng):
-    races = [race(i, {"a": rng.random(20), "b": 2 + rng.random(20)}) for i in range(2)]
+@pytest.mark.parametrize("problems", [2, 3, 4, 5])
+def test_few_problems_tell_nothing_however_many_trials_there_are(problems, rng):
+    """Problems are the blocks: fifty trials of each say nothing of the next problem."""
+    races = [race(i, {"a": rng.random(50), "b": 2 + rng.random(50)}) for i in range(problems)]
     found = rank(OVER_ALL, races, 2, SCALE)
-    assert (found.blocks, found.unit, found.decided) == (40, "repetitions", True)
-    assert not rank(OVER_ALL, [race(0, {"a": np.zeros(2), "b": np.ones(2)})], 2, SCALE).decided
+    assert (found.blocks, found.unit, found.decided) == (problems, "problems", False)
+    assert found.p[0, 1] == found.least == 2.0 ** (1 - problems)
+    assert found.alike(0) == ("b",)
+    assert found.doubt == f"{problems} problems cannot tell"
+    [row, _] = rank_table("few", [found]).rows
+    assert f"{problems} problems cannot tell" in row
+    # What they have in common is their range: a bootstrap of five would be too sure.
+    assert (found.ranks[0].low, found.ranks[0].high) == (1.0, 1.0)
+
+
+def test_of_one_problem_the_trials_are_ranked_as_its_choice_is_made(rng):
+    there = race(0, {"a": rng.random(20), "b": 2 + rng.random(20), "c": rng.random(20)})
+    found, choice = rank(OVER_ALL, [there], 2, SCALE), choose(there, 2, SCALE)
+    assert (found.blocks, found.unit, found.decided) == (20, "repetitions", True)
+    assert {choice.label, *choice.alike} == {"a", *found.alike(0)} == {"a", "c"}
+    few = rank(OVER_ALL, [race(0, {"a": np.zeros(2), "b": np.ones(2)})], 2, SCALE)
+    assert (few.decided, few.doubt) == (False, "2 repetitions cannot tell")
+
+
+def test_too_few_trials_call_nobody_worse():
+    """Ties make the normal approximation surer than three trials can be."""
+    found = choose(race(0, {"a": np.zeros(3), "b": np.ones(3)}), 2, SCALE)
+    assert (found.decided, found.alike, found.runner_up) == (False, ("b",), None)
+
+
+@pytest.mark.parametrize("trials", [515, 2000])
+def test_many_repetitions_have_tables(trials, rng):
+    there = race(0, {"a": rng.random(trials), "b": 2 + rng.random(trials)})
+    found = choose(there, 2, SCALE)
+    assert (found.label, found.decided) == ("a", True)
+    assert rank(OVER_ALL, [there], 2, SCALE).told(0, 1)
 
 
 def test_scopes_are_models_and_data_sets_with_several_problems():

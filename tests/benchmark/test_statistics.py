@@ -1,5 +1,6 @@
 """Statistics against scipy, printed values and cases worked by hand."""
 
+import itertools
 import warnings
 
 import numpy as np
@@ -110,7 +111,7 @@ def test_wilcoxon_holm_is_symmetric_and_finds_the_better(rng):
     assert np.array_equal(table, table.T)
     assert table[0, 1] < 1e-3
     assert table[0, 2] == 1.0
-    raw = stats.wilcoxon(scores[:, 0] - scores[:, 1], zero_method="zsplit").pvalue
+    raw = stats.wilcoxon(scores[:, 0] - scores[:, 1], method="exact").pvalue
     assert table[0, 1] == pytest.approx(3 * raw)
 
 
@@ -143,12 +144,11 @@ def test_a12_table_holds_every_pair(rng):
 
 
 def test_wilcoxon_of_every_pair_is_scipys(rng):
-    for blocks in (rng.random((14, 5)), rng.random((80, 5)), rng.integers(0, 4, (30, 5)).astype(float)):
+    for blocks in (rng.random((14, 5)), rng.random((80, 5))):
         pairs = [(i, j) for i in range(5) for j in range(i + 1, 5)]
         gaps = [blocks[:, i] - blocks[:, j] for i, j in pairs]
-        tied = [len(np.unique(np.abs(gap))) < len(gap) for gap in gaps]
-        methods = ["asymptotic" if t or len(blocks) > 50 else "exact" for t in tied]
-        raw = [stats.wilcoxon(g, zero_method="zsplit", method=m).pvalue for g, m in zip(gaps, methods, strict=True)]
+        method = "asymptotic" if len(blocks) > 50 else "exact"
+        raw = [stats.wilcoxon(gap, zero_method="zsplit", method=method).pvalue for gap in gaps]
         table = s.wilcoxon_holm(blocks)
         assert [table[pair] for pair in pairs] == pytest.approx(s.holm(np.array(raw)))
 
@@ -156,16 +156,46 @@ def test_wilcoxon_of_every_pair_is_scipys(rng):
 def test_mann_whitney_is_scipys_and_takes_failures(rng):
     one, other = rng.random(20), rng.random(20) + 0.3
     expected = stats.mannwhitneyu(one, other, method="asymptotic").pvalue
-    assert s.mann_whitney_holm(one, other[None])[0] == pytest.approx(expected)
+    assert s.mann_whitney_holm(np.stack([one, other]))[0, 1] == pytest.approx(expected)
     worst = np.where(other > 1.0, INF, other)
-    assert s.mann_whitney_holm(one, worst[None])[0] == pytest.approx(expected, rel=0.05)
-    assert s.mann_whitney_holm(np.full(5, INF), np.full((2, 5), INF)).tolist() == [1.0, 1.0]
-    assert s.mann_whitney_holm(one, np.empty((0, 20))).tolist() == []
+    assert s.mann_whitney_holm(np.stack([one, worst]))[0, 1] == pytest.approx(expected, rel=0.05)
+    assert (s.mann_whitney_holm(np.full((3, 5), INF)) == 1.0).all()
+    assert s.mann_whitney_holm(one[None]).tolist() == [[1.0]]
+    trio = s.mann_whitney_holm(np.stack([one, other, other + 9.0]))
+    assert np.array_equal(trio, trio.T)
+    assert trio[0, 2] == pytest.approx(3 * stats.mannwhitneyu(one, other + 9.0, method="asymptotic").pvalue)
+
+
+@pytest.mark.parametrize("blocks", [2, 5, 8, 12])
+def test_signed_ranks_of_ties_are_those_of_all_signs(blocks, rng):
+    """Against SciPy's enumeration of all signs; zeros keep their ranks and have no sign."""
+    for _ in range(4):
+        gaps = rng.integers(-2, 4, blocks).astype(float)
+        every = list(itertools.product([-1.0, 1.0], repeat=blocks))
+        ranks = stats.rankdata(np.abs(gaps)) * (gaps != 0)
+        sums = np.abs(np.array(every) @ ranks)
+        expected = np.mean(sums >= abs((np.sign(gaps) * ranks).sum()) - 1e-9)
+        assert s.sign_flips(gaps[None]) == pytest.approx([expected])
+
+
+@pytest.mark.parametrize("blocks", range(2, 9))
+def test_no_p_value_is_less_than_so_few_blocks_can_give(blocks):
+    """Tied differences as well: the normal approximation would be surer of them than 2 / 2**n."""
+    scores = np.column_stack([np.zeros(blocks), np.ones(blocks)])
+    assert s.wilcoxon_holm(scores)[0, 1] == s.least_signed_rank(blocks) == 2.0 ** (1 - blocks)
+    assert s.mann_whitney_holm(scores.T)[0, 1] >= 2 * s.least_mann_whitney(blocks, blocks)
+    three = np.column_stack([scores, np.full(blocks, 2.0)])
+    assert s.friedman(three)[1] >= 6.0 ** (1 - blocks)
+
+
+@pytest.mark.parametrize("trials", [515, 20_000])
+def test_a_large_number_of_trials_has_a_least_p_value(trials):
+    assert 0.0 <= s.least_mann_whitney(trials, trials) < 1e-300
+    assert s.least_signed_rank(trials) < 1e-100
 
 
 def test_signed_ranks_know_when_there_are_too_few_blocks():
-    assert not s.can_tell(5, 1)
-    assert s.can_tell(6, 1)
+    assert [s.least_signed_rank(blocks) for blocks in (1, 5, 6)] == [1.0, 0.0625, 0.03125]
     rng = np.random.default_rng(1)
     best = np.arange(6) + rng.random((2, 6)) * [[0.0], [0.5]] + [[0.0], [9.0]]
     assert s.wilcoxon_holm(best.T)[0, 1] == pytest.approx(2.0**-5)

@@ -42,6 +42,8 @@ def test_update_check_and_a_regression(springpot, study):
     assert failed.code == 1
     assert "worse: swarm on artificial-springpot (model springpot, objective paper) got worse" in failed.out
     assert failed.err == ""
+    assert "seen: swarm, in 80 % of cases: costs x1." in passed.out
+    assert springpot("regression", "check", "--level", "2").is_one_line("--level")
     assert springpot("regression", "check", study(budget=99)).is_one_line("made with a budget of 4000")
     assert springpot("regression", "check", "--baseline", "x.json").is_one_line("--baseline needs exactly one study")
 

@@ -18,9 +18,9 @@ from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study
 from springpot.benchmark.report.plot import Dot, Line, Pen, Ranked, Scale, critical_differences, plot, scatter
-from springpot.benchmark.report.pools import not_below
+from springpot.benchmark.report.pools import share_text
 from springpot.benchmark.report.study import write_study_report
-from springpot.benchmark.statistics import Interval
+from springpot.benchmark.statistics import wilson
 from springpot.identification import Optimiser
 
 NASTY = '<script>alert("&")</script>'
@@ -161,9 +161,37 @@ def test_critical_differences_show_every_name_and_bar():
     assert picture.count('stroke-width="3"') == 2
 
 
-def test_who_succeeds_less_for_certain_is_not_called_as_good():
-    shares = {"always": Interval(1.0, 0.93, 1.0), "mostly": Interval(0.9, 0.8, 0.95), "half": Interval(0.5, 0.4, 0.6)}
-    assert not_below(shares) == ["always", "mostly"]
+def test_headline_diagram_and_tables_say_the_same_of_few_problems(page):
+    """Four problems cannot tell, whatever their eight trials each say."""
+    headline = page.partition('class="verdict"')[2].partition("</div>")[0]
+    assert "4 problems cannot tell 3 optimisers apart" in headline
+    assert "is 0.38" in headline  # 2 / 2**4 times three pairs
+    assert "<b>" not in headline
+    assert page.count("their range (4 problems cannot tell)") >= 1
+    assert "certain" not in headline
+
+
+def test_headline_diagram_and_tables_say_the_same_of_one_problem(tmp_path):
+    entrants = [("twin", Walk()), ("slow", Walk(shrink=0.8)), Moody(mood="throw")]
+    page = report_of(tmp_path, entrants, datasets=[artificial()], models=["own"], repetitions=12)
+    headline = page.partition('class="verdict"')[2].partition("</div>")[0]
+    with Store(tmp_path / "small" / "small.sqlite") as store:
+        findings = Findings.of(store)
+    ranking, choice = findings.rankings[-1], findings.choices[-1]
+    best = int(np.argmin(ranking.means))
+    alike = {ranking.labels[best], *ranking.alike(best)}
+    assert alike == {choice.label, *choice.alike}
+    assert "moody" not in " ".join(alike)
+    named = set(re.findall(r"twin|slow|moody", headline))
+    assert named == alike
+    assert "For this problem" in headline
+
+
+def test_a_share_is_whole_only_where_it_is():
+    assert share_text(wilson(1250, 1250)) == "100 % [99, 100]"
+    assert share_text(wilson(1249, 1250)) == "99 % [99, 100]"
+    assert share_text(wilson(0, 20)) == "0 % [0, 17]"
+    assert share_text(None) == "-"
 
 
 def test_accuracy_stands_against_time(tmp_path):

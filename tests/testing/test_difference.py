@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import mannwhitneyu, t
+from scipy.stats import boschloo_exact, fisher_exact, mannwhitneyu, t
 
-from springpot.benchmark.gate.difference import apart, chance, interval, smallest_chance, verdicts
+from springpot.benchmark.gate.difference import LEVEL, Successes, apart, chance, drop, interval, least_drop, verdicts
+from springpot.benchmark.statistics import least_mann_whitney
 
 
 def lognormal(rng, n=20, factor=1.0, spread=0.5):
@@ -44,7 +45,7 @@ def test_three_times_the_cost_is_found_and_named_alone(rng):
 def test_it_knows_when_the_sample_is_too_small(trials, rng):
     before, after = lognormal(rng, trials), lognormal(rng, trials, factor=100.0)
     [verdict] = verdicts([(before, after)])
-    assert smallest_chance(trials, trials) > 0.001
+    assert least_mann_whitney(trials, trials) > LEVEL or trials == 4
     assert not verdict.tested
     assert verdict.p == 1.0
     # One wild value each proves nothing; where trials hardly scatter, the intervals are apart.
@@ -55,10 +56,53 @@ def test_it_knows_when_the_sample_is_too_small(trials, rng):
 
 def test_more_cells_ask_for_more_trials(rng):
     pair = (lognormal(rng, 6), lognormal(rng, 6, factor=50.0, spread=0.1))
-    assert verdicts([pair])[0].tested == (1 / 924 < 0.001)
+    assert not verdicts([pair], 0.001)[0].tested
+    assert 1 / 924 > 0.001
     pair = (lognormal(rng, 7), lognormal(rng, 7, factor=50.0, spread=0.1))
-    assert verdicts([pair])[0].tested
-    assert not verdicts([pair] * 12)[0].tested
+    assert verdicts([pair], 0.001)[0].tested
+    assert not verdicts([pair] * 12, 0.001)[0].tested
+    # Counts take their places too, and have theirs.
+    full = (Successes(7, 7), Successes(7, 7))
+    assert not verdicts([pair], 0.001, counts=[full] * 11)[0].tested
+
+
+def test_lost_reliability_is_seen_where_costs_show_nothing(rng):
+    """Half of the trials of one cell of six give up; in the others' times nothing changed."""
+    found = 0
+    for _ in range(20):
+        times = [(lognormal(rng, 20, spread=0.25), lognormal(rng, 20, spread=0.25)) for _ in range(6)]
+        counts = [(Successes(20, 20), Successes(20, 20)) for _ in range(6)]
+        lost = rng.random(20) < 0.6
+        times[2] = (times[2][0], np.where(lost, inf, times[2][1]))
+        counts[2] = (counts[2][0], Successes(20 - int(lost.sum()), 20))
+        result = verdicts(times, counts=counts)
+        assert not any(verdict.worse for i, verdict in enumerate(result) if i not in (2, 8))
+        found += result[8].worse
+    assert found >= 18
+
+
+@pytest.mark.parametrize(("low", "high", "trials"), [(16, 20, 20), (3, 9, 10), (33, 40, 40)])
+def test_counts_are_judged_by_boschloo(low, high, trials):
+    table = [[low, high], [trials - low, trials - high]]
+    before, after = Successes(high, trials), Successes(low, trials)
+    assert drop(before, after) == boschloo_exact(table, alternative="less").pvalue
+    assert drop(before, after) <= fisher_exact(table, alternative="less")[1]
+    assert drop(after, before) == drop(before, before) == 1.0
+    [verdict] = verdicts([], 0.2, counts=[(after, before)])
+    assert verdict.better
+    assert not verdict.worse
+
+
+def test_large_counts_are_judged_without_delay():
+    assert drop(Successes(1250, 1250), Successes(1240, 1250)) == pytest.approx(
+        fisher_exact([[1240, 1250], [10, 0]], alternative="less")[1]
+    )
+
+
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (3, 5), (20, 20)])
+def test_the_least_drop_is_all_before_and_none_after(n, m):
+    assert least_drop(n, m) == pytest.approx(drop(Successes(n, n), Successes(0, m)), rel=0.01)
+    assert least_drop(0, 5) == 1.0
 
 
 def test_missed_targets_count(rng):
@@ -82,7 +126,8 @@ def test_a_small_but_certain_rise_is_no_regression():
 def test_the_chance_is_scipys(before, after):
     a, b = np.array(before, float), np.array(after, float)
     if np.ptp(np.concatenate([a, b])) > 0:
-        assert chance(a, b) == mannwhitneyu(b, a, alternative="greater").pvalue
+        least = least_mann_whitney(len(a), len(b))
+        assert chance(a, b) == max(mannwhitneyu(b, a, alternative="greater").pvalue, least)
     else:
         assert chance(a, b) == 1.0
 

@@ -4,14 +4,15 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from soaked import soaked
-from springpot import plugins
-from springpot.benchmark import Store, load_study, run_study
+from springpot import Measurement, Units, parse_model, plugins
+from springpot.benchmark import Store, Study, load_study, run_study
 from springpot.benchmark.gate.baseline import read_baseline
 from springpot.benchmark.gate.regression import check, compare, known_scripts, update
 from springpot.errors import StudyError
@@ -149,7 +150,7 @@ def test_what_cannot_be_compared_is_one_line(baseline, tmp_path, monkeypatch):
     broken = tmp_path / "broken.json"
     broken.write_text(text[:300])
     newer = tmp_path / "newer.json"
-    newer.write_text(text.replace("springpot.baseline/1", "springpot.baseline/9"))
+    newer.write_text(text.replace("springpot.baseline/2", "springpot.baseline/9"))
     for path, message in [
         (tmp_path / "none.json", r"there is no baseline .*none\.json: make it with springpot regression update"),
         (other, "made with a budget of 700, the study has 6000: make it again"),
@@ -169,6 +170,120 @@ def test_a_store_is_compared_as_it_is(baseline, tmp_path):
     assert check(outcome.store, baseline).passed
     with Store(outcome.store) as store:
         assert compare(read_baseline(baseline), store, baseline).cells == 4
+
+
+@dataclass(frozen=True)
+class Tired(type(made("native"))):
+    """The native solver, giving up in a part of its trials."""
+
+    gives_up: float = 0.0
+
+    name = "tired"
+
+    def minimise(self, problem, budget, rng):
+        if rng.random() < self.gives_up:
+            problem(problem.lower)
+            return
+        super().minimise(problem, budget, rng)
+
+
+@dataclass(frozen=True)
+class Biased(type(made("native"))):
+    """The native solver, ending beside the best point."""
+
+    beside: float = 0.0
+
+    name = "biased"
+
+    def minimise(self, problem, budget, rng):
+        if not self.beside:
+            super().minimise(problem, budget, rng)
+            return
+        problem(np.array([100.0 * (1.0 + self.beside), 0.36, 0.5]))
+
+
+MINE_AT_BEST = np.array([100.0, 60.0, 0.5])
+MODEL = "fractional-kelvin"
+
+
+def mine():
+    """A user's own data: their truth is known to nobody."""
+    omega = 2 * np.pi * np.geomspace(0.1, 10.0, 12)
+    stiffness = parse_model(MODEL).stiffness(MINE_AT_BEST, omega)
+    return Measurement(omega, stiffness, units=Units("N/m"), name="mine")
+
+
+def tired(share, **changes):
+    """Two problems of twenty trials."""
+    return quick(optimisers=[("tired", Tired(gives_up=share))], **changes)
+
+
+def test_an_optimiser_that_gives_up_in_every_third_trial_fails(tmp_path):
+    path = update(tired(0.0), tmp_path / "baseline.json")
+    gate = check(tired(0.35), path)
+    assert not gate.passed
+    assert all(line.startswith("tired o") for line in gate.regressions)
+    assert any("target reached in" in line for line in gate.regressions)
+
+
+def test_any_drop_of_success_is_noted(tmp_path):
+    path = update(tired(0.0), tmp_path / "baseline.json")
+    gate = check(tired(0.08), path)
+    assert gate.passed
+    assert any("target reached in 20 of 20 trials before, in 1" in note and "fewer, but not for certain" in note
+               for note in gate.notes)  # fmt: skip
+
+
+def test_the_smallest_change_that_a_baseline_sees_is_told(baseline):
+    gate = check(quick(), baseline)
+    assert [line.partition(",")[0] for line in gate.seen] == ["native", "pso-paper"]
+    assert all("in 80 % of cases: costs x1." in line and " over its 2" in line for line in gate.seen)
+
+
+def test_what_a_study_requires_is_held_whatever_was_before(tmp_path):
+    """A baseline with the same fault does not excuse it."""
+    study = tired(0.3, datasets=["artificial-springpot"])
+    path = update(study, tmp_path / "baseline.json")
+    assert check(study, path).passed
+    required = {"min_success": 0.95, "max_parameter_error": 1e-30, "max_seconds": 1e-9}
+    gate = check(replace(study, **required), path)
+    for line, (name, limit) in zip(gate.regressions, required.items(), strict=True):
+        assert f"{name} is {limit:g}" in line
+
+
+def test_identified_parameters_of_own_data_are_held(tmp_path):
+    """One repetition, no known truth: the baseline's parameters are what is right."""
+
+    def study(beside, **required):
+        return Study("own", [mine()], [MODEL], ["relative"], [("fit", Biased(beside=beside))], repetitions=1,
+                     budget=2000, **required)  # fmt: skip
+
+    path = update(study(0.0), tmp_path / "baseline.json")
+    [goal] = read_baseline(path).goals.values()
+    assert list(goal.parameters.values()) == pytest.approx(MINE_AT_BEST.tolist(), rel=1e-6)
+    assert check(study(0.0, max_parameter_error=0.01), path).passed
+    assert check(study(0.005, max_parameter_error=0.01), path).passed
+    [line] = [
+        line for line in check(study(0.02, max_parameter_error=0.01), path).regressions if "max_parameter" in line
+    ]
+    assert "fit on mine" in line
+    assert "off by up to 0.02" in line
+    assert "max_parameter_error is 0.01" in line
+    assert "k 102.0 for 100.0" in line
+
+
+@pytest.mark.parametrize(
+    ("required", "words"),
+    [
+        ({"min_success": 95}, "min_success must be a share of at most 1, not 95"),
+        ({"min_success": 0}, "min_success must be a positive number, not 0"),
+        ({"max_parameter_error": "1 %"}, "max_parameter_error must be a positive number, not '1 %'"),
+        ({"max_seconds": float("nan")}, "max_seconds must be a positive number, not nan"),
+    ],
+)
+def test_a_requirement_that_cannot_be_meant_is_refused(required, words):
+    with pytest.raises(StudyError, match=words):
+        quick(**required)
 
 
 PLUGIN = """

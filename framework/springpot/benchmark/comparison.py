@@ -2,6 +2,9 @@
 
 Two trials are compared at a budget by the excess they had reached by then; below the study's target it no longer
 counts, so that two trials which reached the target are equal. Trials that failed come last.
+
+On one problem, trials are compared (`Choice`); over several, problems are (`Ranking`), because trials of one problem
+say nothing of the next. Every table, diagram and sentence about who is better is one of these two.
 """
 
 from __future__ import annotations
@@ -10,10 +13,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb
 
 import numpy as np
 
+from springpot.digits import counted
 from springpot.rheology import Real
 
 from .plan import stream_of
@@ -23,10 +26,11 @@ from .statistics import (
     a12,
     a12_table,
     bands,
-    can_tell,
     data_profile,
     expected_running_time,
     friedman,
+    least_mann_whitney,
+    least_signed_rank,
     mann_whitney_holm,
     mean_interval,
     performance_profile,
@@ -110,7 +114,7 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     )
     best = int(np.argmin(ranks))
     others = [i for i in range(len(ranks)) if i != best]
-    p = dict(zip(others, mann_whitney_holm(reached[best], reached[others]), strict=True))
+    p = mann_whitney_holm(reached)[best]
     # Among those that are as good the cheapest is chosen, and of equally cheap ones that of the better rank.
     alike = sorted([best, *(i for i in others if p[i] > LEVEL)], key=lambda i: (times[i], ranks[i]))
     worse = sorted((i for i in others if p[i] <= LEVEL), key=lambda i: ranks[i])
@@ -126,9 +130,9 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     if worse:
         next_name, advantage = labels[worse[0]], a12(reached[first], reached[worse[0]])
     trials = hits.shape[1]
-    # The smallest p that Mann and Whitney's test can give, of all trials of one below all of the other, times the
-    # number of comparisons (Holm): if even that is too large, more trials are needed and not a better optimiser.
-    least = 2.0 / comb(2 * trials, trials) * max(len(others), 1)
+    # All trials of one below all of the other, times the number of pairs (Holm): if even that is too large, more
+    # trials are needed and not a better optimiser.
+    least = 2 * least_mann_whitney(trials, trials) * max(pairs_of(len(ranks)), 1)
     return Choice(
         race,
         budget,
@@ -143,9 +147,16 @@ def choose(race: Race, mark: int, scale: Scale) -> Choice:
     )
 
 
+def pairs_of(entrants: int) -> int:
+    """How many pairs so many make."""
+    return entrants * (entrants - 1) // 2
+
+
 @dataclass(frozen=True, eq=False)
 class Ranking:
     """Mean ranks of all optimisers over some problems at one budget.
+
+    Of a single problem its repetitions are ranked, and nothing is said beyond that problem.
 
     Parameters
     ----------
@@ -156,19 +167,21 @@ class Ranking:
     labels : tuple of str
         The optimisers.
     ranks : tuple of Interval
-        Mean rank, the best being 1, with its bootstrap interval over blocks.
+        Mean rank, the best being 1, with its bootstrap interval over blocks; with their range where they are too few
+        to tell any two apart.
     p : ndarray, shape (k, k)
-        Of all pairs, Wilcoxon's signed-rank test over blocks, adjusted by Holm.
+        Of all pairs, adjusted by Holm: Wilcoxon's signed-rank test over problems, of a single one Mann and Whitney's
+        over its trials.
     reached : sequence of ndarray, shape (k, n) each
         What the trials had reached, by problem.
     statistic, p_all : float
         Friedman's test that all are alike.
     blocks : int
-        What was ranked in: problems, or repetitions where problems are too few.
+        What was ranked in: problems, or the repetitions of a single one.
     unit : str
         Which of the two.
-    decided : bool
-        Whether there were enough blocks to tell any two apart.
+    least : float
+        Smallest adjusted p-value that so many blocks can give.
     """
 
     scope: str
@@ -181,7 +194,23 @@ class Ranking:
     p_all: float
     blocks: int
     unit: str
-    decided: bool
+    least: float
+
+    @property
+    def decided(self) -> bool:
+        """Whether there are blocks enough to tell any two apart."""
+        return self.least <= LEVEL
+
+    def told(self, i: int, j: int) -> bool:
+        """Whether optimisers `i` and `j` are told apart."""
+        return bool(self.p[i, j] <= LEVEL)
+
+    @property
+    def doubt(self) -> str:
+        """Why nothing can be told, in words; empty if something can."""
+        if self.decided:
+            return ""
+        return f"{counted(self.blocks, self.unit.removesuffix('s'))} cannot tell"
 
     @property
     def means(self) -> Real:
@@ -197,7 +226,7 @@ class Ranking:
     def alike(self, i: int) -> tuple[str, ...]:
         """Optimisers that cannot be told from optimiser `i`, by rank."""
         order = np.argsort(self.means, kind="stable")
-        return tuple(self.labels[j] for j in order if j != i and self.p[i, j] > LEVEL)
+        return tuple(self.labels[j] for j in order if j != i and not self.told(i, int(j)))
 
 
 def scopes(races: Sequence[Race]) -> Iterator[tuple[str, list[Race]]]:
@@ -229,36 +258,42 @@ def rank(scope: str, races: Sequence[Race], mark: int, scale: Scale) -> Ranking:
 
     reached = [quality(race, mark, scale.target) for race in races]
     labels = races[0].labels
-    pairs = len(labels) * (len(labels) - 1) // 2
-    # Problems are what a ranking should speak of beyond this study; where they are too few for the test to tell any
-    # pair apart, it can only speak of these, by their repetitions.
-    if can_tell(len(races), pairs):
+    pairs = pairs_of(len(labels))
+    among = [rankdata(r, axis=None).reshape(r.shape) for r in reached]
+    if len(races) > 1:
         unit = "problems"
-        blocks = judged = np.stack([rankdata(r, axis=None).reshape(r.shape).mean(axis=1) for r in reached])
+        blocks = np.stack([ranks.mean(axis=1) for ranks in among])
         within = rankdata(blocks, axis=1)
+        p, least = wilcoxon_holm(blocks), least_signed_rank(len(blocks)) * pairs
     else:
         unit = "repetitions"
-        blocks = np.concatenate([r.T for r in reached])
-        # Repetitions of several problems: costs of different problems have no common scale, ranks have.
-        within = judged = rankdata(blocks, axis=1)
+        blocks = reached[0].T
+        # A trial's place among one trial of each: in the order of the choice, which ranks all of them at once.
+        within = (among[0].T - 0.5) / len(blocks) + 0.5
+        p, least = mann_whitney_holm(reached[0]), 2 * least_mann_whitney(len(blocks), len(blocks)) * pairs
     statistic = p_all = np.nan
     # Friedman's test takes three or more.
     if len(labels) > 2 and len(blocks) > 1:
         statistic, p_all = friedman(blocks)
     # A stream of its own for each ranking: the same table, whatever else is computed before it.
     rng = np.random.default_rng(stream_of(0, "ranking", scope, scale.marks[mark]))
+    ranks = mean_interval(within, rng)
+    if least > LEVEL:
+        # A bootstrap of a few problems is too sure of them.
+        ends = zip(within.mean(axis=0), within.min(axis=0), within.max(axis=0), strict=True)
+        ranks = [Interval(*map(float, each)) for each in ends]
     return Ranking(
         scope,
         scale.marks[mark],
         labels,
-        tuple(mean_interval(within, rng)),
-        wilcoxon_holm(judged),
+        tuple(ranks),
+        p,
         reached,
         statistic,
         p_all,
         len(blocks),
         unit,
-        can_tell(len(blocks), pairs),
+        min(1.0, least),
     )
 
 

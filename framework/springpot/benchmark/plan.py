@@ -144,6 +144,7 @@ class Plan:
     stop_at_target: bool
     deadline: float
     memory: int
+    requirements: Mapping[str, float]
 
     @property
     def size(self) -> int:

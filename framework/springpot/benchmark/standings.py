@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .comparison import LEVEL, OVER_ALL, Choice, Ranking, profiles
+from .comparison import OVER_ALL, Choice, Ranking, profiles
 from .scores import CellScores, Race, Scale
 from .statistics import Interval
 from .tables import Entry, Table
@@ -50,19 +50,18 @@ def rank_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
     rows: list[tuple[Entry, ...]] = []
     for ranking in rankings_shown:
         for i in np.argsort(ranking.means, kind="stable"):
-            alike = "too few blocks to tell"
-            if ranking.decided:
-                alike = ", ".join(ranking.alike(int(i)))
+            alike = ranking.doubt or ", ".join(ranking.alike(int(i)))
             rows.append(
                 (ranking.scope, ranking.budget, ranking.labels[i], ranking.ranks[i], alike or None,
-                 f"{ranking.blocks} {ranking.unit}", _or_none(ranking.p_all))
+                 f"{ranking.blocks} {ranking.unit}", ranking.least, _or_none(ranking.p_all))
             )  # fmt: skip
-    columns = ("problems", "budget", "optimiser", "mean rank", "not told from", "blocks", "p of Friedman")
+    columns = ("problems", "budget", "optimiser", "mean rank", "not told from", "blocks", "least p", "p of Friedman")
     note = (
         "Rank by the excess reached at the budget, no better than the target counted, 1 being best; with a bootstrap "
-        "95 % interval over blocks. Blocks are problems where there are enough of them to tell any two optimisers "
-        "apart; else repetitions, which share their random numbers, and the ranks speak of these problems only. Not "
-        "told from: Wilcoxon's signed-rank test over blocks, adjusted by Holm, above 5 %."
+        "95 % interval over problems, or their range where they are too few to tell any two optimisers apart. Not "
+        "told from: Wilcoxon's signed-rank test over problems, adjusted by Holm for all pairs, above 5 %; least p: "
+        "the smallest that so many problems can give, if all of them agree. Of a single problem the trials are "
+        "ranked and tested (Mann and Whitney), which says nothing of another."
     )
     return Table(f"{name}: ranks", columns, rows, note)
 
@@ -76,17 +75,17 @@ def pair_table(name: str, rankings_shown: Sequence[Ranking]) -> Table:
             # Each pair once, the better by rank first: the chance then mostly lies above one half.
             for j in order[place + 1 :]:
                 p = float(ranking.p[i, j])
-                verdict = "no"
-                if p <= LEVEL:
+                verdict = ranking.doubt or "no"
+                if ranking.told(int(i), int(j)):
                     verdict = "yes"
                 rows.append(
                     (ranking.budget, ranking.labels[i], ranking.labels[j], float(ranking.chances[i, j]), p, verdict)
                 )
-    columns = ("budget", "optimiser", "against", "chance to end below", "p (Wilcoxon, Holm)", "told apart")
+    columns = ("budget", "optimiser", "against", "chance to end below", "p (Holm)", "told apart")
     note = (
         "Chance: that a trial of the optimiser ends below one of the other on the same problem at that budget, ties "
         "by half (A12, Vargha and Delaney), mean over problems; from 0.56, 0.64 and 0.71 on it is called small, "
-        "medium and large."
+        "medium and large. p: as in the table of ranks."
     )
     return Table(f"{name}: pairs", columns, rows, note)
 

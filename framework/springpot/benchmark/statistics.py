@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import comb, factorial, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,7 +183,8 @@ def mean_ranks(scores: Real) -> Real:
 def friedman(scores: Real) -> tuple[float, float]:
     """Friedman's statistic and p-value of `scores` (blocks, treatments); infinite scores rank last.
 
-    Where every block is one tie nothing differs, which SciPy calls 0/0.
+    Where every block is one tie nothing differs, which SciPy calls 0/0. By the approximation of chi squared, but
+    never below the chance that so few blocks agree in the order of all.
     """
     from scipy.stats import friedmanchisquare
 
@@ -191,14 +192,15 @@ def friedman(scores: Real) -> tuple[float, float]:
     if not np.ptp(ranks):
         return 0.0, 1.0
     statistic, p = friedmanchisquare(*ranks.T)
-    return float(statistic), float(p)
+    blocks, treatments = scores.shape
+    return float(statistic), max(float(p), 1 / factorial(treatments) ** (blocks - 1))
 
 
 def wilcoxon_holm(scores: Real) -> Real:
     """Holm-adjusted p-values (treatments, treatments) of pairwise Wilcoxon signed-rank tests over blocks.
 
-    Exact for up to 50 blocks without ties, else by the normal approximation. Blocks in which a difference is not
-    defined, both being infinite, count as ties.
+    Exact for up to 50 blocks, ties or not (`sign_flips`), else by the normal approximation. Blocks in which a
+    difference is not defined, both being infinite, count as ties.
     """
     from scipy.stats import wilcoxon
 
@@ -206,14 +208,39 @@ def wilcoxon_holm(scores: Real) -> Real:
     a, b = scores.T[first], scores.T[second]
     same = a == b
     gaps = np.clip(np.where(same, 0.0, a) - np.where(same, 0.0, b), -1e300, 1e300)
-    sizes = np.sort(np.abs(gaps), axis=1)
-    # The exact distribution knows no ties; the permutations that would are too slow for all pairs.
-    exact = (sizes[:, 0] > 0) & np.all(np.diff(sizes, axis=1) > 0, axis=1) & (gaps.shape[1] <= EXACT)
+    if gaps.shape[1] <= EXACT:
+        return _square(holm(sign_flips(gaps)), scores.shape[1])
     p = np.ones(len(gaps))
-    for rows, method in ((exact, "exact"), (~exact & gaps.any(axis=1), "asymptotic")):
-        if rows.any():
-            p[rows] = wilcoxon(gaps[rows], zero_method="zsplit", axis=1, method=method).pvalue
+    differ = gaps.any(axis=1)
+    if differ.any():
+        p[differ] = wilcoxon(gaps[differ], zero_method="zsplit", axis=1, method="asymptotic").pvalue
     return _square(holm(p), scores.shape[1])
+
+
+def sign_flips(gaps: Real) -> Real:
+    """Exact two-sided p-values (k,) of Wilcoxon's signed-rank test of each row of differences `gaps` (k, n).
+
+    Of all 2**n signs that chance could give the differences; ties share their rank and zeros keep theirs without a
+    sign (Pratt 1959, doi:10.1080/01621459.1959.10501526). The normal approximation would be surer of tied
+    differences than n blocks can ever be.
+    """
+    from scipy.stats import rankdata
+
+    # Twice the ranks: of ties they are halves.
+    ranks = np.rint(2 * rankdata(np.abs(gaps), axis=1)).astype(int)
+    return np.array([_sign_flip(row[gap != 0], row[gap > 0].sum()) for row, gap in zip(ranks, gaps, strict=True)])
+
+
+def _sign_flip(ranks: NDArray[np.int64], positive: int) -> float:
+    """Two-sided chance that the positive ones of whole `ranks` (n,) add up to so far a sum from the middle."""
+    total = int(ranks.sum())
+    # Ways to each sum, rank by rank; 2**50 of them are whole numbers of a float still.
+    ways = np.zeros(total + 1)
+    ways[0] = 1.0
+    for rank in ranks:
+        ways[rank:] += ways[: total + 1 - rank].copy()
+    least = min(positive, total - positive)
+    return float(min(1.0, 2.0 * ways[: least + 1].sum() / ways.sum()))
 
 
 def _square(p: Real, k: int) -> Real:
@@ -224,30 +251,36 @@ def _square(p: Real, k: int) -> Real:
     return table
 
 
-def can_tell(blocks: int, pairs: int, alpha: float = 0.05) -> bool:
-    """Whether a signed-rank test over so many blocks could ever find a difference among so many pairs.
-
-    Its smallest two-sided p-value is 2 / 2**blocks, and Holm's first step multiplies by the number of pairs.
-    """
-    return 2.0 ** (1 - blocks) * pairs <= alpha
+def least_signed_rank(blocks: int) -> float:
+    """Smallest two-sided p-value of a signed-rank test over so many blocks: 2 / 2**blocks, all of one sign."""
+    return min(1.0, 2.0 ** (1 - blocks))
 
 
-def mann_whitney_holm(one: Real, others: Real) -> Real:
-    """Holm-adjusted two-sided p-values (k,) of `one` (n,) against each row of `others` (k, n).
+def least_mann_whitney(n: int, m: int) -> float:
+    """Smallest one-sided p-value of Mann and Whitney's test, all of `n` values above all of `m`."""
+    # Whole numbers divided, not floats: from some 500 trials on no float can hold the divisor.
+    return 1 / comb(n + m, n)
 
-    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest.
+
+def mann_whitney_holm(values: Real) -> Real:
+    """Holm-adjusted two-sided p-values (k, k) of every pair of rows of `values` (k, n).
+
+    Mann and Whitney 1947, doi:10.1214/aoms/1177730491; infinite values count as the largest. By the normal
+    approximation, but never below what n values each can tell at all.
     """
     from scipy.stats import mannwhitneyu
 
-    if not len(others):
-        return np.empty(0)
+    k, n = values.shape
+    first, second = np.triu_indices(k, 1)
+    if not len(first):
+        return np.ones((k, k))
     # The test knows the order alone: ranks have the same, and no infinities to be subtracted.
-    merged = np.concatenate([one[None], others])
-    ranks = np.unique(merged, return_inverse=True)[1].reshape(merged.shape).astype(float)
+    ranks = np.unique(values, return_inverse=True)[1].reshape(values.shape).astype(float)
     with np.errstate(invalid="ignore", divide="ignore"):
-        chances = mannwhitneyu(ranks[:1], ranks[1:], axis=1, method="asymptotic").pvalue
+        chances = mannwhitneyu(ranks[first], ranks[second], axis=1, method="asymptotic").pvalue
     # Undefined where all values are one: nothing differs.
-    return holm(np.where(np.isnan(chances), 1.0, chances))
+    chances = np.where(np.isnan(chances), 1.0, chances)
+    return _square(holm(np.maximum(chances, 2 * least_mann_whitney(n, n))), k)
 
 
 def holm(p: Real) -> Real:

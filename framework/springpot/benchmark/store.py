@@ -179,6 +179,8 @@ class Store:
         described = {"name": plan.name, "cells": shown}
         described |= {"repetitions": str(plan.repetitions), "seed": str(plan.seed), "budget": str(plan.budget)}
         described |= {"target": repr(plan.target), "accuracy": repr(plan.accuracy), **facts}
+        if plan.requirements:
+            described["requirements"] = json.dumps(dict(plan.requirements))
         with one_line(self.path), transaction(self._db):
             problems = [self._enter("problem", problem_columns(case)) for case in plan.cases]
             cells = {cell.index: self._enter("cell", cell_columns(plan, cell, problems)) for cell in plan.cells}

@@ -27,6 +27,9 @@ OWN = "own"
 AGREEING = 5
 """Descents within the box that must end at the same value before it is taken for the optimum."""
 
+REQUIREMENTS = ("min_success", "max_parameter_error", "max_seconds")
+"""Fields of a study that the accuracy gate holds every cell to."""
+
 AnyData: TypeAlias = str | Measurement | DataSet
 AnyOptimiser: TypeAlias = str | type[Optimiser] | Optimiser
 Labelled: TypeAlias = AnyOptimiser | tuple[str, AnyOptimiser]
@@ -69,6 +72,12 @@ class Study:
         Seconds after which a trial is ended and counted as failed.
     memory : int
         MiB that a trial may take.
+    min_success : float, optional
+        Share of every cell's trials that must reach the target, or the accuracy gate fails, whatever was before.
+    max_parameter_error, max_seconds : float, optional
+        Largest relative error of any parameter, and largest time of a trial, that the gate lets pass: in the share
+        `min_success` of the trials, in half of them where none is given. Without a known truth the error is taken
+        from the baseline's best trial.
     finish : callable, optional
         Called with the path of the store and the folder of the tables after a run, to write what else belongs there.
 
@@ -98,6 +107,9 @@ class Study:
     stop_at_target: bool = False
     deadline: float = 300.0
     memory: int = 2048
+    min_success: float | None = None
+    max_parameter_error: float | None = None
+    max_seconds: float | None = None
     finish: Callable[[Path, Path], None] | None = None
 
     def __post_init__(self) -> None:
@@ -114,6 +126,10 @@ class Study:
             object.__setattr__(self, key, self._whole(key))
         for key in ("deadline", "target", "accuracy"):
             self._require(key, _is_number(getattr(self, key)) and getattr(self, key) > 0, "a positive number")
+        for key in REQUIREMENTS:
+            value = getattr(self, key)
+            self._require(key, value is None or (_is_number(value) and value > 0), "a positive number")
+        self._require("min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1")
         self._require("seed", isinstance(self.seed, int | np.integer), "a whole number")
         # As a plain one: the digests of trials are made of JSON, which knows no other.
         object.__setattr__(self, "seed", int(self.seed))
@@ -154,10 +170,15 @@ class Study:
         cases = self._cases(sources)
         plan = Plan(
             self.name, cases, entrants, (), self.repetitions, self.budget, self.seed, self.target, self.accuracy,
-            self.stop_at_target, self.deadline, self.memory,
+            self.stop_at_target, self.deadline, self.memory, self._requirements(),
         )  # fmt: skip
         pairs = product(range(len(cases)), range(len(entrants)))
         return replace(plan, cells=tuple(_cell(plan, i, c, e) for i, (c, e) in enumerate(pairs)))
+
+    def _requirements(self) -> dict[str, float]:
+        """What is required of every cell, by name."""
+        given = {key: getattr(self, key) for key in REQUIREMENTS}
+        return {key: float(value) for key, value in given.items() if value is not None}
 
     def _cases(self, sources: tuple[Source, ...]) -> tuple[Case, ...]:
         objectives = [_objective(given) for given in self.objectives]

@@ -50,6 +50,12 @@ def _update(studies: tuple[Path, ...], baseline: Path | None, out: Path, workers
 @command.command("check", epilog="Example: springpot regression check studies/gate.py")
 @_shared
 @click.option("--seed", type=int, metavar="N", help="Instead of the study's own.")
+@click.option(
+    "--level",
+    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+    metavar="P",
+    help="Chance of a false alarm anywhere in the study; 0.01 by default.",
+)
 @json_option
 def _check(
     studies: tuple[Path, ...],
@@ -57,6 +63,7 @@ def _check(
     out: Path,
     workers: int | None,
     seed: int | None,
+    level: float | None,
     as_json: bool,
 ) -> int:
     """Run each STUDY.py afresh, or take the trials of a STORE, and compare with its baseline.
@@ -64,10 +71,12 @@ def _check(
     Exit code 1 and a sentence for each optimiser and data set that got worse; 2 if there is no baseline. Without
     arguments, every study that has a baseline.
     """
+    from springpot.benchmark.gate.difference import LEVEL
     from springpot.benchmark.gate.regression import check, known_scripts
 
     _require_one(studies, baseline)
-    gates = [check(study, baseline, out, workers, seed) for study in studies or known_scripts(out)]
+    level = level or LEVEL
+    gates = [check(study, baseline, out, workers, seed, level) for study in studies or known_scripts(out)]
     passed = all(gate.passed for gate in gates)
     result = {"schema": "springpot.regression/1", "passed": passed, "gates": [asdict(gate) for gate in gates]}
     emit(result, as_json, lambda: _show(gates))
@@ -87,6 +96,8 @@ def _show(gates: list[Gate]) -> None:
             print(f"worse: {line}")
         for note in gate.notes:
             print(f"note: {note}")
+        for line in gate.seen:
+            print(f"seen: {line}")
         outcome = "nothing got worse"
         if not gate.passed:
             outcome = f"{len(gate.regressions)} got worse"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
@@ -17,7 +18,9 @@ from springpot.errors import StudyError
 from springpot.files import write_text
 from springpot.rheology import Real
 
-SCHEMA = "springpot.baseline/1"
+from .difference import Successes
+
+SCHEMA = "springpot.baseline/2"
 EVALUATIONS, ERROR = "evaluations", "error"
 """What is compared: evaluations to the target, or the final error where most trials miss it."""
 ROUNDING = 1e-12
@@ -38,11 +41,15 @@ class Goal:
         the same.
     target : float
         What a trial must reach.
+    parameters : mapping of str to float
+        Element parameters that are right: the true ones, or those of the best trial where no truth is known. Empty if
+        all trials failed.
     """
 
     best: float
     reference: float
     target: float
+    parameters: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -55,10 +62,18 @@ class Sample:
         ``evaluations`` to the target, or final ``error`` as a part of the reference's.
     values : tuple of float
         One for each trial, rising; infinite if it missed or failed.
+    reached : int
+        Trials that reached the target.
     """
 
     measure: str
     values: tuple[float, ...]
+    reached: int
+
+    @property
+    def successes(self) -> Successes:
+        """Those that reached the target, of all."""
+        return Successes(self.reached, len(self.values))
 
     def array(self) -> Real:
         """The values (n,)."""
@@ -93,7 +108,7 @@ class Baseline:
         goals = {key: vars(goal) for key, goal in self.goals.items()}
         cells = {}
         for key, sample in self.samples.items():
-            cells[key] = {sample.measure: [_plain(value) for value in sample.values]}
+            cells[key] = {sample.measure: [_plain(value) for value in sample.values], "reached": sample.reached}
         # Put together here, for a line to each cell: a comparison of two versions shows which changed.
         lines = [f'  "{key}": {json.dumps(value, sort_keys=True)},' for key, value in head.items()]
         lines += ['  "problems": {', *_entries(goals), "  },", '  "cells": {', *_entries(cells), "  }"]
@@ -150,10 +165,10 @@ def read_baseline(path: Path) -> Baseline:
         raise StudyError(f"{path} is no accuracy baseline ({error}): make it again with regression update") from None
 
 
-def _sample(cell: dict[str, list[float | None]]) -> Sample:
+def _sample(cell: dict[str, Any]) -> Sample:
     # A cell has one measure: more would leave it open which of them is compared.
-    [(measure, values)] = cell.items()
-    return Sample(measure, tuple(_number(value) for value in values))
+    [measure] = cell.keys() - {"reached"}
+    return Sample(measure, tuple(_number(value) for value in cell[measure]), int(cell["reached"]))
 
 
 def _number(value: float | None) -> float:
@@ -167,14 +182,11 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
     """The baseline that a store's trials make."""
     facts, bests = store.facts(), store.bests()
     fraction = float(facts["target"])
-    cells = {cell.id: cell for cell in store.cells()}
+    right = _right_parameters(store)
     goals: dict[str, Goal] = {}
     samples: dict[str, Sample] = {}
-    for number, rows in store.trials():
-        # A store may hold trials of cells that its study no longer has.
-        if number not in cells:
-            continue
-        problem = cells[number].problem
+    for cell, rows in cells_of(store):
+        problem = cell.problem
         # Where the truth is known it is the measure: what the study's other optimisers find then does not matter.
         best = problem.known
         if best is None:
@@ -182,14 +194,38 @@ def baseline_of(store: Store, script: str = "") -> Baseline:
         target = best
         if isfinite(best):
             target = target_value(best, problem.reference, fraction)
-        goal = goals.setdefault(problem_key(problem), Goal(best, problem.reference, target))
-        measure, values = EVALUATIONS, costs(rows, goal, EVALUATIONS)
+        known = right.get(problem.id, {})
+        goal = goals.setdefault(problem_key(problem), Goal(best, problem.reference, target, known))
+        measure = EVALUATIONS
         # Where most trials miss the target its median is infinite, and no change of it could be seen.
-        if 2 * np.isfinite(values).sum() < len(values):
-            measure, values = ERROR, costs(rows, goal, ERROR)
-        samples[cell_key(cells[number])] = Sample(measure, tuple(np.sort(values).tolist()))
+        if 2 * reached(rows, goal) < len(rows):
+            measure = ERROR
+        samples[cell_key(cell)] = _sampled(rows, goal, measure)
     settings = {key: _plain(float(facts[key])) for key in ("budget", "repetitions", "seed", "target")}
     return Baseline(facts["name"], script, settings, goals, samples)
+
+
+def cells_of(store: Store) -> Iterator[tuple[CellRow, list[TrialRow]]]:
+    """Cells of a store's study with their trials; it may hold those of others that the study no longer has."""
+    cells = {cell.id: cell for cell in store.cells()}
+    for number, rows in store.trials():
+        if number in cells:
+            yield cells[number], rows
+
+
+def _right_parameters(store: Store) -> dict[int, Mapping[str, float]]:
+    """By number of the problem, the true parameters, or those of the best trial where no truth is known."""
+    right: dict[int, Mapping[str, float]] = {}
+    least: dict[int, float] = {}
+    for cell, rows in cells_of(store):
+        problem = cell.problem
+        if problem.known is not None:
+            right[problem.id] = dict(problem.truth)
+            continue
+        for row in rows:
+            if row.best is not None and row.best < least.get(problem.id, inf):
+                least[problem.id], right[problem.id] = row.best, dict(row.theta)
+    return right
 
 
 def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
@@ -200,12 +236,11 @@ def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
     StudyError
         If a problem is no longer the one that the baseline is about.
     """
-    cells = {cell.id: cell for cell in store.cells()}
     samples: dict[str, Sample] = {}
-    for number, rows in store.trials():
-        if number not in cells or (key := cell_key(cells[number])) not in baseline.samples:
+    for cell, rows in cells_of(store):
+        problem, key = cell.problem, cell_key(cell)
+        if key not in baseline.samples:
             continue
-        problem = cells[number].problem
         goal = baseline.goals[problem_key(problem)]
         # The objective at the reference hangs on data, objective and box alike: rounding apart, it tells all three.
         if abs(problem.reference - goal.reference) > 1e-6 * abs(goal.reference):
@@ -213,12 +248,20 @@ def samples_like(store: Store, baseline: Baseline) -> dict[str, Sample]:
                 f"the data, the objective or the box of {problem_key(problem)} changed since the baseline was made: "
                 "make it again with regression update"
             )
-        measure = baseline.samples[key].measure
-        samples[key] = Sample(measure, tuple(np.sort(costs(rows, goal, measure)).tolist()))
+        samples[key] = _sampled(rows, goal, baseline.samples[key].measure)
     return samples
 
 
-def costs(rows: list[TrialRow], goal: Goal, measure: str) -> Real:
+def _sampled(rows: Sequence[TrialRow], goal: Goal, measure: str) -> Sample:
+    return Sample(measure, tuple(np.sort(costs(rows, goal, measure)).tolist()), reached(rows, goal))
+
+
+def reached(rows: Sequence[TrialRow], goal: Goal) -> int:
+    """How many trials reached the target."""
+    return sum(row.best is not None and row.best <= goal.target for row in rows)
+
+
+def costs(rows: Sequence[TrialRow], goal: Goal, measure: str) -> Real:
     """Cost (n,) of each trial, infinite if it missed or failed."""
     cost = _error
     if measure == EVALUATIONS:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
-
-import numpy as np
 
 from springpot.benchmark import Store, Study, load_study, run_study, store_path
 from springpot.errors import StudyError
 
-from .baseline import EVALUATIONS, SEPARATOR, Baseline, Sample, baseline_of, read_baseline, samples_like
-from .difference import FACTOR, LEVEL, Verdict, verdicts
+from .baseline import Baseline, baseline_of, read_baseline, samples_like
+from .changes import Change, by_optimiser, changes_since, together, who
+from .difference import FACTOR, LEVEL
+from .power import POWER, smallest_seen
+from .requirements import broken
 
 NAME = "baseline.json"
 
@@ -33,13 +33,16 @@ class Gate:
     regressions : tuple of str
         One sentence for each cell that got worse; the gate is passed if there is none.
     notes : tuple of str
-        What else is worth knowing: what got better, is new, or can hardly be judged.
+        What else is worth knowing: what got better, is new, succeeds less often, or can hardly be judged.
+    seen : tuple of str
+        For each optimiser, the smallest change that this baseline shows in 80 % of cases.
     """
 
     baseline: Path
     cells: int
     regressions: tuple[str, ...]
     notes: tuple[str, ...]
+    seen: tuple[str, ...]
 
     @property
     def passed(self) -> bool:
@@ -123,64 +126,49 @@ def compare(before: Baseline, store: Store, path: Path, level: float = LEVEL, fa
                 "make it again with springpot regression update"
             )
     after = samples_like(store, before)
-    keys = sorted(after)
-    pairs = [(before.samples[key].array(), after[key].array()) for key in keys]
-    # Judged together: the level is the chance that any of them is reported, not each.
-    judged = dict(zip(keys, verdicts(pairs, level, factor), strict=True))
-    worse = [
-        _sentence(key, "worse", before.samples[key], after[key], verdict)
-        for key, verdict in judged.items()
-        if verdict.worse
-    ]
+    judged = changes_since(before, after, level, factor)
     # What is no longer run must not pass: a fault could hide by taking its cell along.
-    gone = [f"{_who(key)} is in the baseline but was not run" for key in sorted(set(before.samples) - set(after))]
-    return Gate(path, len(keys), (*worse, *gone), tuple(_notes(before, after, judged, store)))
+    gone = [f"{who(key)} is in the baseline but was not run" for key in sorted(set(before.samples) - set(after))]
+    required = [f"{who(key)} {words}" for key, words in broken(store, before)]
+    return Gate(
+        path,
+        len(after),
+        (*(change.sentence("worse") for change in judged if change.worse), *gone, *required),
+        tuple(_notes(before, judged, store)),
+        tuple(_seen(before, level, factor)),
+    )
 
 
-def _notes(before: Baseline, after: dict[str, Sample], judged: dict[str, Verdict], store: Store) -> list[str]:
-    notes = [
-        _sentence(key, "better", before.samples[key], after[key], verdict)
-        for key, verdict in judged.items()
-        if verdict.better
-    ]
+def _seen(before: Baseline, level: float, factor: float) -> Iterator[str]:
+    """For each optimiser, the smallest change that its trials show."""
+    optimisers = by_optimiser(before.samples)
+    number = 2 * len(before.samples) + sum(len(keys) > 1 for keys in optimisers.values())
+    for name, keys in optimisers.items():
+        samples = [before.samples[key] for key in keys]
+        words = smallest_seen(
+            [sample.array() for sample in samples],
+            [sample.successes for sample in samples],
+            together(before.samples, keys),
+            level / number,
+            factor,
+        )
+        yield f"{name}, in {100 * POWER:.0f} % of cases: {words}"
+
+
+def _notes(before: Baseline, judged: Sequence[Change], store: Store) -> list[str]:
+    notes = [change.sentence("better") for change in judged if change.better]
+    notes += [doubt for change in judged if (doubt := change.doubtful())]
     # Or a gate that can never close would be trusted.
-    few = sum(not verdict.tested for verdict in judged.values())
+    tested = [change.costs[2].tested for change in judged if change.costs is not None]
+    few = len(tested) - sum(tested)
     if few:
         notes.append(
-            f"{few} of {len(judged)} comparisons have too few trials for a test to ever tell: they fail only if the "
+            f"{few} of {len(tested)} comparisons have too few trials for a test to ever tell: they fail only if the "
             "intervals are apart; raise the study's repetitions"
         )
     # Told, not failed: a new optimiser has nothing that it could have become worse than.
     new = [key for key in baseline_of(store).samples if key not in before.samples]
-    return notes + [f"{_who(key)} is not in the baseline: springpot regression update takes it up" for key in new]
-
-
-def _sentence(key: str, word: str, before: Sample, after: Sample, verdict: Verdict) -> str:
-    what = "final error"
-    if before.measure == EVALUATIONS:
-        what = "evaluations to target"
-    evidence = "the intervals are apart"
-    if verdict.tested:
-        evidence = f"p = {verdict.p:.1g}"
-    return f"{_who(key)} got {word}: {what} {_in_words(before)} before, {_in_words(after)} after ({evidence})"
-
-
-def _in_words(sample: Sample) -> str:
-    """The median, and how many trials it is of; an infinite one was missed."""
-    median = float(np.median(sample.array()))
-    middle = f"{median:.4g}"
-    if median == inf:
-        middle = "missed"
-    trials = f"{len(sample.values)} trials"
-    missed = sum(value == inf for value in sample.values)
-    if missed:
-        trials += f", {missed} missed"
-    return f"{middle} (median of {trials})"
-
-
-def _who(key: str) -> str:
-    dataset, model, objective, optimiser = key.split(SEPARATOR)
-    return f"{optimiser} on {dataset} (model {model}, objective {objective})"
+    return notes + [f"{who(key)} is not in the baseline: springpot regression update takes it up" for key in new]
 
 
 def _is_script(study: Study | str | Path) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 
 import numpy as np
 
@@ -31,12 +32,9 @@ def pools(findings: Findings) -> list[Pool]:
 
 
 def _pool(findings: Findings, ranking: Ranking) -> Pool:
-    """The cheapest of the optimisers that can be told from the first neither in rank nor by their success."""
+    """The cheapest of the optimisers that cannot be told from the first in rank."""
     budget, best = ranking.budget, int(np.argmin(ranking.means))
-    # Where nothing is decided, nobody is worse than the first for certain.
-    names = ranking.labels
-    if ranking.decided:
-        names = (ranking.labels[best], *ranking.alike(best))
+    names = (ranking.labels[best], *ranking.alike(best))
     costs: dict[str, float] = {}
     shares: dict[str, Interval] = {}
     for name in names:
@@ -48,37 +46,48 @@ def _pool(findings: Findings, ranking: Ranking) -> Pool:
         share = wilson(int(np.isfinite(hits).sum()), len(hits))
         assert share is not None
         costs[name], shares[name] = expected_running_time(hits, spent), share
-    # Ranks over a few problems may hide that one of them misses the target more often.
-    left = list(names)
-    if ranking.decided:
-        left = not_below(shares)
     # Among those that are alike the cost decides.
-    first, *others = sorted(left, key=lambda name: costs[name])
+    first, *others = sorted(names, key=lambda name: costs[name])
     return Pool(ranking, first, shares[first], costs[first], tuple(others))
-
-
-def not_below(shares: Mapping[str, Interval]) -> list[str]:
-    """Optimisers whose success is not lower for certain than another's: ranks over a few problems tell little."""
-    least = max(share.low for share in shares.values())
-    return [name for name, share in shares.items() if share.high >= least]
 
 
 def verdict(findings: Findings, pool: Pool) -> Iterator[Html]:
     """The sentence at the top of a report."""
-    budget = findings.scale.budget
+    budget, ranking = findings.scale.budget, pool.ranking
     # No name at all: one that is named is taken, whatever is said beside it.
-    if not pool.ranking.decided:
-        yield joined([f"There are too few trials to tell any two optimisers apart over all {budget} evaluations."])
+    if not ranking.decided:
+        yield joined([_too_few(ranking)])
         return
-    yield joined([f"Knowing nothing of the problem, with {budget} evaluations, use "])
+    knowing = "Knowing nothing of the problem"
+    if len(findings.races) == 1:
+        knowing = "For this problem"
+    yield joined([f"{knowing}, with {budget} evaluations, use "])
     yield tag("b", pool.label)
-    yield joined([f": it reached the target in {share_text(pool.success)} of its trials"])
+    yield joined([f": it reached the target in {share_text(pool.success)} of its trials here"])
     if np.isfinite(pool.running_time):
         yield joined([f", after {number(pool.running_time, 3)} evaluations on average, restarts included"])
     if pool.alike:
-        yield joined([f". As good, and dearer: {_and(pool.alike)}."])
+        yield joined([f". Not told from it, and dearer: {_and(pool.alike)}."])
     else:
-        yield joined([". All others are worse for certain."])
+        chance = max(float(ranking.p[ranking.labels.index(pool.label), j]) for j in _others(pool))
+        over = f"{ranking.blocks} {ranking.unit}"
+        yield joined([f". All others rank lower (p up to {number(chance, 2)} over {over}, adjusted by Holm)."])
+
+
+def _others(pool: Pool) -> list[int]:
+    return [j for j, label in enumerate(pool.ranking.labels) if label != pool.label]
+
+
+def _too_few(ranking: Ranking) -> str:
+    """What a ranking of too few blocks can say: that it can say nothing, and by how much."""
+    text = (
+        f"{ranking.doubt} {len(ranking.labels)} optimisers apart: the least p-value that they can give, adjusted for "
+        f"all pairs, is {number(ranking.least, 2)}."
+    )
+    # One problem says nothing of the next, but much of itself.
+    if len(ranking.reached) > 1:
+        text += " What holds on each of them is told below."
+    return text
 
 
 def _and(names: Sequence[str]) -> str:
@@ -91,5 +100,12 @@ def share_text(rate: Interval | None) -> str:
     """A share with its interval, in per cent."""
     if rate is None:
         return "-"
-    low, high = 100 * rate.low, 100 * rate.high
-    return f"{100 * rate.value:.0f} % [{low:.0f}, {high:.0f}]"
+    # Outwards: 99.7 % is not yet all.
+    return f"{_whole(rate.value)} % [{floor(100 * rate.low)}, {ceil(100 * rate.high)}]"
+
+
+def _whole(share: float) -> str:
+    """A share in per cent; 0 and 100 only where it is."""
+    if 0.0 < share < 1.0:
+        return str(min(max(round(100 * share), 1), 99))
+    return f"{100 * share:.0f}"

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.benchmark import Store, store_path
-from springpot.benchmark.comparison import LEVEL, OVER_ALL, Choice, Ranking, scopes
+from springpot.benchmark.comparison import OVER_ALL, Choice, Ranking, scopes
 from springpot.benchmark.findings import COMPARING, PLAIN, Findings
 from springpot.benchmark.rows import ProblemRow
 from springpot.benchmark.standings import CHOICE_NOTE
@@ -163,7 +163,7 @@ def _all_problems(findings: Findings) -> tuple[str, ...]:
     graded = _graded(findings)
     cells = []
     for pool in pools(findings):
-        certainty = _certainty(pool.alike, pool.ranking.decided)
+        certainty = pool.ranking.doubt or _alike(pool.alike)
         cells.append(_cell(pool.label, _reached(pool.success, pool.running_time), certainty, graded))
     return ("all", f"all {len(findings.races)} problems", *cells)
 
@@ -175,7 +175,10 @@ def _chosen(choice: Choice, graded: set[str]) -> Html:
     share = f"missed: excess {number(choice.excess, 2)}"
     if choice.success.value:
         share = _reached(choice.success, choice.running_time)
-    return _cell(choice.label, share, _certainty(choice.alike, choice.decided), graded)
+    certainty = "too few trials to tell"
+    if choice.decided:
+        certainty = _alike(choice.alike)
+    return _cell(choice.label, share, certainty, graded)
 
 
 def _reached(success: Interval | None, running_time: float) -> str:
@@ -186,10 +189,8 @@ def _reached(success: Interval | None, running_time: float) -> str:
     return share
 
 
-def _certainty(alike: Sequence[str], decided: bool) -> str:
-    """Who is as good as the first, where there are trials enough to tell."""
-    if not decided:
-        return "too few trials to tell"
+def _alike(alike: Sequence[str]) -> str:
+    """Who cannot be told from the first."""
     if not alike:
         return "alone"
     names = ", ".join(alike[:NAMED])
@@ -268,8 +269,8 @@ def _pairs(findings: Findings) -> Iterator[Html]:
     yield tag(
         "p",
         f"Chance in per cent that a trial of the row's optimiser ends below one of the column's on the same problem "
-        f"at {ranking.budget} evaluations, ties by half (A12); bold where Wilcoxon's test, adjusted by Holm, tells "
-        f"the two apart.",
+        f"at {ranking.budget} evaluations, ties by half (A12); bold where the two are told apart, as in the "
+        "diagrams above.",
         class_="quiet",
     )
     yield tag("div", tag("table", tag("thead", head), tag("tbody", *rows)), class_="scroll heat")
@@ -286,7 +287,7 @@ def _heat(ranking: Ranking, i: int, j: int) -> Html:
     if chance > 0.5:
         colour = "0,114,178"
     attributes = {"style": f"background:rgba({colour},{strength:.2f})"}
-    if ranking.p[i, j] <= LEVEL:
+    if ranking.told(i, j):
         attributes["class_"] = "sure"
     return tag("td", f"{100 * chance:.0f}", **attributes)
 

@@ -33,14 +33,13 @@ def diagram(ranking: Ranking) -> Html:
     for i in order:
         rank = ranking.ranks[i]
         rows.append(Ranked(ranking.labels[i], rank.value, rank.low, rank.high))
-    # Where too few trials decide nothing, one bar joins all.
-    bars = [(0, len(rows) - 1)]
-    if ranking.decided:
-        bars = cliques(ranking.means, ranking.p)
+    width = "95 % interval"
+    if not ranking.decided:
+        width = f"their range ({ranking.doubt})"
     return figure(
-        critical_differences(rows, bars, f"mean ranks at {ranking.budget} evaluations"),
-        f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, 95 % interval; a bar at the "
-        "right joins those that cannot be told apart",
+        critical_differences(rows, cliques(ranking.means, ranking.p), f"mean ranks at {ranking.budget} evaluations"),
+        f"{ranking.budget} evaluations: mean rank over {ranking.blocks} {ranking.unit}, {width}; a bar at the right "
+        "joins those that cannot be told apart",
     )
 
 
