@@ -68,7 +68,7 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
         printed = printed / np.array(factors)
     # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
-    return Known(model, printed, exact, units, ROOM, 0.0, 1.0, (0.0, np.inf))
+    return Known(model, printed, exact, units, ROOM, 0.0, 1.0)
 
 
 def lesser(known: Known, without: Iterable[str]) -> Known:

@@ -83,6 +83,7 @@ from .signal import (
     gain,
     phase,
 )
+from .solid import BULKS, MODULI, MODULUS_WORDS, Solid, solid_of, young_of
 from .spectrum import Slopes, Spectrum
 from .thermal import (
     Heated,
@@ -150,6 +151,7 @@ __all__ = [
     "free_vertical_factors",
     "moving_side_wave",
     "AMPLITUDE",
+    "BULKS",
     "BalancedSeries",
     "Chain",
     "Composing",
@@ -173,6 +175,8 @@ __all__ = [
     "Layer",
     "Levels",
     "MAXWELL_FORM",
+    "MODULI",
+    "MODULUS_WORDS",
     "Mapped",
     "Model",
     "Node",
@@ -192,6 +196,7 @@ __all__ = [
     "Series",
     "Shift",
     "Slopes",
+    "Solid",
     "Spectrum",
     "Springpot",
     "TIME_FORM",
@@ -220,8 +225,10 @@ __all__ = [
     "series",
     "shift",
     "slip_film",
+    "solid_of",
     "spring",
     "springpot",
     "stiffness",
     "viscosity",
+    "young_of",
 ]
