@@ -84,7 +84,7 @@ def fitted(springpot, write):
         ("G' [MPa],G'' [MPa]", "G"),
         ("E' [MPa],E'' [MPa]", "E"),
         ("Shear storage modulus [MPa],Shear loss modulus [MPa]", "G"),
-        ("K' [MPa],K'' [MPa]", "K"),
+        ("storage (bulk) [MPa],loss (bulk) [MPa]", "K"),
     ],
 )
 def test_the_card_has_the_modulus_that_was_measured(springpot, fitted, header: str, letter: str):

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 _SWEEP = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za-z]))")
 """``G'``, ``|E*|``, ``Storage modulus (G′)``; primes as programs spell them."""
-_TIMED = re.compile(r"(?:\A|[^A-Za-z])([GEJDK])\s*\(t\)")
+_TIMED = re.compile(r"(?:\A|[^A-Za-z])([GEJD])\s*\(t\)")
 """``G(t)``, ``E(t)``, and the compliances J of shear and D of tension."""
 _OF_COMPLIANCE = {"J": "G", "D": "E"}
 _WORDS = {
@@ -18,13 +18,13 @@ _WORDS = {
 
 
 def letter_of(titles: Iterable[str], is_modulus: bool) -> str:
-    """G, E or K of the first title that tells; nothing where none does, or two are told at once."""
+    """G, E or K (bulk modulus or stiffness) of the first title that tells; empty where none does."""
     for title in titles:
         match = _SWEEP.search(title) or _TIMED.search(title)
         if match:
             letter = _OF_COMPLIANCE.get(match[1], match[1])
-            # In N/mm a G is no modulus: it is the K of a stiffness or nothing.
-            if is_modulus or letter == "K":
+            # In N/mm a G is no modulus; in Pa a K may be the bulk modulus or any: it is better asked for.
+            if is_modulus == (letter != "K"):
                 return letter
         named = [letter for letter, word in _WORDS.items() if word.search(title)]
         if is_modulus and len(named) == 1:
