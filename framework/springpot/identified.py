@@ -13,7 +13,7 @@ from springpot.identification import Identification
 from springpot.loading import load
 from springpot.measurement import MODULUS_UNITS, Units, known_unit
 from springpot.registry import parse_model, plugins
-from springpot.rheology import ROOM
+from springpot.rheology import ROOM, Dimension
 from springpot.timetests import Known
 
 
@@ -35,7 +35,9 @@ def fitted(path: str | Path) -> Known:
 
 
 def stated(expression: str, values: Mapping[str, float], unit: str | None, what: str) -> Known:
-    """A model with the parameters that a user gives, in the units in which they are printed (a mass in kg).
+    """A model with the parameters that a user gives, in the units in which they are printed.
+
+    A mass is in kg, but a force in that of the stiffness, or a stress in the modulus itself: kN where it is kN/m.
 
     Parameters
     ----------
@@ -64,11 +66,19 @@ def stated(expression: str, values: Mapping[str, float], unit: str | None, what:
         # Of kN/m amplitudes are in m; a modulus belongs to strains, which have no unit.
         _, _, length = stiffness.partition("/")
         units = Units(stiffness, length or "-")
-        factors = [units.of(parameter.unit)[0] for parameter in model.parameters]
+        factors = [_factor(units, parameter.unit) for parameter in model.parameters]
         printed = printed / np.array(factors)
     # What a user states has no uncertainty to carry on.
     exact = np.zeros((len(printed), len(printed)))
-    return Known(model, printed, exact, units, ROOM, 0.0, 1.0, (0.0, np.inf))
+    return Known(model, printed, exact, units, ROOM, 0.0, 1.0)
+
+
+def _factor(units: Units, dimension: Dimension) -> float:
+    """By which a parameter in SI units of mechanics, or as the user's unit has it, exceeds that in these units."""
+    # A stiffness times its own length is a force in its own unit, whatever a fit of it would print.
+    if (dimension.stiffness, dimension.amplitude) == (1, 1):
+        return 1.0
+    return units.of(dimension)[0]
 
 
 def lesser(known: Known, without: Iterable[str]) -> Known:

@@ -47,3 +47,21 @@ def test_only_a_fit_predicts(springpot, damper, tmp_path):
     path = tmp_path / "comparison.json"
     path.write_text(springpot("compare", damper, "-m", "fractional-kelvin", "--json").out)
     assert springpot("predict", path, "--frequency", "1").is_one_line("is no fit")
+
+
+def test_points_outside_of_what_was_measured_are_marked_and_told_once(springpot, fit, tmp_path):
+    """The damper was measured from 0.5 to 100 Hz."""
+    table = tmp_path / "predicted.csv"
+    asked = ["predict", fit, "--frequency", "0.001,1,5000"]
+    told = springpot(*asked, "-o", table)
+    assert told.out.count("beyond the measured") == 1
+    assert "2 of 3 points" in told.out
+    rows = table.read_text().splitlines()
+    assert [row.rpartition(",")[2] for row in rows] == ["measured [text]", "outside", "within", "outside"]
+    assert library.read(table).labels["measured"].tolist() == ["outside", "within", "outside"]
+    answer = springpot(*asked, "--json").json
+    assert [point["outside_measured"] for point in answer["points"]] == [True, False, True]
+    assert answer["measured"]["omega"][0] < 2 * 3.1416
+    inside = springpot("predict", fit, "--frequency", "1,2")
+    assert "outside" not in inside.out
+    assert "beyond" not in inside.out

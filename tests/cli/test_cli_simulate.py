@@ -36,7 +36,7 @@ def test_drift_with_its_band_modes_and_energy(springpot, frame, write, tmp_path)
         assert word in told.out
     assert picture.stat().st_size > 10_000
     answer = springpot("simulate", frame, "--record", record, "--draws", "5", "--json").json
-    assert answer["schema"] == "springpot.simulation/1"
+    assert answer["schema"] == "springpot.simulation/2"
     assert answer["record"]["peak"] == pytest.approx(0.980665)
     assert all(row["low"] < row["high"] for row in answer["storeys"])
     assert answer["modes"][0]["damping"] > 0.02
@@ -53,8 +53,8 @@ def test_a_steady_state_balances_force_and_energy(springpot, frame, tmp_path):
     answer = springpot("simulate", frame, "--frequency", "0.5,4,20", "--json").json
     assert [point["frequency"] for point in answer["points"]] == pytest.approx([0.5, 4, 20])
     for point in answer["points"]:
-        [force], [energy], way = point["force"], point["energy"], point["drift"][0]
-        assert 0.1 * 3.14159 * force * way < energy < 3.14160 * force * way
+        [force], [energy], [way] = point["axial_force"], point["energy"], point["stroke"]
+        assert 0.1 * 3.14159 * 40 * force * way < energy < 3.14160 * 40 * force * way
     springpot("simulate", frame).is_one_line("give a --record or a --frequency")
 
 
@@ -64,24 +64,52 @@ parameters = {k = 4, c = 0.6, alpha = 0.5, "friction.F" = %g}"""
 
 
 def test_friction_in_a_damper_is_followed(springpot, write):
-    """F is in N, as fits print it; 40 dampers of 20 kN hold the lowest storey still under a weak record."""
+    """F is in kN, as the unit says; 40 dampers of 20 kN hold the lowest storey still under a weak record."""
     record = write(RECORD, "record.csv")
 
     def simulated(force: float):
         path = write(FRAME.replace('fit = "fit.json"', SLIDING % force), f"{force}.toml")
         return springpot("simulate", path, "--record", record, "--json").json
 
-    held, free = simulated(2e4), simulated(1e-3)
+    held, free = simulated(20.0), simulated(1e-6)
     assert held["storeys"][0]["drift"] < 0.1 * free["storeys"][0]["drift"]
     assert held["modes"] == free["modes"]
-    path = write(FRAME.replace('fit = "fit.json"', SLIDING % 2e4), "sliding.toml")
+    path = write(FRAME.replace('fit = "fit.json"', SLIDING % 20.0), "sliding.toml")
     springpot("simulate", path, "--frequency", "1").is_one_line("'friction' has no steady state")
 
 
+def test_a_stated_force_is_in_the_unit_of_the_stiffness(springpot, write):
+    """Friction was in N whatever the unit: a thousandth of what was meant."""
+    told = []
+    for unit, stiff, force in (("kN/mm", 1.0, 20.0), ("N/mm", 1e3, 2e4), ("N/m", 1e6, 2e4), ("MN/m", 1.0, 0.02)):
+        given = f'parameters = {{k = {4 * stiff}, c = {0.6 * stiff}, alpha = 0.5, "friction.F" = {force}}}'
+        model = f'model = "fractional-maxwell + friction"\nunit = "{unit}"\n{given}'
+        path = write(FRAME.replace('fit = "fit.json"', model), "frame.toml")
+        told.append(springpot("simulate", path, "--record", write(RECORD, "record.csv"), "--json").json)
+    drifts = [row["drift"] for row in told[0]["storeys"]]
+    for each in told[1:]:
+        assert [row["drift"] for row in each["storeys"]] == pytest.approx(drifts, rel=1e-6)
+
+
+def test_one_damper_and_all_of_a_storey_are_told_apart(springpot, frame, write):
+    """What one of forty at 30 degrees feels along its axis, and what the floor gets of all."""
+    record = write(RECORD, "record.csv")
+    answer = springpot("simulate", frame, "--record", record, "--draws", "0", "--json").json
+    [damper], storey = answer["dampers"], answer["storeys"][0]
+    cosine = 0.75**0.5
+    assert damper["slope"] == pytest.approx(30.0)
+    assert damper["stroke"] == pytest.approx(cosine * storey["drift"])
+    assert storey["damper_force"] == pytest.approx(40 * cosine * damper["axial_force"])
+    assert answer["storeys"][1]["damper_force"] == 0.0
+    told = springpot("simulate", frame, "--record", record, "--draws", "0").out
+    for word in ("axial force [kN]", "stroke [mm]", "force of its dampers [kN]"):
+        assert word in told
+
+
 def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
-    stated = SLIDING.replace('"friction.F"', "friction.F") % 2e4
+    stated = SLIDING.replace('"friction.F"', "friction.F") % 20.0
     record, path = write(RECORD, "record.csv"), write(FRAME.replace('fit = "fit.json"', stated), "stated.toml")
-    quoted = write(FRAME.replace('fit = "fit.json"', SLIDING % 2e4), "quoted.toml")
+    quoted = write(FRAME.replace('fit = "fit.json"', SLIDING % 20.0), "quoted.toml")
     told = springpot("simulate", path, "--record", record)
     assert told.code == 0, told.err
     assert "band" not in told.out
@@ -93,6 +121,8 @@ def test_stated_parameters_have_no_band_and_need_no_quotes(springpot, write):
     [
         (("mass = 1e5", "weight = 1e5"), "no 'weight'"),
         (("mass = 1e5", ""), "has no mass"),
+        (("slope = 30", "temperature = 60"), "damper 1: fractional-maxwell does not know temperature"),
+        (("slope = 30", "slope = 90"), "less than 90 degrees"),
         (("storey = 1", "storey = 7"), "storey 7 of a frame of 2"),
         (('fit = "fit.json"', 'fit = "none.json"'), "none.json"),
         (('fit = "fit.json"', ""), "has a fit"),

@@ -102,7 +102,10 @@ def test_predict_frequencies_from_a_test_in_time(springpot, fit):
 
 
 def test_export_from_a_fit_to_tests_in_time(springpot, fit):
-    assert "uniaxialMaterial" in springpot("export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz").out
+    assert (
+        "uniaxialMaterial"
+        in springpot("export-model", fit, "--to", "opensees", "--band", "0.1Hz:1Hz", "--modulus", "young").out
+    )
 
 
 def test_diagnose_judges_the_raw_signal(springpot, relaxed):

@@ -269,3 +269,12 @@ def test_any_text_is_a_geometry_or_one_line(text):
 def test_the_public_names():
     pads = springpot.geometry.ShearPads(area=0.02, gap=0.01)
     assert springpot.read("artificial-hidden").as_modulus(pads).units.is_modulus
+
+
+def test_a_geometry_that_shears_gives_a_shear_modulus_and_takes_no_other():
+    pads = parse_geometry("shear-pads area=200cm^2 gap=10mm")
+    damper = Measurement([1.0], [100.0 + 50.0j], units=Units("kN/m", "mm"))
+    assert damper.as_modulus(pads).units.modulus == "G"
+    tension = Measurement([1.0], [1.0 + 0.5j], units=Units("MPa", letter="E"))
+    with pytest.raises(DataError, match="is a Young's modulus and shear-pads a shear modulus"):
+        tension.as_stiffness(pads)

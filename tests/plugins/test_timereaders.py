@@ -185,3 +185,23 @@ def test_sizes_that_nobody_measures_are_one_line(tmp_path):
     rows = "".join(f"{t}e300,{3 - t}\n" for t in (1.0, 1.5, 2.0))
     with pytest.raises(DataError, match="no measured one: correct its unit"):
         open_in_time(put(tmp_path, f"time [s],relaxation [kPa]\n{rows}"))
+
+
+@pytest.mark.parametrize(
+    ("header", "letter"),
+    [
+        ("time [s],G(t) [kPa]", "G"),
+        ("time [s],E(t) [kPa]", "E"),
+        ("time [s],J(t) [1/kPa]", "G"),
+        ("time [s],relaxation modulus [kPa]", ""),
+        ("time [s],strain [-],shear stress [kPa]", "G"),
+        ("time [s],displacement [mm],force [N]", ""),
+    ],
+)
+def test_a_title_tells_which_modulus_a_test_in_time_is_of(tmp_path, header: str, letter: str):
+    rows = [[0.1 * i, 1.0 + 0.01 * i, 9.0 - 0.1 * i] for i in range(1, 30)]
+    if header.count(",") == 1:
+        rows = [[time, value] for time, _, value in rows]
+    lines = [header, *(",".join(map(str, row)) for row in rows)]
+    [test] = open_in_time(put(tmp_path, "\n".join(lines) + "\n"))
+    assert test.units.modulus == letter

@@ -24,13 +24,15 @@ SERIES = Prony(
 
 
 def handoff(prony: Prony = SERIES, **changes) -> Handoff:
-    whole = {"unit": "MPa", "is_modulus": True, "poisson": 0.49, **changes}
+    whole = {"unit": "MPa", "is_modulus": True, "poisson": 0.49, "letter": "E", "bulk": "relaxing", **changes}
     return Handoff(prony, "fractional-zener", {"k": "3 MPa"}, **whole)
 
 
 def own_handoff(name: str) -> Handoff:
-    """A modulus, or a stiffness for formats of dampers."""
-    return handoff(is_modulus=False) if WRITERS[name].damper else handoff()
+    """A modulus that needs no conversion, or a stiffness for formats of dampers."""
+    if WRITERS[name].damper:
+        return handoff(is_modulus=False)
+    return handoff(letter=WRITERS[name].modulus or "E")
 
 
 def k_of(equilibrium: float, viscosity: float, pairs: list[tuple[float, float]]) -> Real:
@@ -241,6 +243,8 @@ def test_the_first_lines_say_what_it_is(name: str):
     [
         ({"is_modulus": False, "unit": "kN/m"}, "needs a modulus"),
         ({"poisson": None}, "--poisson"),
+        ({"letter": ""}, "--modulus shear, young or bulk"),
+        ({"letter": "K", "bulk": "constant"}, "--bulk relaxing"),
         ({"poisson": 0.5}, "--poisson"),
         ({"prony": Prony(0.0, 0.0, SERIES.weights, SERIES.times, SERIES.band, 0.01)}, "liquid"),
         ({"prony": Prony(1.0, 2.0, SERIES.weights, SERIES.times, SERIES.band, 0.01)}, "--dashpot"),
@@ -282,7 +286,7 @@ def test_the_python_file_follows_a_history():
 
 
 def test_a_heading_cannot_break_out_of_its_comment():
-    evil = Handoff(SERIES, 'x"""', {"k": "1"}, "MPa", True, 0.49)
+    evil = Handoff(SERIES, 'x"""', {"k": "1"}, "MPa", True, 0.49, letter="E")
     exec(compile(WRITERS["python"].written(evil), "exported", "exec"), {})
 
 
@@ -312,7 +316,16 @@ def test_abaqus_has_the_model_itself_at_frequencies(expression, values, law, wit
     model = parse_model(expression)
     theta = 2.0 + np.arange(len(model.names)) if values is None else [float(v.partition("=")[2]) for v in values]
     given = [f"{name}={value}" for name, value in zip(model.names, theta, strict=True)]
-    text = exported(expression, "abaqus", band="0.1Hz:100Hz", values=given, unit="MPa", poisson=0.49).text
+    text = exported(
+        expression,
+        "abaqus",
+        band="0.1Hz:100Hz",
+        values=given,
+        unit="MPa",
+        poisson=0.49,
+        modulus="young",
+        bulk="relaxing",
+    ).text
     assert f"*VISCOELASTIC, FREQUENCY={law}" in text
     omega = 2 * np.pi * np.geomspace(0.1, 100, 77)
     exact = model.stiffness(np.asarray(theta), omega)

@@ -138,7 +138,7 @@ def test_units_and_a_slope_change_nothing_but_the_numbers():
     assert same.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-9)
     cosine = np.cos(np.radians(30.0))
     theta = np.array([K, C, 1e5 / cosine**1.5 / 2, 0.5]) * [1 / (2 * cosine**2), 1 / (2 * cosine**2), 1.0, 1.0]
-    sloping = Damper(model, theta, factor=2 * cosine**2, cosine=cosine)
+    sloping = Damper(model, theta, count=2, cosine=cosine)
     turned = motion_of(Frame([MASS], [MASS * OMEGA**2], 0.0, (sloping,)), record)
     assert turned.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-9)
 

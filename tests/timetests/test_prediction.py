@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import springpot
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.measurement import Measurement, TimeTest, Units
 from springpot.registry import parse_model
 from springpot.timetests import Known, identify, predict_test
@@ -126,3 +127,56 @@ def test_a_force_of_a_power_law_is_not_carried_into_another_unit_of_length(effec
         return
     with pytest.raises(DataError, match="cannot be converted from mm to m"):
         predict_test(found, there)
+
+
+def warm(test, celsius: float):
+    if isinstance(test, TimeTest):
+        return replace(test, temperature=celsius)
+    return replace(test, conditions={"temperature": np.full(len(test), celsius)})
+
+
+def test_a_joint_fit_knows_what_its_tests_measured_and_keeps_it(tmp_path):
+    """Times count as one over them; temperatures of all tests together."""
+    early = T < 3.0
+    relaxed_early = TimeTest.of_relaxation(T[early], relaxed().response[early], "kPa")
+    joint = identify([warm(relaxed_early, 20.0), warm(swept(), 25.0)], MODEL)
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(joint.to_dict()))
+    again = springpot.load(path)
+    for known in (Known.of(joint), again):
+        assert known.covered.rate == pytest.approx((0.03, 1.0 / T[0]), rel=1e-6)
+        assert known.covered.conditions["temperature"] == (20.0, 25.0)
+        asked = np.array([1e-4, 1.0, 1e9])
+        found = known.predict(omega=asked, temperature=22.0)
+        assert found.outside.tolist() == [True, False, True]
+        assert len(found.notes) == 1
+        with pytest.raises(ModelError, match="does not know temperature"):
+            known.predict(omega=asked, temperature=80.0)
+        late = predict_test(known, warm(crept(), 22.0))
+        assert np.array_equal(late.outside, T > 2.0 / 0.03)
+        assert "beyond the measured" in " ".join(late.notes) or not late.outside.any()
+        cold = predict_test(known, warm(crept(), -40.0))
+        assert cold.outside.all()
+        assert cold.inside == 0.0
+        assert "temperature of 20 to 25 [degC]" in cold.notes[0]
+        assert all(point["outside_measured"] for point in cold.to_dict()["points"])
+
+
+def test_an_older_file_still_predicts(fit):
+    kept = fit.to_dict()
+    del kept["measured"]
+    assert Known.read(kept, MODEL).covered.rate == Known.of(fit).covered.rate
+
+
+def test_a_fit_of_one_modulus_is_no_prediction_of_another():
+    shear = replace(relaxed(), letter="G")
+    fit = identify(shear, MODEL)
+    assert Known.of(fit).units.modulus == "G"
+    assert Units(**fit.to_dict()["kept"]["units"]).modulus == "G"
+    with pytest.raises(DataError, match="is a shear modulus and the test a Young's modulus"):
+        predict_test(fit, replace(crept(), letter="E"))
+    with pytest.raises(DataError, match="by Poisson's ratio"):
+        identify([shear, replace(crept(), letter="E")], MODEL)
+    tension = replace(swept(), units=Units("kPa", "-", letter="E"))
+    with pytest.raises(DataError, match="by Poisson's ratio"):
+        springpot.measurement.joined([tension, replace(tension, units=Units("kPa", "-", letter="G"))])

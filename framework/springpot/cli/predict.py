@@ -118,15 +118,18 @@ def show(predicted: Prediction) -> None:
     band = f"{100.0 * predicted.level:g} % band"
     headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
     # The second band has a blank behind it, as two columns of one name would be one.
-    headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} "]
+    headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} ", "measured"]
     rows = []
     for i in range(len(predicted)):
         storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
         loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
         places = [number(float(predicted.frequency[i])), *(number(float(column[i])) for column in given.values())]
-        rows.append([*places, *storage, *loss])
+        rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
-    Table(headers, rows, frozenset(headers) - {band, f"{band} "}).show()
+    table = Table(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
+    if not predicted.outside.any():
+        table = table.lacking("measured")
+    table.show()
     for note in predicted.notes:
         print(f"note        {note}")
 
@@ -138,10 +141,11 @@ def table_text(predicted: Prediction) -> str:
     names = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
     names += [f"{name} [{unit}]" for name in ("storage", "loss")]
     names += [f"{part}_{end} [-]" for part in ("storage", "loss") for end in ("low", "high")]
+    names.append("measured [text]")
     lines = [",".join(names)]
-    for row in predicted.rows():
+    for row, outside in zip(predicted.rows(), predicted.outside.tolist(), strict=True):
         # The angular frequency beside the frequency would be one column too many.
         kept = (row[0], *row[2:])
         # `repr` keeps every digit: the table opens again as the same numbers.
-        lines.append(",".join(repr(cell) for cell in kept))
+        lines.append(",".join([*map(repr, kept), timetests.WHERE[outside]]))
     return "\n".join(lines) + "\n"

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 MOST_DRAWN = 4
 """Models in one picture: more colours are not told apart."""
+WHERE = ("within", "outside")
+"""What tables say of a point that lies within, or outside of, what was measured."""
 FAR_OFF = 2.0
 """Error over noise floor from which something is missing; below, the estimate of the noise may be to blame."""
 
@@ -239,7 +241,8 @@ def predict(
         from springpot.report.timetests import figure_prediction
 
         figure_prediction(predicted, figure)
-    emit(predicted, as_json, lambda: print(f"{predicted.model}: {predicted.says}"))
+    notes = [f"note        {note}" for note in predicted.notes]
+    emit(predicted, as_json, lambda: print("\n".join([f"{predicted.model}: {predicted.says}", *notes])))
     for path in (output, figure):
         if path is not None and not as_json:
             print(f"written: {path}")
@@ -278,8 +281,8 @@ def _table_text(predicted: TestPrediction) -> str:
     columns = [predicted.at, predicted.value, predicted.low, predicted.high]
     if predicted.judged:
         names, columns = [*names, f"measured [{unit}]"], [*columns, predicted.measured]
-    lines = [",".join(names)]
-    for row in zip(*(column.tolist() for column in columns), strict=True):
+    lines = [",".join([*names, "measured [text]"])]
+    for *row, outside in zip(*(column.tolist() for column in (*columns, predicted.outside)), strict=True):
         # `repr` keeps every digit.
-        lines.append(",".join(map(repr, row)))
+        lines.append(",".join([*map(repr, row), WHERE[outside]]))
     return "\n".join(lines) + "\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.drawing import draw
 from springpot.errors import DataError, ModelError
 from springpot.markup import table, tag
-from springpot.measurement import HELD, KELVIN, Measurement, Moduli, Units, points_at
-from springpot.rheology import Complex, Real
+from springpot.measurement import KELVIN, Covered, Measurement, Moduli, Units, points_at
+from springpot.rheology import Complex, Model, Real
+from springpot.rheology.levels import held
 
 from .uncertainty import Uncertainty, lost_and_known
 
@@ -37,8 +39,6 @@ KNOWN_TO_EFFECTS = ("amplitude", "temperature")
 FAR_KELVIN = 150.0
 """Further than this above all measured temperatures, a number is rather one in kelvin: the laws of temperature hold
 for about 100 K above the glass transition (Williams, Landel and Ferry 1955, doi:10.1021/ja01619a008)."""
-BEYOND = 1.001
-"""Factor outside the measured frequencies from which a prediction is told to be beyond them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ class Prediction(Moduli):
         Those of the measurement that was fitted.
     level : float
         Probability of the band.
-    notes : tuple of str
-        What else one should know.
+    covered : Covered
+        What was measured.
     """
 
     model: str
@@ -74,10 +74,22 @@ class Prediction(Moduli):
     conditions: Mapping[str, Real] = field(default_factory=dict)
     units: Units = field(default_factory=Units)
     level: float = 0.95
-    notes: tuple[str, ...] = ()
+    covered: Covered = field(default_factory=Covered)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "conditions", dict(self.conditions))
+
+    @cached_property
+    def outside(self) -> NDArray[np.bool_]:
+        """Whether each point lies outside of what was measured, in frequency or conditions, shape (n,)."""
+        return self.covered.outside(self.omega, self.conditions)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What else one should know."""
+        # A band knows the uncertainty of the parameters only, and nothing of a model that fails out there.
+        remark = self.covered.remark(self.omega, self.conditions, self.units)
+        return tuple(filter(None, [remark]))
 
     @property
     def loss_factor(self) -> Real:
@@ -93,7 +105,11 @@ class Prediction(Moduli):
             "model": self.model,
             "level": self.level,
             "unit": self.units.stiffness,
-            "points": [dict(zip(self._headers(), row, strict=True)) for row in self.rows()],
+            "points": [
+                {**dict(zip(self._headers(), row, strict=True)), "outside_measured": outside}
+                for row, outside in zip(self.rows(), self.outside.tolist(), strict=True)
+            ],
+            "measured": self.covered.to_dict(),
             "notes": list(self.notes),
         }
 
@@ -146,8 +162,8 @@ def predict(
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
         low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))
-    units, notes = fit.measurement.units, tuple(_notes(fit.measurement, rate, conditions))
-    return Prediction(fit.model.name, rate, value, low, high, conditions, units, level, notes)
+    covered = Covered.of([fit.measurement])
+    return Prediction(fit.model.name, rate, value, low, high, conditions, fit.measurement.units, level, covered)
 
 
 def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:
@@ -183,27 +199,12 @@ def _conditions(fit: Fit, given: Mapping[str, ArrayLike], rate: Real) -> dict[st
         # At the measured frequencies each point has its own; elsewhere only what was the same for all is known.
         if len(rate) == len(data) and np.array_equal(rate, data.omega):
             own[name] = measured
-        elif float(np.ptp(measured)) <= _held(name, measured):
+        elif float(np.ptp(measured)) <= float(held(name, measured).max()):
             own[name] = np.array([float(np.mean(measured))])
         else:
-            span = _span(data, name)
-            raise DataError(f"{model.name} depends on {name}, which was {span}: say {name}=...")
+            span = Covered.of([data]).span(name, data.units)
+            raise DataError(f"{model.name} depends on {name}, measured at a {span}: say {name}=...")
     return own
-
-
-def _span(data: Measurement, name: str) -> str:
-    """The measured range of a condition, with its unit."""
-    measured = data.conditions[name]
-    unit = {"temperature": "degC", "amplitude": data.units.amplitude}.get(name, "-")
-    return f"{measured.min():.4g} to {measured.max():.4g} [{unit}]"
-
-
-def _held(name: str, column: Real) -> float:
-    """How far values of one level may lie apart."""
-    reach = HELD.get(name, 0.0)
-    if name == "amplitude":
-        return reach * float(np.max(np.abs(column)))
-    return reach
 
 
 def _check_condition(fit: Fit, name: str, column: Real) -> None:
@@ -218,13 +219,24 @@ def _check_condition(fit: Fit, name: str, column: Real) -> None:
             raise DataError(f"temperature={column.min():g} is below the absolute zero of -273.15 degC")
         if np.any(column > warmest + FAR_KELVIN):
             raise DataError(f"temperature={column.max():g} looks like kelvin: give it in degC, as in the data")
+    require_known(model, Covered.of([data]), name, column)
+
+
+def require_known(model: Model, covered: Covered, name: str, column: Real) -> None:
+    """Check that a condition is one that the model knows, or was measured: there the fit holds without knowing it.
+
+    Raises
+    ------
+    ModelError
+        If it is neither.
+    """
     if name in model.needs:
         return
     span = "was not measured"
-    if measured is not None:
-        low, high, slack = float(measured.min()), float(measured.max()), _held(name, measured)
-        if np.all(column >= low - slack) and np.all(column <= high + slack):
-            return  # what was measured is what is asked for, and the fit holds there without knowing it
+    if name in covered.conditions:
+        if name not in covered.beyond(np.ones(len(column)), {name: column}):
+            return
+        low, high = covered.conditions[name]
         span = f"was {low:.4g} to {high:.4g}"
     hint = ""
     # Any other column is known to effects that are given its name.
@@ -276,19 +288,3 @@ def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
     variance = np.einsum("ij,jk,ik->i", by_u, known, by_u)
     open_ended = np.any(np.abs(by_u[:, lost]) > SEEN * size[:, None], axis=1)
     return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))
-
-
-def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Iterator[str]:
-    # A band knows the uncertainty of the parameters only, and nothing of a model that fails out there.
-    low, high = float(data.frequency.min()), float(data.frequency.max())
-    asked = rate / (2.0 * np.pi)
-    if np.any(asked < low / BEYOND) or np.any(asked > high * BEYOND):
-        span = f"{data.units.on_clock(low):.3g} to {data.units.at(high)}"
-        yield f"beyond the measured {span} the band holds only if the model does"
-    for name, column in conditions.items():
-        measured = data.conditions.get(name)
-        if measured is None:
-            continue
-        slack = _held(name, measured)
-        if np.any(column < measured.min() - slack) or np.any(column > measured.max() + slack):
-            yield f"beyond the measured {name} of {_span(data, name)} the band holds only if the model does"

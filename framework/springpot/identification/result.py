@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from springpot.drawing import draw, text_of
 from springpot.errors import ModelError
 from springpot.markup import table, tag
+from springpot.measurement import Covered
 from springpot.rheology import Complex, Real
 from springpot.rheology.continuum import EQUILIBRIUM, VISCOSITY
 
@@ -180,6 +181,11 @@ class Identification(Estimate):
         # The band is from simulated noise: with the seed that was kept, a file that is taken up shows the same.
         return regularised(self.fit, np.random.default_rng(self.seed))
 
+    @cached_property
+    def covered(self) -> Covered:
+        """What was measured: beyond it predictions rest on the model alone."""
+        return Covered.of([self.measurement])
+
     def predict(
         self,
         frequency: ArrayLike | None = None,
@@ -270,6 +276,7 @@ class Identification(Estimate):
             "search_parameters": {name: value.to_dict() for name, value in self.search_parameters.items()},
             "objective": {"name": self.fit.objective.name, "value": self.fit.cost},
             "relative_rms": self.relative_rms,
+            "measured": self.covered.to_dict(),
             **floors,
             "evaluations": self.evaluations,
             "seconds": self.seconds,

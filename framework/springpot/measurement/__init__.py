@@ -6,6 +6,7 @@ from . import geometry
 from .budget import Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
+from .covered import RATE, Covered
 from .from_signals import measurement_from_signals
 from .geometry import Geometry
 from .geometry_text import parse_geometry
@@ -65,10 +66,13 @@ from .units import (
     known_unit,
     near_units,
     normal_unit,
+    one_modulus,
     temperature_in_celsius,
 )
 
 __all__ = [
+    "RATE",
+    "Covered",
     "Sweep",
     "distinct_log_omega",
     "frequency_numbers",
@@ -143,6 +147,7 @@ __all__ = [
     "near_units",
     "moved_along",
     "normal_unit",
+    "one_modulus",
     "noise_of",
     "noise_of_repeats",
     "noise_shape",

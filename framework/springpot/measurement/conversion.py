@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from .units import (
     TORSION_UNITS,
     Units,
     known_unit,
+    one_modulus,
 )
 
 
@@ -77,7 +78,7 @@ def to_modulus(measured: Rows, geometry: Geometry, unit: str) -> Conversion:
             there = f"{geometry.name} needs an amplitude in {_some(reach)}, not in {_shown(units.amplitude)}"
             raise DataError(f"{measured.name}: {there}")
         scale = geometry.strain_factor * reach[units.amplitude]
-    return Conversion(geometry, factor, scale, np.divide, Units(unit, "-", units.clock))
+    return Conversion(geometry, factor, scale, np.divide, Units(unit, "-", units.clock, geometry.modulus))
 
 
 def to_stiffness(measured: Rows, geometry: Geometry, unit: str | None, amplitude: str | None) -> Conversion:
@@ -86,6 +87,7 @@ def to_stiffness(measured: Rows, geometry: Geometry, unit: str | None, amplitude
     units = measured.units
     if units.stiffness not in PRESSURE_UNITS:
         raise _misfit(measured, geometry, PRESSURE_UNITS)
+    one_modulus([(measured.name, units), (geometry.name, replace(units, letter=geometry.modulus))])
     usual, usual_amplitude = "N/m", "m"
     if geometry.turns:
         usual, usual_amplitude = "N m/rad", "rad"

@@ -31,6 +31,8 @@ class Geometry(ABC):
         Whether it takes torque and angle rather than force and displacement.
     source : str
         Where the formulas are from.
+    modulus : str
+        Letter of the modulus that it gives: G where it shears.
 
     Examples
     --------
@@ -42,6 +44,7 @@ class Geometry(ABC):
     name: ClassVar[str]
     turns: ClassVar[bool] = False
     source: ClassVar[str]
+    modulus: ClassVar[str] = "G"
 
     def __post_init__(self) -> None:
         for field in fields(self):

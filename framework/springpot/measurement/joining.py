@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from springpot.errors import DataError
 from springpot.rheology import Real
 
 from .measurement import CONDITIONS, Measurement
-from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS
+from .units import AMPLITUDE_UNITS, LENGTH_UNITS, MODULUS_UNITS, STRAIN_UNITS, one_modulus
 
 FILE = "file"
 
@@ -36,9 +37,11 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
     Raises
     ------
     DataError
-        If a stiffness is to join a modulus, or temperature or amplitude is known of some only.
+        If a stiffness is to join a modulus, or one modulus another, or if temperature or amplitude is known of some
+        only.
     """
     first = measurements[0]
+    letter = one_modulus((each.name, each.units) for each in measurements)
     for other in measurements[1:]:
         if other.units.is_modulus != first.units.is_modulus:
             kinds = f"{first.units.stiffness} and {other.units.stiffness}"
@@ -71,7 +74,7 @@ def joined(measurements: Sequence[Measurement]) -> Measurement:
         sd=sd,
         conditions={name: _column(name, measurements) for name in first.conditions if name not in some},
         repeat=_repeats(measurements),
-        units=first.units,
+        units=replace(first.units, letter=letter or first.units.letter),
         provenance=notes,
         name=" + ".join(each.name for each in measurements),
         labels={FILE: np.concatenate([np.full(len(each), each.name) for each in measurements])},

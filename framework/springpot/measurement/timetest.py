@@ -67,6 +67,8 @@ class TimeTest:
         Whether the response was measured; otherwise it is zero and only asked for.
     warmth : ndarray, shape (n,), optional
         Temperature in degC of each sample, where it moved during the test; `temperature` is then its mean.
+    letter : {"", "G", "E", "K"}
+        Which modulus stress and strain are of, see `Units`; empty where nobody says.
 
     Raises
     ------
@@ -91,6 +93,7 @@ class TimeTest:
     provenance: Mapping[str, str] = field(default_factory=dict)
     measured: bool = True
     warmth: Real | None = None
+    letter: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -342,7 +345,8 @@ class TimeTest:
     @cached_property
     def units(self) -> Units:
         """In which the parameters of a model of it are."""
-        return Units(stiffness_unit(self.displacement_unit, self.force_unit)[1], self.displacement_unit)
+        unit = stiffness_unit(self.displacement_unit, self.force_unit)[1]
+        return Units(unit, self.displacement_unit, letter=self.letter)
 
     @property
     def kelvin(self) -> float | None:

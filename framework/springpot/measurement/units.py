@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import lru_cache
@@ -13,6 +14,11 @@ from numpy.typing import NDArray
 
 from springpot.errors import DataError
 from springpot.rheology import KELVIN, Dimension
+
+MODULI = {"shear": "G", "young": "E", "bulk": "K"}
+"""What users call the moduli, and their letters."""
+MODULUS_WORDS = {"": "modulus", "G": "shear modulus", "E": "Young's modulus", "K": "bulk modulus"}
+"""How a modulus is called whose letter is known."""
 
 T = TypeVar("T", float, NDArray[np.float64])
 
@@ -247,7 +253,8 @@ class Units:
     clock : {"Hz", "rad/s"}
         In which frequencies are told; every array is in rad/s, or in Hz where its name is frequency.
     letter : {"", "G", "E", "K"}
-        Letter that the file writes for what was measured; empty where it writes words.
+        What was measured: a shear modulus (G), Young's modulus (E), or of a modulus the bulk one and of a stiffness
+        the stiffness itself (K); empty where nobody says. Solids need it, see `springpot.solvers.solid_of`.
 
     Raises
     ------
@@ -266,7 +273,7 @@ class Units:
 
     stiffness: str = "Pa"
     amplitude: str = "-"
-    # Words, no units: data that differ in them alone are in the same units, and shown alike.
+    # No units: numbers of data that differ in these alone need no factor between them.
     clock: str = field(default="Hz", compare=False, repr=False)
     letter: str = field(default="", compare=False, repr=False)
 
@@ -287,6 +294,13 @@ class Units:
         return self.stiffness in PRESSURE_UNITS
 
     @property
+    def modulus(self) -> str:
+        """Letter of the modulus that was measured; empty for a stiffness, or where nobody says."""
+        if self.is_modulus:
+            return self.letter
+        return ""
+
+    @property
     def storage(self) -> str:
         """What the part in phase is called: ``G'`` where the file says so, else storage modulus or stiffness."""
         if self.letter:
@@ -303,7 +317,7 @@ class Units:
     @property
     def magnitude(self) -> str:
         """What the whole is called: ``|G*|``, ``|E*|`` or, for a stiffness, ``|K|``."""
-        if self.letter not in ("", "K"):
+        if self.modulus:
             return f"|{self.letter}*|"
         if self.is_modulus:
             return "|G*|"
@@ -457,3 +471,22 @@ def temperature_in_celsius(value: T, unit: str) -> T:
     if unit == "degF":
         return (value - 32.0) * TEMPERATURE_UNITS["degF"]
     return value
+
+
+def one_modulus(all_units: Iterable[tuple[str, Units]]) -> str:
+    """The letter of the modulus that tests of these names and units have in common; empty where none of them says.
+
+    Raises
+    ------
+    DataError
+        If they are different moduli: between them stands Poisson's ratio.
+    """
+    known = [(name, units.modulus) for name, units in all_units if units.modulus]
+    for name, letter in known:
+        first, first_letter = known[0]
+        if letter != first_letter:
+            raise DataError(
+                f"{first} is a {MODULUS_WORDS[first_letter]} and {name} a {MODULUS_WORDS[letter]}: "
+                "convert one of them by Poisson's ratio"
+            )
+    return next((letter for _, letter in known), "")

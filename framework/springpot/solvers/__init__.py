@@ -10,10 +10,26 @@ if TYPE_CHECKING:
     from .exporting import Exported, exported
     from .handoff import Handoff, Writer
     from .prony import Prony, prony_of
+    from .solid import BULKS, Solid, solid_of, young_of
 
-__all__ = ["Exported", "Handoff", "Prony", "Writer", "exported", "prony_of"]
+__all__ = [
+    "BULKS",
+    "Exported",
+    "Handoff",
+    "Prony",
+    "Solid",
+    "Writer",
+    "exported",
+    "prony_of",
+    "solid_of",
+    "young_of",
+]
 
 _WHERE = {
+    "BULKS": "springpot.solvers.solid",
+    "Solid": "springpot.solvers.solid",
+    "solid_of": "springpot.solvers.solid",
+    "young_of": "springpot.solvers.solid",
     "Exported": "springpot.solvers.exporting",
     "Handoff": "springpot.solvers.handoff",
     "Prony": "springpot.solvers.prony",

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from springpot.errors import DataError, ModelError
+from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
-from springpot.measurement import KELVIN
-from springpot.measurement.units import FREQUENCY_UNITS, known_unit
+from springpot.measurement import FREQUENCY_UNITS, KELVIN, RATE, known_unit, one_modulus
+from springpot.measurement.units import MODULI
 from springpot.registry import plugins
 from springpot.rheology import Layer, Model, Points, Real
 from springpot.timetests import Known
 
 from .handoff import Handoff, Writer
 from .prony import Prony, prony_of
+from .solid import BULKS
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""
@@ -38,12 +40,15 @@ class Exported:
         What was written.
     data : bytes, optional
         The file, where the format is no text.
+    outside : str
+        What of it lies outside of what was measured, in one line; empty where nothing does.
     """
 
     text: str
     writer: Writer
     handoff: Handoff
     data: bytes | None = None
+    outside: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -54,6 +59,9 @@ class Exported:
             "terms": len(prony.times),
             "error": prony.error,
             "unit": self.handoff.unit,
+            "modulus": self.handoff.letter or None,
+            "measured_rad_per_s": self.handoff.covered,
+            "remarks": list(self.handoff.remarks),
             "equilibrium": prony.equilibrium,
             "viscosity": prony.viscosity,
             "weights": prony.weights.tolist(),
@@ -74,6 +82,8 @@ def exported(
     without: Sequence[str] = (),
     temperature: float | None = None,
     poisson: float | None = None,
+    modulus: str | None = None,
+    bulk: str | None = None,
 ) -> Exported:
     """A model in a solver's format.
 
@@ -101,6 +111,10 @@ def exported(
         In degrees Celsius.
     poisson : float, optional
         Poisson's ratio.
+    modulus : {"shear", "young", "bulk"}, optional
+        Which modulus the parameters are of, where the data do not say.
+    bulk : {"constant", "relaxing"}, optional
+        What the bulk modulus of a solid does; see `springpot.rheology.solid_of`.
 
     Raises
     ------
@@ -116,26 +130,79 @@ def exported(
     known = lesser(_known(source, values, unit), without)
     # Once those that the user leaves out are gone.
     _refuse_rig(known.model)
+    letter, bulk = _letter(known, modulus), _bulk(bulk)
     kelvin = None
     if temperature is not None:
         kelvin = temperature + KELVIN
-    spectrum = known.model.spectrum(
-        known.theta, _band(band), temperature=kelvin, reference_temperature=known.reference
-    )
+        require_known(known.model, known.covered, "temperature", np.array([temperature]))
+    edges = _band(band)
+    spectrum = known.model.spectrum(known.theta, edges, temperature=kelvin, reference_temperature=known.reference)
     prony = prony_of(spectrum, tolerance=_share(tolerance), terms=terms, dashpot=dashpot)
     # Numbers given for a model expression have a unit only if the user says which.
     shown_unit = ""
     if source.endswith(".json") or unit is not None:
         shown_unit = known.units.stiffness
-    handoff = _handoff(known, prony, shown_unit, kelvin, poisson)
+    outside = _outside(known, edges, temperature)
+    handoff = _handoff(known, prony, shown_unit, kelvin, outside)
+    handoff = replace(handoff, poisson=poisson, letter=letter, bulk=bulk)
     # An FMU is no text: its bytes are made beside the text that says what is in it.
     data = None
     if writer.data is not None:
         data = writer.data(handoff)
-    return Exported(writer.written(handoff), writer, handoff, data)
+    return Exported(writer.written(handoff), writer, handoff, data, outside)
 
 
-def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisson: float | None) -> Handoff:
+def _letter(known: Known, modulus: str | None) -> str:
+    """The letter of the modulus, from the data or as the user says; of both, they must agree."""
+    if modulus is None:
+        return known.units.modulus
+    if modulus not in MODULI:
+        raise ModelError(f"a modulus is {', '.join(MODULI)}, not '{modulus:.20}'")
+    if not known.units.is_modulus:
+        raise ModelError(f"{known.model.name} is a stiffness in {known.units.stiffness}: leave out --modulus")
+    told = replace(known.units, letter=MODULI[modulus])
+    return one_modulus([(known.model.name, known.units), (f"--modulus {modulus}", told)])
+
+
+def _bulk(bulk: str | None) -> str | None:
+    if bulk is not None and bulk not in BULKS:
+        raise ModelError(f"the bulk modulus is {' or '.join(BULKS)}, not '{bulk:.20}'")
+    return bulk
+
+
+def _measured(known: Known) -> tuple[float, float] | None:
+    """Angular frequencies between which a model was measured; nothing of one whose parameters were stated."""
+    if not np.isfinite(known.covered.rate[1]):
+        return None
+    return known.covered.rate
+
+
+def _told(known: Known) -> str:
+    if _measured(known) is None:
+        return "not measured: parameters as stated"
+    return f"measured: {known.covered.told(known.units)}"
+
+
+def _outside(known: Known, edges: tuple[float, float], celsius: float | None) -> str:
+    """What of the band and of the temperature lies outside of what was measured, in one line."""
+    asked: dict[str, Real] = {}
+    if celsius is not None:
+        asked["temperature"] = np.array([celsius])
+    beyond = known.covered.beyond(np.array(edges), asked)
+    parts = []
+    if RATE in beyond:
+        low, high = np.clip(known.covered.rate, *edges)
+        decades, within = np.log10(edges[1] / edges[0]), np.log10(high / low)
+        parts.append(f"{decades - within:.2g} of {decades:.2g} decades of the band")
+    if "temperature" in beyond:
+        parts.append(f"the temperature of {celsius:.4g} degC")
+    if not parts:
+        return ""
+    spans = " and ".join(known.covered.span(name, known.units) for name in beyond)
+    return f"outside of what was measured ({spans}): {' and '.join(parts)}; there it holds only if the model does"
+
+
+def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, outside: str) -> Handoff:
     """What a writer is given: the series, and the parameters as a user knows them."""
     model, theta, reference = known.model, known.theta, known.reference
     # Where none is asked for, the temperature at which shifts are one.
@@ -151,7 +218,8 @@ def _handoff(known: Known, prony: Prony, unit: str, kelvin: float | None, poisso
         shown,
         unit,
         bool(unit) and known.units.is_modulus,
-        poisson,
+        covered=_measured(known),
+        remarks=tuple(filter(None, [_told(known), outside])),
         exact=lambda omega: model.stiffness(theta, _points(omega, at, reference)),
     )
 

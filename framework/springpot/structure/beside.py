@@ -42,8 +42,8 @@ class Beside:
 
     def __init__(self, damper: Damper) -> None:
         self.along = damper.cosine / damper.length
-        # The factor holds the cosine twice: once for the force, and once for the way, which `along` has already.
-        self.size = damper.factor / damper.cosine * damper.unit * damper.length
+        # The cosine of the way is in `along` already: here is that of the force.
+        self.size = damper.count * damper.cosine * damper.unit * damper.length
         self.laws: list[tuple[Any, list[float]]] = []
         self.sliders: list[tuple[Callable[..., float], list[float]]] = []
         for effect, theta in damper.beside:

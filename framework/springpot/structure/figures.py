@@ -13,6 +13,9 @@ from springpot.structure import Simulation, Steady
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ROOM = 1.06
+"""Axis over its largest value: half a marker and its margin."""
+
 
 def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Figure:
     """Drift of the lowest storey, loops of the dampers, energies.
@@ -40,16 +43,17 @@ def figure_motion(simulation: Simulation, path: str | Path | None = None) -> Fig
         drifts.set(xlabel="t [s]", ylabel="drift [mm]")
         drifts.legend()
         for i, damper in enumerate(motion.frame.dampers):
-            way = 1e3 * motion.drift[:, damper.storey - 1]
             # In the colour of its storey, whose drift it shares.
-            loops.plot(way, 1e-3 * motion.force[:, i], color=COLOURS[(damper.storey - 1) % len(COLOURS)], lw=0.7)
-        loops.set(xlabel="drift [mm]", ylabel="force of the dampers [kN]")
+            way, force = 1e3 * motion.stroke[:, i], 1e-3 * motion.axial_force[:, i]
+            loops.plot(way, force, color=COLOURS[(damper.storey - 1) % len(COLOURS)], lw=0.7)
+        loops.set(xlabel="stroke [mm]", ylabel="axial force of a damper [kN]")
         storey = range(1, len(motion.frame) + 1)
         peaks.hlines(storey, 1e3 * low, 1e3 * high, color=QUIET, lw=4)
         peaks.plot(1e3 * motion.peak_drift, storey, "o", color=COLOURS[0])
         peaks.set(xlabel="peak drift [mm], band 95 %", ylabel="storey", yticks=list(storey))
-        # From zero: a band is small or large beside the drift itself.
-        peaks.set_xlim(left=0.0)
+        # From zero, as a band is small or large beside the drift itself, to where the largest is seen whole.
+        peaks.set_xlim(0.0, ROOM * 1e3 * max(high.max(), motion.peak_drift.max()))
+        peaks.set_ylim(0.5, len(motion.frame) + 0.5)
         for i, (name, each) in enumerate(energy.items()):
             energies.plot(time, 1e-3 * each, color=COLOURS[i], label=name)
         energies.set(xlabel="t [s]", ylabel="energy [kJ]")
@@ -79,10 +83,10 @@ def figure_steady(steady: Steady, path: str | Path | None = None) -> Figure:
         drifts, forces = figure.subplots(1, 2)
         for i, drift in enumerate(np.abs(steady.drift).T):
             drifts.plot(frequency, 1e3 * drift, color=COLOURS[i % len(COLOURS)], label=f"storey {i + 1}")
-        for i, force in enumerate(np.abs(steady.force).T):
+        for i, force in enumerate(np.abs(steady.axial_force).T):
             forces.plot(frequency, 1e-3 * force, color=COLOURS[i % len(COLOURS)], label=f"damper {i + 1}")
         drifts.set(xlabel="f [Hz]", ylabel="drift [mm] at 1 m/s$^2$")
-        forces.set(xlabel="f [Hz]", ylabel="force [kN] at 1 m/s$^2$")
+        forces.set(xlabel="f [Hz]", ylabel="axial force of a damper [kN] at 1 m/s$^2$")
         for axes in (drifts, forces):
             logarithmic(axes, "x")
             logarithmic(axes, "y")

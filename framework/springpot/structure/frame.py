@@ -16,6 +16,8 @@ from springpot.rheology.nodes import FULL
 
 Number = TypeVar("Number", np.float64, np.complex128)
 
+UPRIGHT = 1e-6
+"""Cosine of a slope that is none: rounding leaves 6e-17 of that of 90 degrees."""
 QUARTER = 0.5j * np.pi
 """By which ln s exceeds ln omega where s = i omega."""
 
@@ -32,8 +34,8 @@ class Damper:
         Its parameters, in SI units (N, m, s) unless `unit` and `length` say otherwise.
     storey : int
         Which one it braces, 1 for the lowest.
-    factor : float
-        How many there are, times the square of the cosine of their slope against the floor.
+    count : float
+        How many there are.
     covariance : ndarray, shape (p, p), optional
         Of theta.
     temperature : float, optional
@@ -43,27 +45,28 @@ class Damper:
     unit, length : float
         Stiffness in N/m and displacement in m of which theta counts one.
     cosine : float
-        Of the slope: what is not linear feels the way along the damper.
+        Of the slope against the floor.
 
     Raises
     ------
     ModelError
-        If the model has an effect of the rig or of the signals, which belong to no damper. What is not linear and
-        stands beside the material - friction, a slider, a stop - is taken as part of the damper.
+        If there is none of them, or they stand upright; or if the model has an effect of the rig or of the signals,
+        which belong to no damper. What is not linear and stands beside the material - friction, a slider, a stop - is
+        taken as part of the damper.
 
     Examples
     --------
     >>> import numpy as np
     >>> from springpot.rheology import Model, dashpot
     >>> from springpot.structure import Damper
-    >>> Damper(Model("dashpot", dashpot()), np.array([500.0]), factor=2.0).stiffness(np.array([1j]))[0].round(6)
+    >>> Damper(Model("dashpot", dashpot()), np.array([500.0]), count=2.0).stiffness(np.array([1j]))[0].round(6)
     array([0.+1000.j])
     """
 
     model: Model
     theta: Real
     storey: int = 1
-    factor: float = 1.0
+    count: float = 1.0
     covariance: Real | None = None
     temperature: float | None = None
     reference: float = ROOM
@@ -72,6 +75,11 @@ class Damper:
     cosine: float = 1.0
 
     def __post_init__(self) -> None:
+        if not self.count > 0.0:
+            raise ModelError(f"there are {self.count:g} of a damper: its count is above zero")
+        # An upright one feels nothing of a drift, and its force is endless beside it.
+        if not UPRIGHT < self.cosine <= 1.0:
+            raise ModelError("a damper slopes by less than 90 degrees against the floor, either way")
         for effect in self.linear.effects:
             if effect.layer > Layer.SPECIMEN:
                 raise ModelError(
@@ -104,7 +112,8 @@ class Damper:
     @property
     def size(self) -> float:
         """Stiffness in N/m along the floor of all dampers of this kind together, for a K of one."""
-        return self.factor * self.unit
+        # Once for the drift that reaches the damper, once for its force that is along the floor.
+        return self.count * self.cosine**2 * self.unit
 
     @property
     def kelvin(self) -> float | None:
@@ -223,6 +232,24 @@ class Frame:
         """Damping matrix (n, n) of the bare frame."""
         matrix: Real = 2.0 * self.damping / self.natural[0][0] * self.elastic
         return matrix
+
+    @cached_property
+    def floor_per_axis(self) -> Real:
+        """Force along the floor of all dampers of each entry over that of one along its axis, shape (d,)."""
+        return np.array([damper.count * damper.cosine for damper in self.dampers])
+
+    def strokes_of(self, drift: NDArray[Number]) -> NDArray[Number]:
+        """Ways (..., d) along the axes of the dampers, from the drifts (..., n) of the storeys."""
+        cosines = np.array([damper.cosine for damper in self.dampers])
+        return np.asarray(drift[..., [damper.storey - 1 for damper in self.dampers]] * cosines)
+
+    @cached_property
+    def storeys_of_dampers(self) -> Real:
+        """Ones where an entry of dampers braces a storey, shape (n, d): the sum of their forces in each."""
+        braced = np.zeros((len(self), len(self.dampers)))
+        for i, damper in enumerate(self.dampers):
+            braced[damper.storey - 1, i] = 1.0
+        return braced
 
     def drawn(self, rng: np.random.Generator) -> Frame:
         """The same with dampers as they may as well be."""

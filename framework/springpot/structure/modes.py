@@ -127,8 +127,23 @@ class Steady:
 
     @property
     def force(self) -> Complex:
-        """Amplitudes (w, d) of the forces of each entry of dampers together, in N."""
+        """Amplitudes (w, d) of the forces of each entry of dampers together, in N, along the floor."""
         return self._stiffness * self._way
+
+    @property
+    def axial_force(self) -> Complex:
+        """Amplitudes (w, d) of the force of one damper of each entry along its axis, in N."""
+        return np.asarray(self.force / self.frame.floor_per_axis)
+
+    @property
+    def stroke(self) -> Complex:
+        """Amplitudes (w, d) of the way of each damper along its axis, in m."""
+        return self.frame.strokes_of(self.drift)
+
+    @property
+    def storey_force(self) -> Complex:
+        """Amplitudes (w, n) of the force along the floor of all dampers of a storey, in N."""
+        return np.asarray(self.force @ self.frame.storeys_of_dampers.T)
 
     @property
     def energy(self) -> Real:

@@ -1,12 +1,14 @@
 """A frame under a record: displacement, force, energy, with the uncertainty of its dampers carried through.
 
 Each damper is its spectrum, a sum of exponentials, so that frame and dampers are one linear system of first order.
-For an acceleration that is straight between its samples its motion is exact: one matrix exponential serves all steps.
-What is not linear in a damper stands beside that system and is followed in short steps, see `beside`.
+For an acceleration that is straight between its samples its motion is exact, and so are its largest values, which
+seldom fall on a sample: see `steps`. What is not linear in a damper stands beside that system and is followed in
+short steps, see `beside`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +20,7 @@ from springpot.rheology import Real
 from .beside import Beside, forces
 from .frame import Damper, Frame
 from .modes import Mode, modes_of
+from .steps import System
 
 TOLERANCE = 1e-5
 """Relative error of K for which a damper's spectrum is read: far below what is known of any damper."""
@@ -144,6 +147,8 @@ class Motion:
         Of the floors relative to the ground, in m and m/s.
     force : ndarray, shape (t, d)
         Of the dampers of each entry together, in N, along the floor.
+    peaks : ndarray, shape (n + d + n,)
+        Largest sizes, between samples too, of the drifts, of these forces, and of their sums in each storey.
     """
 
     frame: Frame
@@ -151,6 +156,7 @@ class Motion:
     displacement: Real
     velocity: Real
     force: Real
+    peaks: Real
 
     @property
     def drift(self) -> Real:
@@ -160,8 +166,33 @@ class Motion:
     @property
     def peak_drift(self) -> Real:
         """Largest drift of each storey in m, shape (n,)."""
-        peak: Real = np.abs(self.drift).max(axis=0)
-        return peak
+        return self.peaks[: len(self.frame)]
+
+    @property
+    def axial_force(self) -> Real:
+        """Force of one damper of each entry along its axis, in N, shape (t, d)."""
+        return self.force / self.frame.floor_per_axis
+
+    @property
+    def stroke(self) -> Real:
+        """Way of each damper along its axis, in m, shape (t, d)."""
+        return self.frame.strokes_of(self.drift)
+
+    @property
+    def peak_axial_force(self) -> Real:
+        """Largest force of one damper of each entry along its axis, in N, shape (d,)."""
+        n = len(self.frame)
+        return self.peaks[n : len(self.peaks) - n] / self.frame.floor_per_axis
+
+    @property
+    def peak_stroke(self) -> Real:
+        """Largest way of each damper along its axis, in m, shape (d,)."""
+        return self.frame.strokes_of(self.peak_drift)
+
+    @property
+    def peak_storey_force(self) -> Real:
+        """Largest force along the floor of all dampers of a storey at once, in N, shape (n,)."""
+        return self.peaks[len(self.peaks) - len(self.frame) :]
 
     @cached_property
     def energy(self) -> dict[str, Real]:
@@ -211,49 +242,51 @@ def motion_of(frame: Frame, record: Record) -> Motion:
     0.015
     """
     matrix, load, parts = _system(frame, record)
+    system = System(matrix, load, record.step)
     # A linear system goes in exact steps of the record, as long as they are; a jump of friction needs short ones.
     besides = {i: Beside(damper) for i, damper in enumerate(frame.dampers) if damper.beside}
     n, count = len(frame), len(record.acceleration)
+    seen = _seen(frame, parts, len(matrix))
     if besides:
-        state, extra = _stepped(frame, record, matrix, load, besides)
+        state, extra, peaks = _stepped(frame, record, system, besides, seen)
     else:
-        state, extra = _straight(record, matrix, load), np.zeros((count, len(parts)))
-    displacement, velocity = state[:, :n], state[:, n : 2 * n]
-    force = [part.force(displacement, velocity, state) for part in parts]
-    return Motion(frame, record, displacement, velocity, np.array(force).reshape(len(parts), count).T + extra)
+        state, extra = system.run(record.acceleration), np.zeros((count, len(parts)))
+        peaks = system.largest(state, record.acceleration, seen)
+    force = state @ seen[n : n + len(parts)].T + extra
+    return Motion(frame, record, state[:, :n], state[:, n : 2 * n], force, peaks)
 
 
-def _straight(record: Record, matrix: Real, load: Real) -> Real:
-    """States (t, m) of a linear system under an acceleration that is straight between its samples."""
-    # All steps are alike: the exponentials are made once, and each step is a product with a matrix.
-    first, second = _held_straight(matrix, record.step)
-    a = record.acceleration
-    state, y = np.zeros((len(a), len(matrix))), np.zeros(len(matrix))
-    # What the acceleration adds to each step, for all steps at once; the rest follows step by step.
-    pushed = np.outer(a[:-1], (first - second) @ load) + np.outer(a[1:], second @ load)
-    forward = _exponential(matrix, record.step)
-    for i, push in enumerate(pushed, 1):
-        y = forward @ y + push
-        state[i] = y
-    return state
+def _seen(frame: Frame, parts: Sequence[_Part], size: int) -> Real:
+    """Rows (n + d + n, m) by which drifts, forces of entries and their sums in storeys are seen in a state."""
+    n = len(frame)
+    drifts = np.hstack([frame.drifts, np.zeros((n, size - n))])
+    forces = np.array([part.row_of_force(size) for part in parts]).reshape(len(parts), size)
+    return np.vstack([drifts, forces, frame.storeys_of_dampers @ forces])
 
 
-def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: dict[int, Beside]) -> tuple[Real, Real]:
-    """States (t, m), and forces (t, d) of what is not linear, which are constant within each of many short steps."""
+def _stepped(
+    frame: Frame, record: Record, system: System, besides: dict[int, Beside], seen: Real
+) -> tuple[Real, Real, Real]:
+    """States (t, m), forces (t, d) of what is not linear, constant within each of many short steps, and peaks.
+
+    The peaks are those of the short steps: with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
+    """
     # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
     parts = int(np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi)))
     fine = record.finer(parts)
     n, a = len(frame), fine.acceleration
     rows = frame.drifts[[frame.dampers[i].storey - 1 for i in besides]]
     # A damper's force acts against the drift of its storey, on the velocities only.
-    pull = np.zeros((len(matrix), len(besides)))
+    pull = np.zeros((len(system.matrix), len(besides)))
     pull[n : 2 * n] = -(rows / frame.mass).T
-    first, second = _held_straight(matrix, fine.step)
-    forward, pulled = _exponential(matrix, fine.step), first @ pull
-    pushed = np.outer(a[:-1], (first - second) @ load) + np.outer(a[1:], second @ load)
+    short = system.in_steps_of(fine.step)
+    forward, pulled = short.forward, short.integrals[0] @ pull
+    pushed = short.pushed(a[:-1], a[1:])
     by_force = rows @ pulled[:n], rows @ pulled[n : 2 * n]
-    state, extra = np.zeros((len(record.acceleration), len(matrix))), np.zeros((len(record.acceleration), len(rows)))
-    y, force, members = np.zeros(len(matrix)), np.zeros(len(rows)), list(besides.values())
+    count, size = len(record.acceleration), len(system.matrix)
+    state, extra = np.zeros((count, size)), np.zeros((count, len(rows)))
+    y, force, members = np.zeros(size), np.zeros(len(rows)), list(besides.values())
+    felt, peaks = _felt(frame, list(besides)), np.zeros(len(seen))
     start = rows @ y[:n], rows @ y[n : 2 * n]
     for i, push in enumerate(pushed, 1):
         y = forward @ y + push
@@ -264,11 +297,18 @@ def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: di
         before, start = start, (rows @ y[:n], rows @ y[n : 2 * n])
         for member, way in zip(members, (start[0] - before[0]).tolist(), strict=True):
             member.move(way)
+        peaks = np.maximum(peaks, np.abs(seen @ y + felt @ force))
         if i % parts == 0:
             state[i // parts], extra[i // parts] = y, force
     whole = np.zeros((len(state), len(frame.dampers)))
     whole[:, list(besides)] = extra
-    return state, whole
+    return state, whole, peaks
+
+
+def _felt(frame: Frame, entries: Sequence[int]) -> Real:
+    """What forces of these entries (k,) that are not linear add to what `_seen` sees, shape (n + d + n, k)."""
+    own = np.eye(len(frame.dampers))[:, entries]
+    return np.vstack([np.zeros((len(frame), len(entries))), own, frame.storeys_of_dampers @ own])
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,13 +322,15 @@ class _Part:
     rates: Real
     states: slice
 
-    def force(self, displacement: Real, velocity: Real, state: Real) -> Real:
-        """Its force (t,)."""
+    def row_of_force(self, size: int) -> Real:
+        """By which its force is seen in a state, shape (size,)."""
+        n = len(self.row)
+        seen = np.zeros(size)
         # A branch pulls by how far its dashpot lags behind the drift.
-        way = displacement @ self.row
-        behind = way[:, None] - state[:, self.states]
-        force: Real = self.spring * way + self.dashpot * (velocity @ self.row) + behind @ self.weights
-        return force
+        seen[:n] = (self.spring + self.weights.sum()) * self.row
+        seen[n : 2 * n] = self.dashpot * self.row
+        seen[self.states] = -self.weights
+        return seen
 
 
 def _part(damper: Damper, frame: Frame, band: tuple[float, float], start: int) -> _Part:
@@ -340,25 +382,6 @@ def _system(frame: Frame, record: Record) -> tuple[Real, Real, list[_Part]]:
     load = np.zeros(start)
     load[n : 2 * n] = -1.0
     return matrix, load, parts
-
-
-def _exponential(matrix: Real, step: float) -> Real:
-    from scipy.linalg import expm
-
-    grown: Real = expm(matrix * step)
-    return grown
-
-
-def _held_straight(matrix: Real, step: float) -> tuple[Real, Real]:
-    """Integrals of exp(A (h - t)) over the step, of a load that is one, and of one that rises from nothing to one."""
-    size = len(matrix)
-    # One exponential of a block matrix holds both integrals (Van Loan 1978, doi:10.1109/TAC.1978.1101743).
-    whole = np.zeros((3 * size, 3 * size))
-    whole[:size, :size] = matrix * step
-    whole[:size, size : 2 * size] = np.eye(size) * step
-    whole[size : 2 * size, 2 * size :] = np.eye(size)
-    integrals = _exponential(whole, 1.0)[:size]
-    return integrals[:, size : 2 * size], integrals[:, 2 * size :]
 
 
 @dataclass(frozen=True, eq=False)

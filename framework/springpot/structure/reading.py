@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from springpot.errors import DataError, ModelError, SpringpotError
+from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
 from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
 from springpot.rheology import Real
@@ -112,10 +113,15 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
-    cosine = float(np.cos(np.radians(float(entry.get("slope", 0.0)))))
+    cosine = abs(float(np.cos(np.radians(float(entry.get("slope", 0.0))))))
     temperature = None
     if "temperature" in entry:
         temperature = float(entry["temperature"])
+        # As in a prediction: one that nothing depends on would be passed over without a word.
+        try:
+            require_known(known.model, known.covered, "temperature", np.array([temperature]))
+        except ModelError as error:
+            raise ModelError(f"{where}: {error}") from None
     if "temperature" in known.model.needs and temperature is None:
         raise DataError(f"{path}: {where}: {known.model.name} needs its temperature in degC")
     covariance = None
@@ -126,8 +132,7 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         known.model,
         known.theta,
         int(entry.get("storey", 1)),
-        # Once for the drift that reaches the damper, once for its force that is horizontal.
-        float(entry.get("count", 1)) * cosine**2,
+        float(entry.get("count", 1)),
         covariance,
         temperature,
         known.reference,

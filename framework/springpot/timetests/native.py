@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from springpot.errors import SpringpotError
 from springpot.identification import Solution, levenberg_marquardt
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows
-from springpot.measurement import Timed, Units, material_of
+from springpot.measurement import Covered, Timed, Units, material_of, one_modulus
 from springpot.rheology import Model, Real
 
 from .parts import InTimePart, Part, runs_against
@@ -280,6 +280,7 @@ class Search:
             PartResult.of(part, self.model, theta, self.reference, ratio)
             for part, ratio in zip(found.parts, found.alone, strict=True)
         ]
+        units = _units(found.parts)
         return TimeIdentification(
             self.model,
             theta,
@@ -290,8 +291,9 @@ class Search:
             found.evaluations,
             found.converged,
             seconds,
-            _units(found.parts),
+            units,
             said=_doubts(found.parts, rows),
+            covered=Covered.of([part.test for part in found.parts], units),
         )
 
     def _covariance(self, u: Real, parts: Sequence[Part]) -> Real:
@@ -332,7 +334,9 @@ def _doubts(parts: Sequence[Part], rows: Sequence[PartResult]) -> tuple[str, ...
 
 
 def _units(parts: Sequence[Part]) -> Units:
-    return parts[0].test.units
+    """Those of all parts; that of them which knows its modulus tells it."""
+    letter = one_modulus((part.test.name, part.test.units) for part in parts)
+    return replace(parts[0].test.units, letter=letter)
 
 
 def _typical(part: Part) -> float:

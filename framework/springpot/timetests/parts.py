@@ -23,6 +23,7 @@ from springpot.measurement import (
     Units,
     material_of,
     noise_of,
+    one_modulus,
     relative_scatter,
 )
 from springpot.rheology import ROOM, Complex, Model, Real
@@ -174,7 +175,7 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
     Raises
     ------
     DataError
-        If some are of a stiffness and others of a modulus.
+        If some are of a stiffness and others of a modulus, or of different moduli.
     """
     if noise is None:
         noise = [None] * len(tests)
@@ -184,6 +185,7 @@ def parts_of_specimen(tests: Sequence[Test], noise: Sequence[Real | None] | None
         if isinstance(test, TimeTest):
             units = test.units
             break
+    units = replace(units, letter=one_modulus((test.name, test.units) for test in tests) or units.letter)
     parts: list[Part] = []
     for test, own_noise in zip(tests, noise, strict=True):
         if isinstance(test, TimeTest):

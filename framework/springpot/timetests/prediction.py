@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from springpot.errors import DataError
 from springpot.identification import Identification, Prediction, require_conditions
+from springpot.identification.prediction import require_known
 from springpot.identification.uncertainty import student
 from springpot.measurement import (
     AMPLITUDE_UNITS,
     KELVIN,
     MODULUS_UNITS,
     PRESSURE_UNITS,
+    Covered,
     Measurement,
     TimeTest,
     Units,
     material_of,
     noise_of,
+    one_modulus,
 )
 from springpot.rheology import Continuum, Model, Points, Real
 
@@ -60,8 +63,8 @@ class Known:
         Relative error that the fit itself has.
     dof : float
         Degrees of freedom behind the covariance.
-    seen : tuple of float
-        Angular frequencies in rad/s, or one over the times, between which the fitted tests told something.
+    covered : Covered
+        What the fitted tests measured.
     """
 
     model: Model
@@ -71,7 +74,7 @@ class Known:
     reference: float
     misfit: float
     dof: float
-    seen: tuple[float, float]
+    covered: Covered = field(default_factory=Covered)
 
     @classmethod
     def of(cls, identified: TimeIdentification | Identification) -> Known:
@@ -90,7 +93,7 @@ class Known:
                 identified.reference,
                 identified.relative_rms,
                 max(points - len(identified.theta), 1),
-                identified.seen,
+                identified.covered,
             )
         coordinates, data = identified.fit.task.coordinates, identified.measurement
         # An endless variance times a slope of zero would be no number.
@@ -104,7 +107,7 @@ class Known:
             data.reference_temperature,
             identified.relative_rms,
             max(identified.fit.dof, 1),
-            (float(data.omega.min()), float(data.omega.max())),
+            identified.covered,
         )
 
     @classmethod
@@ -124,7 +127,8 @@ class Known:
             float(kept["reference"]),
             float(answer["relative_rms"]),
             max(points - len(model.parameters), 1),
-            (float(kept["seen"][0]), float(kept["seen"][1])),
+            # Older files hold the frequencies alone.
+            Covered.read(answer.get("measured", {"omega": kept["seen"]})),
         )
 
     def predict(
@@ -151,10 +155,11 @@ class Known:
         if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
             raise DataError("frequencies are a list of numbers, finite and above zero")
         given = {"temperature": temperature, "amplitude": amplitude}
-        for name in sorted(self.model.needs):
-            if given.get(name) is None:
-                raise DataError(f"{self.model.name} needs {name}: give it")
         conditions = {name: np.full(len(omega), value) for name, value in given.items() if value is not None}
+        for name in sorted(self.model.needs - set(conditions)):
+            raise DataError(f"{self.model.name} needs {name}: give it")
+        for name, column in conditions.items():
+            require_known(self.model, self.covered, name, column)
         kelvin = None
         if temperature is not None:
             kelvin = conditions["temperature"] + KELVIN
@@ -163,7 +168,8 @@ class Known:
         quantile = student(level, self.dof)
         real, imaginary = (quantile * _reach(part, self.covariance) for part in (slopes.real, slopes.imag))
         wide = real + 1j * imaginary
-        return Prediction(self.model.name, omega, value, value - wide, value + wide, conditions, self.units, level)
+        low, high = value - wide, value + wide
+        return Prediction(self.model.name, omega, value, low, high, conditions, self.units, level, self.covered)
 
 
 def _reach(slopes: Real, covariance: Real) -> Real:
@@ -203,6 +209,10 @@ class TestPrediction:
         Of the value.
     judged : bool
         Whether the test was measured; otherwise there is nothing to judge by.
+    outside : ndarray of bool, shape (m,)
+        Which samples lie outside of what the fitted tests saw.
+    notes : tuple of str
+        What else one should know.
     """
 
     __test__ = False  # pytest takes it for a test otherwise
@@ -221,6 +231,8 @@ class TestPrediction:
     inside: float
     error_inside: float
     unit: str
+    outside: NDArray[np.bool_]
+    notes: tuple[str, ...] = ()
     judged: bool = True
 
     @property
@@ -270,8 +282,8 @@ class TestPrediction:
         clock = "time"
         if self.kind == "sweep":
             clock = "frequency"
-        columns = (self.at, self.value, self.low, self.high, self.measured)
-        names = (clock, "value", "low", "high", "measured")
+        columns = (self.at, self.value, self.low, self.high, self.measured, self.outside)
+        names = (clock, "value", "low", "high", "measured", "outside_measured")
         rows = zip(*(column.tolist() for column in columns), strict=True)
         points = [dict(zip(names, row, strict=True)) for row in rows]
         # JSON has no nan: what was not judged, or not seen, is null.
@@ -295,6 +307,7 @@ class TestPrediction:
             "error_inside": error_inside,
             "says": self.says,
             "points": points,
+            "notes": list(self.notes),
         }
 
 
@@ -349,7 +362,10 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     wide = student(0.95, known.dof) * reach
     # Independent reasons to be off: what the parameters leave open and the noise of the test.
     known_error = np.hypot(reach, compared.noise) / compared.size
-    inside = (compared.rate >= known.seen[0] / NEAR) & (compared.rate <= known.seen[1] * NEAR)
+    # One over a time is a frequency only nearly: what lies near the ends was seen.
+    asked = compared.rate, _settings(test, compared, known.units)
+    inside = ~known.covered.outside(*asked, NEAR)
+    remark = known.covered.remark(*asked, known.units, NEAR)
     error_inside = float("nan")
     if inside.any():
         error_inside = rms(share[inside])
@@ -369,8 +385,24 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         float(np.mean(inside)),
         error_inside,
         unit,
+        ~inside,
+        tuple(filter(None, [remark])),
         judged,
     )
+
+
+def _settings(test: Test, compared: _Compared, units: Units) -> dict[str, Real]:
+    """Temperature of each sample, or all conditions of each point of a sweep, amplitudes in the units of the fit."""
+    if isinstance(test, Measurement):
+        settings = {name: np.tile(column, 2) for name, column in test.conditions.items()}
+        if "amplitude" in settings:
+            settings["amplitude"] *= AMPLITUDE_UNITS[test.units.amplitude] / AMPLITUDE_UNITS[units.amplitude]
+        return settings
+    if test.warmth is not None:
+        return {"temperature": np.interp(compared.at, test.time, test.warmth)}
+    if test.temperature is not None:
+        return {"temperature": np.full(len(compared.at), test.temperature)}
+    return {}
 
 
 def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
@@ -381,6 +413,7 @@ def _in_units_of(known: Known, units: Units) -> tuple[Real, Real]:
             f"the fit is in {own.stiffness} and the test in {units.stiffness}: a stiffness is no modulus; "
             "convert one of them by its geometry"
         )
+    one_modulus([("the fit", own), ("the test", units)])
     stiffer = MODULUS_UNITS[own.stiffness] / MODULUS_UNITS[units.stiffness]
     longer = AMPLITUDE_UNITS[own.amplitude] / AMPLITUDE_UNITS[units.amplitude]
     # Time is in s everywhere: it needs no factor.

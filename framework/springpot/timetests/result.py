@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.uncertainty import ends, spread_of, student
-from springpot.measurement import Timed, TimeTest, Units, material_of
+from springpot.measurement import Covered, Timed, TimeTest, Units, material_of
 from springpot.policy import INTERVAL
 from springpot.rheology import Continuum, Model, Real
 
@@ -63,8 +63,6 @@ class PartResult:
         Root mean square of the residuals over their noise.
     alone : float
         The same with parameters of its own.
-    seen : tuple of float
-        Angular frequencies in rad/s, or one over the times, between which the test tells something.
     """
 
     name: str
@@ -74,7 +72,6 @@ class PartResult:
     floor: float
     ratio: float
     alone: float
-    seen: tuple[float, float] = (0.0, np.inf)
 
     @classmethod
     def of(cls, part: Part, model: Model | Timed, theta: Real, reference: float, alone: float) -> PartResult:
@@ -89,14 +86,13 @@ class PartResult:
             sd = np.asarray(part.sd, dtype=float)
             error = rms(weighted * sd) / size
             floor = rms(sd) / size
-            return cls(test.name, test.kind, len(test), error, floor, ratio, alone, test.seen)
+            return cls(test.name, test.kind, len(test), error, floor, ratio, alone)
         sd = np.concatenate([part.sd.real, part.sd.imag])
         size_of_each = np.tile(test.magnitude, 2)
         # Twice the mean over both parts is the mean of |dK|^2 / |K|^2.
         error = float(np.sqrt(2.0 * np.mean((weighted * sd / size_of_each) ** 2)))
         floor = float(np.sqrt(2.0 * np.mean((sd / size_of_each) ** 2)))
-        seen = float(test.omega.min()), float(test.omega.max())
-        return cls(test.name, "sweep", len(test), error, floor, ratio, alone, seen)
+        return cls(test.name, "sweep", len(test), error, floor, ratio, alone)
 
     @property
     def agrees(self) -> bool:
@@ -150,6 +146,8 @@ class TimeIdentification:
         How its search ended; empty where `converged` says it all.
     said : tuple of str
         What went wrong on the way.
+    covered : Covered
+        What the tests together measured.
     """
 
     model: Model | Timed
@@ -165,6 +163,7 @@ class TimeIdentification:
     optimiser: str = "native"
     status: str = ""
     said: tuple[str, ...] = ()
+    covered: Covered = field(default_factory=Covered)
 
     @cached_property
     def quantile(self) -> float:
@@ -193,11 +192,6 @@ class TimeIdentification:
             np.array([p.upper for p in self.model.parameters]),
         )
         return ends(self.theta, reach, log, bounds)
-
-    @property
-    def seen(self) -> tuple[float, float]:
-        """Angular frequencies in rad/s between which the tests together tell something."""
-        return min(test.seen[0] for test in self.tests), max(test.seen[1] for test in self.tests)
 
     @property
     def relative_rms(self) -> float:
@@ -279,6 +273,7 @@ class TimeIdentification:
             "search_parameters": {},
             "objective": {"name": "noise", "value": float(self.power)},
             "relative_rms": self.relative_rms,
+            "measured": self.covered.to_dict(),
             "tests": [test.to_dict() for test in self.tests],
             "covariance": self.in_printed_units().tolist(),
             "kept": {
@@ -286,7 +281,7 @@ class TimeIdentification:
                 "covariance": (self.slopes @ self.covariance @ self.slopes.T).tolist(),
                 "units": asdict(self.units),
                 "reference": self.reference,
-                "seen": list(self.seen),
+                "seen": list(self.covered.rate),
                 **_rates(material_of(self.model)),
             },
             "evaluations": self.evaluations,

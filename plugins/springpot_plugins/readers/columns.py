@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -31,6 +30,7 @@ from springpot.measurement.exchange import exchange_note
 from springpot.measurement.together import runs_together
 from springpot.rheology import Complex, Real
 
+from .moduli import letter_of
 from .proposals import COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE
 from .table import Column
 
@@ -148,21 +148,10 @@ def _clock(roles: Mapping[str, Column]) -> str:
     return "Hz"
 
 
-_LETTER = re.compile(r"(?:\A|[^A-Za-z])([GEK])(?:['′’´`*]|_?prime|p(?![A-Za-z]))")
-"""``G'``, ``|E*|``, ``Storage modulus (G′)``; primes as programs spell them."""
-
-
 def _letter(roles: Mapping[str, Column], unit: str) -> str:
-    """The letter that the titles write for a modulus (G, E) or a stiffness (K); nothing where they write words."""
-    # In Pa a K is no stiffness, and in N/mm a G is no modulus.
-    allowed = "K"
-    if unit in PRESSURE_UNITS:
-        allowed = "GE"
+    """The letter of the modulus (G, E, K) or stiffness (K) that the titles tell of."""
     titles = [roles[role].title for role in ("storage", "magnitude") if role in roles]
-    for match in map(_LETTER.search, titles):
-        if match and match[1] in allowed:
-            return match[1]
-    return ""
+    return letter_of(titles, unit in PRESSURE_UNITS)
 
 
 def _modulus(column: Column) -> tuple[Real, str]:

@@ -6,6 +6,7 @@ rate is the stress of a startup; ``.creep`` has the key ``stress`` and holds t a
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,11 +58,11 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         rate = _number(keys, "gdot", path)
         ramp = Loading(np.array([0.0, t[-1]]), np.array([0.0, rate * t[-1]]))
         # The file holds the growth of the viscosity, which times the rate is the stress.
-        return [TimeTest(t, y * rate, ramp, **given)]  # type: ignore[arg-type]
+        return [TimeTest(t, y * rate, ramp, letter="G", **given)]  # type: ignore[arg-type]
     if "stress" in keys:
         step = Loading.step(_number(keys, "stress", path))
-        return [TimeTest(t, y, step, "force", **given)]  # type: ignore[arg-type]
-    return [TimeTest.of_relaxation(t, y, "Pa", **given)]  # type: ignore[arg-type]
+        return [TimeTest(t, y, step, "force", letter="G", **given)]  # type: ignore[arg-type]
+    return [replace(TimeTest.of_relaxation(t, y, "Pa", **given), letter="G")]  # type: ignore[arg-type]
 
 
 def _is_row(line: str) -> bool:

@@ -34,6 +34,7 @@ from springpot.rheology import Real
 
 from ..readers.blocks import blocks_of
 from ..readers.grid import Grid, grid_of, head_grid
+from ..readers.moduli import letter_of
 from ..readers.names import role_of
 from ..readers.text import head_text, text_of
 from ..readers.titles import apart_from_sign, heading, is_unit
@@ -41,6 +42,8 @@ from .sections import Section, Title, sections_of, title_of
 
 EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
 """What to write in a hint."""
+ANSWERS = ("relaxation", "compliance", "force")
+"""Columns whose titles tell which modulus it is of."""
 STEADY = 0.5
 """Kelvin by which a temperature may wander and still be one."""
 MOST_TIED = 0.5
@@ -118,7 +121,10 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         if len(sections) > 1:
             name = f"{path.stem}#{number}"
         try:
-            tests.append(_test(_told(section, columns, path), manner, name, path))
+            told = _told(section, columns, path)
+            test = _test(told, manner, name, path)
+            titles = [title.text for title in told.titles if title.role in ANSWERS]
+            tests.append(replace(test, letter=letter_of(titles, test.units.is_modulus)))
         except DataError as error:
             if _holds_sweep(grid_of(text)):
                 # A rest may be so long that the sweep below it was not seen when the file was recognised.

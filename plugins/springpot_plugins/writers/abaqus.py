@@ -1,8 +1,10 @@
 """Abaqus: one material for time (a Prony series), one for steady-state dynamics (the model itself).
 
-FREQUENCY and TIME exclude one another in a material of Abaqus, so that there are two. That of frequencies is a table
-of the model's own K, or where K is a spring beside a springpot, the power law that Abaqus has built in (User's Guide
-22.7.2): G' = G_inf (1 - w Im g*), G'' = G_inf w Re g*, and g* = g1* f^-a in FORMULA, f in cycles a unit of time.
+FREQUENCY and TIME exclude one another in a material of Abaqus, so that there are two. Elastic constants are E and nu,
+and what relaxes is the shear modulus (g) and the bulk modulus (k). The table of frequencies is of the model itself;
+where its shear modulus is a spring beside a springpot, it is the power law that Abaqus has built in (User's Guide
+22.7.2):
+G' = G_inf (1 - w Im g*), G'' = G_inf w Re g*, and g* = g1* f^-a in FORMULA, f in cycles a unit of time.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.rheology import Real
+from springpot.rheology import Complex, Real
 from springpot.solvers import Handoff, Writer
 
 from .frequencies import frequencies
@@ -34,61 +36,64 @@ class PowerLaw(NamedTuple):
 
 
 def to_abaqus(handoff: Handoff) -> str:
-    """Both materials.
-
-    The bulk modulus is taken to relax in proportion (k_i = g_i), so that Poisson's ratio stays constant: then the
-    series may stand for a tensile modulus as well as for a shear modulus.
-    """
-    lines = [f"** {line}" for line in handoff.heading()]
-    lines.append("** the modulus is taken as Young's, with a constant Poisson's ratio (k_i = g_i)")
+    """Both materials; k follows g where the bulk modulus relaxes, and is nothing where it is constant."""
+    lines = [f"** {line}" for line in (*handoff.heading(), handoff.solid.says)]
     return "\n".join(lines + _in_time(handoff) + _at_frequencies(handoff)) + "\n"
 
 
 def _in_time(handoff: Handoff) -> list[str]:
-    prony = handoff.prony
+    solid = handoff.solid
     lines = [
         "** for analyses in time; moduli are instantaneous",
         f"*MATERIAL, NAME={handoff.name.upper()}",
         "*ELASTIC, MODULI=INSTANTANEOUS",
-        f"{prony.instantaneous:.9g}, {handoff.poisson:.6g}",
+        f"{solid.young:.9g}, {solid.poisson:.9g}",
         "*VISCOELASTIC, TIME=PRONY",
     ]
-    for weight, time in zip(prony.weights, prony.times, strict=True):
-        share = weight / prony.instantaneous
-        lines.append(f"{share:.9g}, {share:.9g}, {time:.9g}")
+    for share, time in zip(solid.shear.weights / solid.shear.instantaneous, solid.shear.times, strict=True):
+        lines.append(f"{share:.9g}, {_of_bulk(handoff, f'{share:.9g}', '0.')}, {time:.9g}")
     return lines
 
 
+def _of_bulk(handoff: Handoff, as_shear: str, nothing: str) -> str:
+    """The numbers of the bulk modulus: those of the shear modulus, or none where it is constant."""
+    if handoff.solid.constant:
+        return nothing
+    return as_shear
+
+
 def _at_frequencies(handoff: Handoff) -> list[str]:
+    solid = handoff.solid
     omega = frequencies(handoff, PER_DECADE)
-    law = power_law_of(omega, handoff)
-    spring = handoff.prony.equilibrium
+    shear, spring = solid.shear_of(handoff.stiffness(omega)), solid.shear.equilibrium
+    # Only of the model itself: a series is no power law.
+    law = None
+    if handoff.exact is not None:
+        law = power_law_of(omega, shear)
     if law is not None:
         spring = law.spring
+    poisson = solid.poisson_beside(spring)
     lines = [
         "** for direct steady-state dynamics; moduli are long-term",
         f"*MATERIAL, NAME={handoff.name.upper()}_FREQUENCY",
         "*ELASTIC, MODULI=LONG TERM",
-        f"{spring:.9g}, {handoff.poisson:.6g}",
+        f"{2.0 * (1.0 + poisson) * spring:.9g}, {poisson:.9g}",
     ]
     if law is not None:
         turned = law.size * (2.0 * np.pi) ** (law.order - 1.0) / law.spring * np.exp(0.5j * np.pi * (1.0 - law.order))
         g = f"{turned.real:.9g}, {-turned.imag:.9g}, {1.0 - law.order:.9g}"
-        return [*lines, "*VISCOELASTIC, FREQUENCY=FORMULA", f"{g}, {g}"]
-    relative = handoff.stiffness(omega) / spring
+        return [*lines, "*VISCOELASTIC, FREQUENCY=FORMULA", f"{g}, {_of_bulk(handoff, g, '0., 0., 0.')}"]
+    relative = shear / spring
     lines.append("*VISCOELASTIC, FREQUENCY=TABULAR")
     for f, real, imaginary in zip(omega / (2.0 * np.pi), relative.real, relative.imag, strict=True):
         # The real part of g* is what the loss is over the spring, the imaginary part what the storage lacks of it.
         g = f"{imaginary:.9g}, {1.0 - real:.9g}"
-        lines.append(f"{g}, {g}, {f:.9g}")
+        lines.append(f"{g}, {_of_bulk(handoff, g, '0., 0.')}, {f:.9g}")
     return lines
 
 
-def power_law_of(omega: Real, handoff: Handoff) -> PowerLaw | None:
-    """The spring and the springpot that a model consists of, told from its K; None where there is more to it."""
-    if handoff.exact is None:
-        return None
-    k = handoff.stiffness(omega)
+def power_law_of(omega: Real, k: Complex) -> PowerLaw | None:
+    """The spring and the springpot that a model consists of, told from its K (n,); None where there is more to it."""
     # A spring alone, or one that an effect turns active: there is no logarithm of its loss.
     if np.any(k.imag <= 0.0):
         return None

@@ -9,19 +9,19 @@ PER_LINE = 3
 
 
 def to_ansys(handoff: Handoff) -> str:
-    """Relative moduli and times in turn, for shear and in the same way for volume."""
-    prony = handoff.prony
-    lines = [f"! {line}" for line in handoff.heading()]
+    """Relative moduli and times in turn, for shear, and for volume where the bulk modulus relaxes."""
+    solid = handoff.solid
+    lines = [f"! {line}" for line in (*handoff.heading(), solid.says)]
     lines += [
-        "! moduli are instantaneous; the modulus is taken as Young's, with a constant Poisson's ratio",
-        f"MP,EX,1,{prony.instantaneous:.9g}",
-        f"MP,PRXY,1,{handoff.poisson:.6g}",
+        "! moduli are instantaneous",
+        f"MP,EX,1,{solid.young:.9g}",
+        f"MP,PRXY,1,{solid.poisson:.9g}",
     ]
-    pairs = zip(prony.weights / prony.instantaneous, prony.times, strict=True)
-    constants = [number for pair in pairs for number in pair]
-    # The same series for both is what keeps Poisson's ratio constant.
-    for kind in ("SHEAR", "BULK"):
-        lines.append(f"TB,PRONY,1,1,{len(prony.times)},{kind}")
+    for kind, series in (("SHEAR", solid.shear), ("BULK", solid.bulk)):
+        pairs = zip(series.weights / series.instantaneous, series.times, strict=True)
+        constants = [number for pair in pairs for number in pair]
+        if constants:
+            lines.append(f"TB,PRONY,1,1,{len(series.times)},{kind}")
         for start in range(0, len(constants), PER_LINE):
             part = ",".join(f"{number:.9g}" for number in constants[start : start + PER_LINE])
             lines.append(f"TBDATA,{start + 1},{part}")

@@ -1,7 +1,8 @@
 """COMSOL: parameters to load from a file, of the fractional model itself and of its branches.
 
 Its solid mechanics has springpots since version 6.2, so that a fractional model needs no series there; the branches
-serve the generalised Maxwell model of all versions. Rows of a parameter file are name, expression and description.
+serve the generalised Maxwell model of all versions, which takes shear moduli. The parameters of the model are those
+of the modulus that was measured. Rows of a parameter file are name, expression and description.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def to_comsol(handoff: Handoff) -> str:
             assert theirs is not None
             # The power of time of a springpot is the value of its order.
             unit_text = re.sub(rf"\^{re.escape(other)}(?![\w.])", f"^{theirs[1]}", unit_text)
-        lines.append(f'{_name(name)} {match[1]}{_unit(unit_text)} "{name} of {handoff.model}"')
+        lines.append(f'{_name(name)} {match[1]}{_unit(unit_text)} "{name} of {handoff.model}, as measured"')
     lines.append(f'G_inf {prony.equilibrium:.9g}{unit} "long-term stiffness or modulus"')
     if prony.viscosity:
         lines.append(f'eta {prony.viscosity:.9g}{_unit(f"{handoff.unit} s".strip())} "dashpot beside the branches"')
@@ -48,4 +49,6 @@ def _unit(text: str) -> str:
     return f"[{bare.replace(' ', '*')}]"
 
 
-WRITER = Writer("comsol", to_comsol, "COMSOL: a parameter file of the fractional model and its branches", ".txt")
+WRITER = Writer(
+    "comsol", to_comsol, "COMSOL: a parameter file of the fractional model and its branches", ".txt", modulus="G"
+)

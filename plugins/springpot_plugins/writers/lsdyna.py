@@ -24,37 +24,40 @@ def field(number: float) -> str:
 
 
 def to_lsdyna(handoff: Handoff) -> str:
-    """A keyword card; the modulus is taken as Young's, with a constant Poisson's ratio.
+    """A keyword card of shear and bulk modulus.
 
     Raises
     ------
     ModelError
         If there are more terms than the card holds.
     """
-    prony = handoff.prony
-    if len(prony.times) + 1 > MOST:
+    solid = handoff.solid
+    shear, bulk = solid.shear, solid.bulk
+    if len(shear.times) + 1 > MOST:
         raise ModelError(
-            f"ls-dyna takes {MOST - 1} terms beside the long-term modulus, not {len(prony.times)}: "
+            f"ls-dyna takes {MOST - 1} terms beside the long-term modulus, not {len(shear.times)}: "
             "widen the tolerance, narrow the band or give --terms"
         )
-    poisson = float(handoff.poisson or 0.0)
-    # The card takes shear and bulk moduli: G = E / (2 (1 + nu)), K = E / (3 (1 - 2 nu)).
-    shear, bulk = 0.5 / (1.0 + poisson), 1.0 / (3.0 * (1.0 - 2.0 * poisson))
-    lines = ["*KEYWORD", *(f"$ {line}" for line in handoff.heading())]
+    lines = ["*KEYWORD", *(f"$ {line}" for line in (*handoff.heading(), solid.says))]
     lines += [
-        "$ the modulus is taken as Young's, with a constant Poisson's ratio; the term without decay is the long-term",
+        "$ the card takes shear and bulk moduli; the term without decay is the long-term",
         "$ define the density RO by *PARAMETER: the card needs one, and no test of stiffness tells it",
         "*MAT_GENERAL_VISCOELASTIC_TITLE",
         handoff.name,
         "$#     mid        ro      bulk       pcf        ef      tref         a         b",
-        f"{1:>{WIDTH}}{'&RO':>{WIDTH}}{field(prony.instantaneous * bulk)}",
+        f"{1:>{WIDTH}}{'&RO':>{WIDTH}}{field(bulk.instantaneous)}",
         "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
         "",
         "$#      gi     betai        ki    betaki",
     ]
-    terms = [(prony.equilibrium, 0.0), *zip(prony.weights, 1.0 / prony.times, strict=True)]
-    for weight, rate in terms:
-        lines.append(field(weight * shear) + field(rate) + field(weight * bulk) + field(rate))
+    terms = [(shear.equilibrium, 0.0), *zip(shear.weights, 1.0 / shear.times, strict=True)]
+    volume = [bulk.equilibrium, *bulk.weights]
+    for i, (weight, rate) in enumerate(terms):
+        line = field(weight) + field(rate)
+        # A constant bulk modulus is that of the first card alone.
+        if not solid.constant:
+            line += field(volume[i]) + field(rate)
+        lines.append(line)
     return "\n".join([*lines, "*END"]) + "\n"
 
 

@@ -1,6 +1,7 @@
 """OpenSees: a uniaxial material of one elastic and several Maxwell ones in parallel, for dampers.
 
-The alpha of its Maxwell material is the power of a dashpot's speed, here 1; it is no fractional order.
+Of a solid it is stress over strain along one axis, so that its modulus is Young's. The alpha of its Maxwell material
+is the power of a dashpot's speed, here 1; it is no fractional order.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ def _script(line: Callable[[str, int, list[str]], str]) -> Callable[[Handoff], s
         parts = _materials(handoff)
         lines = [f"# {words}" for words in handoff.heading()]
         lines.append(f"# the damper is material {WHOLE}; of Maxwell: K, C, power of the speed, length")
+        if handoff.is_modulus:
+            lines.append("# stress over strain of one axis, as trusses and fibres take it: Young's modulus")
         lines += [line(kind, tag, numbers) for tag, (kind, numbers) in enumerate(parts, FIRST)]
         lines.append(line("Parallel", WHOLE, [str(tag) for tag in range(FIRST, FIRST + len(parts))]))
         return "\n".join(lines) + "\n"
@@ -45,6 +48,8 @@ def _python(kind: str, tag: int, numbers: list[str]) -> str:
 
 
 WRITERS = (
-    Writer("opensees", _script(_tcl), "OpenSees in Tcl: Elastic and Maxwell materials in parallel", ".tcl"),
-    Writer("openseespy", _script(_python), "OpenSeesPy: the same for an interpreter called ops", ".py"),
+    Writer(
+        "opensees", _script(_tcl), "OpenSees in Tcl: Elastic and Maxwell materials in parallel", ".tcl", modulus="E"
+    ),
+    Writer("openseespy", _script(_python), "OpenSeesPy: the same for an interpreter called ops", ".py", modulus="E"),
 )

@@ -19,14 +19,18 @@ def to_json(handoff: Handoff) -> str:
                 "parameters": handoff.parameters,
                 "unit": handoff.unit,
                 "is_modulus": handoff.is_modulus,
+                "modulus": handoff.letter or None,
+                "measured_rad_per_s": handoff.covered,
                 "band_rad_per_s": list(prony.band),
                 "largest_error": prony.error,
                 "equilibrium": prony.equilibrium,
                 "viscosity": prony.viscosity,
                 "instantaneous": prony.instantaneous,
                 "terms": [
-                    {"weight": weight, "time_s": time}
-                    for weight, time in zip(prony.weights.tolist(), prony.times.tolist(), strict=True)
+                    {"weight": weight, "time_s": time, "outside_measured": outside}
+                    for weight, time, outside in zip(
+                        prony.weights.tolist(), prony.times.tolist(), handoff.outside.tolist(), strict=True
+                    )
                 ],
             },
             indent=1,

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import FILE, POSITIVE, emit, json_option
+from springpot.cli.common import FILE, POSITIVE, emit, json_option, note_to_stderr
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
@@ -24,6 +24,8 @@ EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48H
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave out an effect of the rig; may be repeated.")
 @click.option("--temperature", type=float, metavar="DEGC", help="For models with a temperature effect.")
 @click.option("--poisson", type=float, metavar="NU", help="Poisson's ratio, for formats of solid materials.")
+@click.option("--modulus", metavar="KIND", help="shear, young or bulk, where the data do not say.")
+@click.option("--bulk", metavar="WAY", help="Bulk modulus constant or relaxing; constant above NU = 0.45.")
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Where to write; by default to the screen.")
 @json_option
 def command(
@@ -52,6 +54,9 @@ def command(
         path = str(output)
     result = {"schema": "springpot.export-model/1", **handed.to_dict(), "file": path}
     emit(result, as_json, lambda: _show(handed.text, result, output))
+    # Beside the card, which may go to a file or through a pipe.
+    if handed.outside:
+        note_to_stderr(source, handed.outside)
 
 
 def _show(text: str, result: dict[str, Any], output: Path | None) -> None:
@@ -60,4 +65,4 @@ def _show(text: str, result: dict[str, Any], output: Path | None) -> None:
         print(text, end="")
         return
     error = f"{100 * result['error']:.2g} %"
-    print(f"{result['terms']} terms, largest error {error} of |K| on the band, written to {output}")
+    print(f"{result['terms']} terms, within {error} of |K| of the model on the band, written to {output}")

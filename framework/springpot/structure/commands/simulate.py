@@ -77,16 +77,24 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
 
 
 def described_steady(steady: Steady) -> dict[str, Any]:
-    """As plain data, schema ``springpot.steady-state/1``: amplitudes at 1 m/s^2 of the ground, energies a cycle."""
+    """As plain data, schema ``springpot.steady-state/2``: amplitudes at 1 m/s^2 of the ground, energies a cycle.
+
+    Of each storey the drift in m and the force of its dampers along the floor in N; of each entry of dampers the
+    force and stroke of one along its axis, and the energy in J that all of them take.
+    """
     import numpy as np
 
     # Phases are left to Python: JSON has no complex numbers.
-    drifts, forces = np.abs(steady.drift).tolist(), np.abs(steady.force).tolist()
-    frequencies, energies = (steady.omega / (2.0 * np.pi)).tolist(), steady.energy.tolist()
-    points = []
-    for frequency, drift, force, energy in zip(frequencies, drifts, forces, energies, strict=True):
-        points.append({"frequency": frequency, "drift": drift, "force": force, "energy": energy})
-    return {"schema": "springpot.steady-state/1", "points": points}
+    columns = {
+        "frequency": steady.omega / (2.0 * np.pi),
+        "drift": np.abs(steady.drift),
+        "storey_force": np.abs(steady.storey_force),
+        "axial_force": np.abs(steady.axial_force),
+        "stroke": np.abs(steady.stroke),
+        "energy": steady.energy,
+    }
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return {"schema": "springpot.steady-state/2", "points": [dict(zip(columns, row, strict=True)) for row in rows]}
 
 
 def _show_steady(steady: Steady, figure: Path | None) -> None:
@@ -94,28 +102,41 @@ def _show_steady(steady: Steady, figure: Path | None) -> None:
     from springpot.report.text import Table
 
     storeys, dampers = range(1, len(steady.frame) + 1), range(1, len(steady.frame.dampers) + 1)
-    headers = ["f [Hz]", *(f"drift {i} [mm]" for i in storeys)]
-    headers += [f"force {i} [kN]" for i in dampers] + [f"energy {i} [kJ]" for i in dampers]
+    shown = {
+        "drift": ("drift {} [mm]", 1e3, storeys),
+        "storey_force": ("dampers of storey {} [kN]", 1e-3, storeys),
+        "axial_force": ("axial force {} [kN]", 1e-3, dampers),
+        "stroke": ("stroke {} [mm]", 1e3, dampers),
+        "energy": ("energy {} [kJ]", 1e-3, dampers),
+    }
+    headers = ["f [Hz]"]
+    for title, _, which in shown.values():
+        headers += [title.format(i) for i in which]
     rows = []
     for point in described_steady(steady)["points"]:
-        cells = [point["frequency"], *(1e3 * drift for drift in point["drift"])]
-        cells += [1e-3 * force for force in point["force"]]
-        cells += [1e-3 * energy for energy in point["energy"]]
+        cells = [point["frequency"]]
+        for name, (_, factor, _) in shown.items():
+            cells += [factor * value for value in point[name]]
         rows.append([number(cell) for cell in cells])
-    print("amplitudes at 1 m/s^2 of the ground, and what each kind of damper takes in a cycle\n")
+    print("amplitudes at 1 m/s^2 of the ground: axial force and stroke of one damper of each kind, the force of")
+    print("all of a storey along the floor, and the energy that each kind takes in a cycle\n")
     Table(tuple(headers), rows, frozenset(headers)).show()
     if figure is not None:
         print(f"\nfigure      {figure}")
 
 
 def described(simulation: Simulation) -> dict[str, Any]:
-    """As plain data, schema ``springpot.simulation/1``; lengths in m, forces in N, energies in J."""
+    """As plain data, schema ``springpot.simulation/2``; lengths in m, forces in N, energies in J.
+
+    Force and stroke of a damper are those of one along its axis; ``damper_force`` of a storey is that of all its
+    dampers along the floor, at one instant.
+    """
     import numpy as np
 
     motion = simulation.motion
     low, high = simulation.band()
     return {
-        "schema": "springpot.simulation/1",
+        "schema": "springpot.simulation/2",
         "record": {
             "name": motion.record.name,
             "step": motion.record.step,
@@ -124,16 +145,56 @@ def described(simulation: Simulation) -> dict[str, Any]:
         },
         "modes": [{"frequency": mode.frequency, "damping": mode.damping} for mode in simulation.modes],
         "storeys": [
-            {"drift": drift, "low": below, "high": above}
-            for drift, below, above in zip(motion.peak_drift.tolist(), low.tolist(), high.tolist(), strict=True)
+            {"drift": drift, "low": below, "high": above, "damper_force": force}
+            for drift, below, above, force in zip(
+                motion.peak_drift.tolist(),
+                low.tolist(),
+                high.tolist(),
+                motion.peak_storey_force.tolist(),
+                strict=True,
+            )
         ],
         "dampers": [
-            {"model": damper.model.name, "storey": damper.storey, "force": float(np.abs(motion.force[:, i]).max())}
-            for i, damper in enumerate(motion.frame.dampers)
+            {
+                "model": damper.model.name,
+                "storey": damper.storey,
+                "count": damper.count,
+                "slope": float(np.degrees(np.arccos(damper.cosine))),
+                "axial_force": force,
+                "stroke": stroke,
+            }
+            for damper, force, stroke in zip(
+                motion.frame.dampers, motion.peak_axial_force.tolist(), motion.peak_stroke.tolist(), strict=True
+            )
         ],
         "energy": {name: float(each[-1]) for name, each in motion.energy.items()},
         "draws": len(simulation.drifts),
     }
+
+
+def _show_dampers(result: dict[str, Any]) -> None:
+    """What one damper of each kind must bear and move, and what all of a storey pull together."""
+    from springpot.digits import number
+    from springpot.report.text import Table
+
+    rows = [
+        [
+            str(damper["storey"]),
+            damper["model"],
+            f"{damper['count']:g}",
+            f"{damper['slope']:.4g}",
+            number(1e-3 * damper["axial_force"]),
+            number(1e3 * damper["stroke"]),
+        ]
+        for damper in result["dampers"]
+    ]
+    headers = ("storey", "damper", "count", "slope [deg]", "axial force [kN]", "stroke [mm]")
+    Table(headers, rows, frozenset(headers) - {"storey", "damper"}).show()
+    print("each: one damper along its axis; all of a storey together along the floor:\n")
+    braced = sorted({damper["storey"] for damper in result["dampers"]})
+    sums = [[str(i), number(1e-3 * result["storeys"][i - 1]["damper_force"])] for i in braced]
+    Table(("storey", "force of its dampers [kN]"), sums, frozenset({"force of its dampers [kN]"})).show()
+    print()
 
 
 def _show(simulation: Simulation, figure: Path | None) -> None:
@@ -159,8 +220,8 @@ def _show(simulation: Simulation, figure: Path | None) -> None:
     ]
     Table(("mode", "f [Hz]", "damping"), modes, frozenset({"f [Hz]", "damping"})).show()
     print()
-    for damper in result["dampers"]:
-        print(f"damper      storey {damper['storey']}: {damper['model']}, {number(damper['force'] / 1e3)} kN at most")
+    if result["dampers"]:
+        _show_dampers(result)
     energy = result["energy"]
     share = 100.0 * energy["dampers"] / energy["input"]
     print(f"energy      {number(energy['input'] / 1e3)} kJ put in, {share:.3g} % of it taken by the dampers")

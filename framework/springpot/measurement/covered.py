@@ -1,0 +1,148 @@
+"""What tests covered: frequencies, temperatures, amplitudes. Beyond them a fitted model is an extrapolation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.rheology import Real
+from springpot.rheology.levels import held
+
+from .measurement import CONDITIONS, Measurement
+from .timetest import TimeTest
+from .units import AMPLITUDE_UNITS, Units
+
+ROUNDED = 1.001
+"""Factor by which a frequency may lie outside and still be a measured one: numbers are typed with few digits."""
+RATE = "frequency"
+
+
+@dataclass(frozen=True)
+class Covered:
+    """Ranges of what was measured.
+
+    Parameters
+    ----------
+    rate : tuple of float
+        Angular frequency in rad/s, or one over the time in s since the load moved; from nothing to infinity where
+        nothing was measured.
+    conditions : mapping of str to tuple of float
+        Temperature in degC, amplitude in the unit of the tests, others by name; those alone that are known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot import Measurement
+    >>> from springpot.measurement.covered import Covered
+    >>> data = Measurement([1.0, 10.0], [1.0 + 1j, 2.0 + 1j], conditions={"temperature": [20.0, 20.0]})
+    >>> Covered.of([data]).outside(np.array([5.0, 50.0]), {}).tolist()
+    [False, True]
+    """
+
+    rate: tuple[float, float] = (0.0, np.inf)
+    conditions: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, tests: Sequence[TimeTest | Measurement], units: Units | None = None) -> Covered:
+        """Of tests that one model was fitted to, amplitudes in these units, or those of the first."""
+        rates: list[float] = []
+        columns: dict[str, list[Real]] = {}
+        unit = AMPLITUDE_UNITS[(units or tests[0].units).amplitude]
+        for test in tests:
+            if isinstance(test, Measurement):
+                rates += [float(test.omega.min()), float(test.omega.max())]
+            else:
+                rates += test.seen
+            for name, column in _conditions_of(test).items():
+                factor = 1.0
+                if name == "amplitude":
+                    factor = AMPLITUDE_UNITS[test.units.amplitude] / unit
+                columns.setdefault(name, []).append(factor * column[np.isfinite(column)])
+        together = {name: np.concatenate(parts) for name, parts in columns.items()}
+        ends = {name: (float(c.min()), float(c.max())) for name, c in together.items() if len(c)}
+        return cls((min(rates), max(rates)), ends)
+
+    def beyond(
+        self, omega: Real, conditions: Mapping[str, Real], room: float = ROUNDED
+    ) -> dict[str, NDArray[np.bool_]]:
+        """Which points (n,) lie outside, by the name of what lies outside; names of none are left out.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (n,)
+            In rad/s.
+        conditions : mapping of str to ndarray
+            As in `Measurement`, one value or n.
+        room : float
+            Factor by which a frequency may lie outside and still be one of those measured.
+        """
+        low, high = self.rate
+        found = {RATE: (omega < low / room) | (omega > high * room)}
+        for name, column in conditions.items():
+            if name in self.conditions:
+                ends = np.array(self.conditions[name])
+                least, most = ends + held(name, ends) * np.array([-1.0, 1.0])
+                outside = (column < least) | (column > most)
+                found[name] = np.broadcast_to(outside, omega.shape)
+        return {name: mask for name, mask in found.items() if mask.any()}
+
+    def outside(self, omega: Real, conditions: Mapping[str, Real], room: float = ROUNDED) -> NDArray[np.bool_]:
+        """Whether each point (n,) lies outside in anything; see `beyond`."""
+        masks = self.beyond(omega, conditions, room).values()
+        return np.asarray(np.any([np.zeros(omega.shape, dtype=bool), *masks], axis=0))
+
+    def remark(self, omega: Real, conditions: Mapping[str, Real], units: Units, room: float = ROUNDED) -> str:
+        """One line on the points that lie outside; nothing where all are inside."""
+        beyond = self.beyond(omega, conditions, room)
+        if not beyond:
+            return ""
+        count = int(np.any(list(beyond.values()), axis=0).sum())
+        said = " and ".join(self.span(name, units) for name in beyond)
+        return f"beyond the measured {said} ({count} of {len(omega)} points) the band holds only if the model does"
+
+    def span(self, name: str, units: Units) -> str:
+        """The range of a condition or of the frequency, with its unit."""
+        if name == RATE:
+            low, high = (rate / (2.0 * np.pi) for rate in self.rate)
+            return f"{units.on_clock(low):.3g} to {units.at(high)}"
+        low, high = self.conditions[name]
+        unit = {"temperature": "degC", "amplitude": units.amplitude}.get(name, "-")
+        return f"{name} of {low:.4g} to {high:.4g} [{unit}]"
+
+    def told(self, units: Units) -> str:
+        """All ranges that effects may need, in one line."""
+        known = [name for name in CONDITIONS if name in self.conditions]
+        return ", ".join(self.span(name, units) for name in (RATE, *known))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: ends of each range, the frequency in rad/s; without those of nothing measured."""
+        ranges = {name: list(ends) for name, ends in self.conditions.items()}
+        # JSON has no word for infinity.
+        if np.isfinite(self.rate[1]):
+            ranges["omega"] = list(self.rate)
+        return ranges
+
+    @classmethod
+    def read(cls, kept: Mapping[str, Any]) -> Covered:
+        """What `to_dict` gave."""
+        ends = {name: (float(low), float(high)) for name, (low, high) in kept.items()}
+        return cls(ends.pop("omega", (0.0, np.inf)), ends)
+
+
+def _conditions_of(test: TimeTest | Measurement) -> dict[str, Real]:
+    """Temperature and amplitude of a test, and the further columns of a sweep."""
+    if isinstance(test, Measurement):
+        return dict(test.conditions)
+    found: dict[str, Real] = {}
+    # The answer to a step is often written for a step of one, whatever it was in truth.
+    if test.control == "displacement" and test.kind not in ("relaxation", "recovery"):
+        found["amplitude"] = np.array([0.0, np.abs(test.loading.value).max()])
+    if test.temperature is not None:
+        found["temperature"] = np.array([test.temperature])
+    if test.warmth is not None:
+        found["temperature"] = test.warmth
+    return found
