@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
@@ -73,6 +74,10 @@ class Parcel:
         return Workshop(self.unpacked())
 
 
+BEGUN = b"begun"
+"""What a worker sends once: its optimiser has asked for its first value, and its imports are behind it."""
+
+
 class _Answer(pickle.Unpickler):
     """What a worker may send: results of trials, and nothing that would be called where it is read.
 
@@ -116,7 +121,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
         except (EOFError, OSError):
             return
         for task in tasks:
-            results, worn = _result(shop, task)
+            results, worn = _result(shop, task, lambda: connection.send_bytes(BEGUN))
             # An optimiser may have closed or replaced them; what it printed is not worth a trial.
             with suppress(OSError, ValueError, AttributeError):
                 sys.stdout.flush()
@@ -126,10 +131,10 @@ def serve(connection: Connection, shop: Workshop) -> None:
                 return
 
 
-def _result(shop: Workshop, task: Task) -> tuple[list[TrialResult], bool]:
+def _result(shop: Workshop, task: Task, begun: Callable[[], None]) -> tuple[list[TrialResult], bool]:
     """The results of a task, and whether the process is no longer what it was and must not be used again."""
     try:
-        shop.warm_up(task)
+        shop.warm_up(task, begun)
         # After the first use, which may well start a thread that a library keeps for all that follow.
         before = settings()
         results = shop.run(task)
