@@ -8,12 +8,11 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from io import BytesIO
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from springpot.errors import StudyError
-from springpot.processes import end_children, limit_memory, settings
+from springpot.processes import end_children, limit_memory, settings, unpacked
 
 from .plan import Plan, Task
 from .script import load_script
@@ -78,19 +77,6 @@ BEGUN = b"begun"
 """What a worker sends once: its optimiser has asked for its first value, and its imports are behind it."""
 
 
-class _Answer(pickle.Unpickler):
-    """What a worker may send: results of trials, and nothing that would be called where it is read.
-
-    An optimiser can change how results are written, and the coordinator must run no code of its.
-    """
-
-    def find_class(self, module: str, name: str) -> type:
-        for known in (TrialResult, Status):
-            if (known.__module__, known.__qualname__) == (module, name):
-                return known
-        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
-
-
 def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
     """The results that a worker has sent, and whether it ends now.
 
@@ -99,7 +85,8 @@ def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
     Exception
         Of any kind, if they are none.
     """
-    results, worn = _Answer(BytesIO(blob)).load()
+    # An optimiser can change how results are written, and the coordinator must run no code of its.
+    results, worn = unpacked(blob, TrialResult, Status)
     return results, worn
 
 

@@ -118,7 +118,9 @@ class Problem(Searched):
         Raises
         ------
         ModelError
-            If the model's derivative is wrong.
+            If the model's derivative is wrong, or it gives no number.
+        PluginError
+            If the objective's weights are no numbers.
         """
         model = model.bound_to(measurement.points)
         space = paper_box(model, measurement, stiffness_scale)
@@ -126,12 +128,14 @@ class Problem(Searched):
         with np.errstate(all="ignore"):
             inside = space.theta(space.repaired(space.lower + 0.4 * (space.upper - space.lower)))
         require_derivative(model, inside, measurement.points)
-        return cls(model, measurement, objective, space)
+        made = cls(model, measurement, objective, space)
+        made.weights  # noqa: B018  as are weights that are none
+        return made
 
     @cached_property
     def weights(self) -> Complex:
         """The objective's weights for these data."""
-        return self.objective.weights(self.measurement)
+        return self.objective.weighing(self.measurement)
 
     def residuals(self, x: Real) -> Real:
         """Weighted residuals (..., 2n) at search points (..., d)."""

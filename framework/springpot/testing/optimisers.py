@@ -15,7 +15,7 @@ from springpot.identification.problem import watched
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Real
 
-from .aspects import SEED, complaints, kept_random_state, name_and_summary
+from .aspects import DEADLINE, SEED, complaints, kept_random_state, name_and_summary
 from .networks import SAMPLE
 
 BUDGETS = (1, 2, 9, 57)
@@ -30,7 +30,9 @@ SCALE = 1000.0
 EQUAL = Objective("sample", "plain squares", lambda data: np.full(data.stiffness.shape, 1.0 + 1.0j))
 
 
-def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -> list[str]:
+def check_optimiser(
+    optimiser: type[Optimiser], *, skip: Collection[str] = (), deadline: float = DEADLINE
+) -> list[str]:
     """What is wrong with an optimiser, as plain sentences.
 
     Aspects: ``words`` (name and card), ``options`` (frozen, documented, plain values), ``budget`` (runs to its end
@@ -44,6 +46,8 @@ def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -
         The class; its default instance is tried.
     skip : collection of str
         Aspects to leave out.
+    deadline : float
+        Seconds that all aspects together may take: one that hangs is named then.
 
     Returns
     -------
@@ -61,7 +65,7 @@ def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -
         "gradient": lambda: _gradient(optimiser()),
         "batch": lambda: _batch(optimiser()),
     }
-    return complaints(aspects, skip)
+    return complaints(aspects, skip, deadline)
 
 
 def sample_problem() -> Problem:
