@@ -124,9 +124,7 @@ def test_weights_that_are_no_numbers_are_one_line_that_names_the_objective():
 
     objective = Objective("nan", "nothing", nothing)
     for optimiser in (Innocent(), None):
-        with pytest.raises(
-            springpot.errors.PluginError, match="objective 'nan' weighs points of .* no finite number"
-        ):
+        with pytest.raises(springpot.errors.PluginError, match="the objective 'nan' weighs points of"):
             springpot.identify(DATA, "fractional-maxwell", optimiser=optimiser, objective=objective)
 
 

@@ -65,7 +65,8 @@ class Study:
         End a trial at the target instead of using up the budget, where the optimum in the search box is known
         beforehand, from the native solver or from descents that agree.
     deadline : float
-        Seconds after which a trial is ended and counted as failed.
+        Seconds after which a trial is ended and counted as failed, from the first value that its process asks for:
+        the import of a library is no part of it.
     memory : int
         MiB that a trial may take.
     finish : callable, optional
