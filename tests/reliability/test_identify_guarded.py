@@ -141,6 +141,7 @@ def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
         def minimise(self, problem, budget, rng):
             dumps = pickle.dumps
             pickle.dumps = lambda *_: dumps(Bomb())
+            pickle.dump = lambda _, stream: stream.write(dumps(Bomb()))
 
     with pytest.raises(springpot.errors.OptionError, match="exit code 0"):
         springpot.identify(DATA, "fractional-maxwell", optimiser=Forger(), budget=9)
