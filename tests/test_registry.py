@@ -12,8 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from springpot import owners
+from springpot.cli.faults import exit_code
+from springpot.cli.group import run
 from springpot.errors import ModelError, PluginError
 from springpot.registry import Registry, plugins
+from springpot.surroundings import surroundings
 
 GOOD = """
 from springpot.hooks import hookimpl
@@ -228,3 +232,117 @@ def test_the_list_of_heavy_libraries_names_some_that_are_used():
     for name in ("cma", "scipy.optimize"):
         assert import_module(name).__name__ == name
         assert name in HEAVY
+
+
+RUDE = """
+import atexit, os, sys
+from fractions import Fraction
+import numpy as np
+os.chdir("/")
+sys.setrecursionlimit(7777)
+np.seterr(all="raise")
+sys.excepthook = print
+atexit.register(Fraction)
+
+
+@atexit.register
+def farewell():
+    pass
+"""
+
+
+def test_what_a_plugin_does_to_the_program_when_it_is_loaded_is_undone_and_named(install: Install, monkeypatch):
+    """Functions of other libraries stay among those that run at the exit: they are theirs."""
+    import atexit
+
+    left = []
+    monkeypatch.setattr(atexit, "unregister", left.append)
+    before = surroundings()
+    found = install(rude=RUDE + MODELS.format("model('polite')"))
+    assert surroundings() == before
+    [fault] = found.faults
+    for told in ("the recursion limit", "the working folder", "way with errors", "what runs at the exit"):
+        assert told in fault.reason
+    assert [function.__name__ for function in left] == ["farewell"]
+    assert found.names("model") == ["polite"]
+
+
+FAULTY = """
+import numpy as np
+from springpot.hooks import hookimpl
+from springpot.identification import Objective
+from springpot.measurement import DataSet, Measurement, Reader
+from springpot.rheology import Effect, Formula, Model, Parameter, parallel
+
+BAD = {bad!r}
+
+
+def no_number():
+    if BAD == "raise":
+        1 / 0
+    return np.nan
+
+
+def law(at, m):
+    value = m * at.omega**2 * no_number() + 0j
+    return value, (value / m,), 2 * value
+
+
+def read(*_):
+    return Measurement([1.0, 2.0], [no_number(), 1j])
+
+
+LAW = Formula((Parameter("m", "m"),), law, kind="bad " + BAD)
+
+
+@hookimpl
+def springpot_effects():
+    return [Effect("bad-effect", parallel, LAW, "bad")]
+
+
+@hookimpl
+def springpot_models():
+    return [Model("bad-model", LAW, "bad", "nobody")]
+
+
+@hookimpl
+def springpot_objectives():
+    return [Objective("bad-objective", "bad", lambda data: np.full(len(data), no_number() + 0j))]
+
+
+@hookimpl
+def springpot_datasets():
+    return [DataSet("bad-data", "bad", read)]
+
+
+@hookimpl
+def springpot_readers():
+    return [Reader("bad-reader", "bad", lambda head: float(head.startswith(b"BAD")), read)]
+"""
+DATA = "artificial-springpot"
+ASKED = {
+    "effect": (DATA, "--model", "kelvin + bad-effect"),
+    "model": (DATA, "--model", "bad-model"),
+    "objective": (DATA, "--model", "springpot", "--objective", "bad-objective"),
+    "data set": ("bad-data", "--model", "springpot"),
+    "reader": ("bad.txt", "--model", "springpot"),
+}
+
+
+@pytest.mark.parametrize("bad", ["nan", "raise"])
+def test_a_plugin_that_gives_no_number_or_raises_is_named(install: Install, tmp_path, monkeypatch, capsys, bad: str):
+    """Exit code 2 in one line, whatever kind of thing it is."""
+    before = plugins()
+    offered = install(faulty=FAULTY.format(bad=bad))
+    for word, shelf in before.shelves.items():
+        for name, item in offered.shelves[word].items.items():
+            monkeypatch.setitem(shelf.items, name, item)
+            monkeypatch.setitem(shelf._from, name, offered.shelves[word].owner(name))
+    monkeypatch.setattr(owners, "_by_module", offered.owner_of_module)
+    monkeypatch.chdir(tmp_path)
+    Path("bad.txt").write_text("BAD\n")
+    for asked in ASKED.values():
+        assert exit_code(lambda asked=asked: run(["identify", *asked])) == 2
+        told = capsys.readouterr().err
+        assert told.count("\n") == 1
+        assert "plugin 'plugin' of dist-faulty" in told

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import ctypes
 import os
+import pickle
 import resource
 import signal
 import sys
 import threading
-from collections.abc import Container
+from collections.abc import Callable, Container
 from contextlib import suppress
+from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
+from select import select
+from time import monotonic
+from typing import Any, NoReturn
 
-import numpy as np
+from .surroundings import surroundings
 
 CHILDREN = Path("/proc/thread-self/children")
 ADOPT = 36
@@ -92,23 +98,8 @@ def _descendants(pid: int) -> list[int]:
 
 def settings() -> tuple[object, ...]:
     """What foreign code may leave changed in a process, to the harm of whatever runs there next."""
-    return (
-        tuple(sys.path),
-        sys.getrecursionlimit(),
-        _folder(),
-        threading.active_count(),
-        signal.getsignal(signal.SIGALRM),
-        tuple(signal.getitimer(timer) != (0.0, 0.0) for timer in TIMERS),
-        tuple(np.geterr().items()),
-    )
-
-
-def _folder() -> str:
-    try:
-        return os.getcwd()
-    # It may have been removed.
-    except OSError:
-        return ""
+    timers = tuple(signal.getitimer(timer) != (0.0, 0.0) for timer in TIMERS)
+    return (tuple(sys.path), threading.active_count(), timers, surroundings())
 
 
 def cause_of(status: int) -> str:
@@ -120,3 +111,142 @@ def cause_of(status: int) -> str:
         return f"the process was ended by {signal.Signals(-code).name}"
     except ValueError:
         return f"the process was ended by signal {-code}"
+
+
+class _Plain(pickle.Unpickler):
+    """Reads plain values and objects of known classes, and nothing that would be called where it is read."""
+
+    def __init__(self, blob: bytes, known: tuple[type, ...]) -> None:
+        super().__init__(BytesIO(blob))
+        self._known = known
+
+    def find_class(self, module: str, name: str) -> type:
+        for known in self._known:
+            if (known.__module__, known.__qualname__) == (module, name):
+                return known
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
+
+
+def unpacked(blob: bytes, *known: type) -> Any:
+    """What a process that ran foreign code has pickled: its answer must run no code here.
+
+    Parameters
+    ----------
+    blob : bytes
+        What it sent.
+    *known : type
+        Classes of which there may be objects, beside plain values.
+
+    Raises
+    ------
+    Exception
+        Of any kind, if it is none of this.
+    """
+    return _Plain(blob, known).load()
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a process ended that was a copy of this one.
+
+    Parameters
+    ----------
+    message : bytes
+        What it had sent by then.
+    late : bool
+        Whether it was ended because its time was over.
+    cause : str
+        How it ended.
+    """
+
+    message: bytes
+    late: bool
+    cause: str
+
+
+def can_copy() -> bool:
+    """Whether `elsewhere` is safe here."""
+    # A copy holds this thread alone: a lock that another one held would stay locked in it for ever.
+    return threading.active_count() == 1 and hasattr(os, "fork")
+
+
+def elsewhere(action: Callable[[Callable[[bytes], object]], None], deadline: float, memory: int = 0) -> Ended:
+    """Let a copy of this process do something; whatever happens to it there ends with it.
+
+    Parameters
+    ----------
+    action : callable
+        What it does; it is given a function that sends bytes here.
+    deadline : float
+        Seconds that it may take.
+    memory : int
+        MiB by which it may grow; 0 sets no limit.
+    """
+    answer, report = os.pipe()
+    lifeline, alive = os.pipe()
+    sys.stdout.flush()  # or both would write what waits there
+    # Ctrl-C reaches both: until each has come to where it ends in order, it waits.
+    had = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        # A copy and no fresh process: all that is needed is there without being sent.
+        pid = os.fork()
+    except OSError:
+        signal.pthread_sigmask(signal.SIG_SETMASK, had)
+        raise
+    if pid == 0:
+        os.close(answer)
+        os.close(alive)
+        _work(action, memory, report, lifeline)
+    message: list[bytes] = []
+    try:
+        os.close(report)
+        os.close(lifeline)
+        signal.pthread_sigmask(signal.SIG_SETMASK, had)
+        late = not _heard(answer, monotonic() + deadline, message)
+    finally:
+        end_group(pid)
+        status = os.waitpid(pid, 0)[1]
+        os.close(answer)
+        os.close(alive)
+    return Ended(b"".join(message), late, cause_of(status))
+
+
+def _heard(fd: int, end: float, parts: list[bytes]) -> bool:
+    """Put all that is written into `parts` until the other side closes; whether it does so in time."""
+    while select([fd], [], [], max(0.0, end - monotonic()))[0]:
+        part = os.read(fd, 1 << 16)
+        if not part:
+            return True
+        parts.append(part)
+    return False
+
+
+def _work(action: Callable[[Callable[[bytes], object]], None], memory: int, report: int, lifeline: int) -> NoReturn:
+    """In the copy: act, and send what there is to say."""
+    code = 1
+    try:
+        # A group of its own: whatever is started can be ended with it, and Ctrl-C does not reach it.
+        os.setsid()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        adopt_orphans()
+        # What it prints is no part of the command's own output, and what is typed or piped is not for it.
+        os.dup2(2, 1)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        if memory:
+            limit_memory(memory)
+        # If the process that waits is killed, nobody else would end this one.
+        threading.Thread(target=_die_with_parent, args=(lifeline,), daemon=True).start()
+        with os.fdopen(report, "wb", buffering=0) as stream:
+            action(stream.write)
+        end_children()
+        sys.stdout.flush()
+        code = 0
+    finally:
+        # Without the parent's own farewell: its open files and its exit handlers are not this copy's.
+        os._exit(code)
+
+
+def _die_with_parent(lifeline: int) -> None:
+    os.read(lifeline, 1)
+    os.killpg(0, 9)

@@ -19,10 +19,12 @@ from springpot.files import write_text
 from springpot.identification import Optimiser
 from springpot.measurement import Measurement, Part, Timed, TimeEffect, TimeTest, grown, opening
 from springpot.measurement import open_in_time as in_time_by
+from springpot.owners import use_owners
 from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 from springpot.rheology.lookup import use_finder
 from springpot.shelf import KINDS, Kind, Owner, Shelf
+from springpot.surroundings import kept_surroundings
 
 T = TypeVar("T")
 
@@ -68,7 +70,7 @@ class Registry:
         self._owners: dict[str, Owner] = {}
         for point in sorted(points, key=_order):
             owner = self._owner(point)
-            with self._guarded(owner):
+            with self._guarded(owner), self._undone(owner, point.module):
                 self.manager.register(point.load(), name=owner.plugin)
         self._report_slips()
         self.shelves = {word: self._fill(kind) for word, kind in KINDS.items()}
@@ -95,6 +97,17 @@ class Registry:
                 reason = str(error)
             self._fault(owner, reason)
 
+    @contextmanager
+    def _undone(self, owner: Owner, module: str) -> Iterator[None]:
+        """Undo what a plugin does to the program when it is loaded, and list it."""
+        package, changed = module.partition(".")[0], list[str]()
+        try:
+            with kept_surroundings(changed.append, lambda of: of.partition(".")[0] == package):
+                yield
+        finally:
+            if changed:
+                self._fault(owner, f"when it is loaded it changes {', '.join(changed)}: that is undone")
+
     def _fault(self, owner: Owner, reason: str) -> None:
         # One line of it: a plugin's message may be of any length, and every list of faults shows it.
         line = " ".join(reason.split())
@@ -118,7 +131,7 @@ class Registry:
         # One by one, not all by pluggy in one call: that would end at the first that raises.
         for impl in getattr(self.manager.hook, kind.hook).get_hookimpls():
             owner = self._owners[impl.plugin_name]
-            with self._guarded(owner):
+            with self._guarded(owner), self._undone(owner, impl.function.__module__):
                 # One faulty item does not take the others of its plugin along.
                 for item in _sequence(impl.function(), kind):
                     with self._guarded(owner):
@@ -173,6 +186,20 @@ class Registry:
             raise ModelError(f"unknown optimiser '{name}': {hint}")
         return None
 
+    def owner_of(self, word: str, name: str) -> str:
+        """The plugin that offers a thing of that kind and name; empty for springpot's own."""
+        return _foreign(self.shelves[word].owner(name))
+
+    def owner_of_module(self, module: str) -> str:
+        """The plugin whose package a module is in; empty for springpot's own."""
+        package = module.partition(".")[0]
+        for name, plugin in self.manager.list_name_plugin():
+            # A plugin may be a module or any object.
+            own = getattr(plugin, "__name__", None) or type(plugin).__module__
+            if str(own).partition(".")[0] == package:
+                return _foreign(self._owners[name])
+        return ""
+
     def distributions(self) -> list[str]:
         """The installed distributions whose plugins are used, springpot's own first."""
         # A dictionary keeps the order, which a set would lose.
@@ -204,6 +231,12 @@ class Registry:
         if not column.strip():
             raise ModelError(f"'{name}': name a column after the colon, such as {effect.name}:water")
         return effect.of_column(column.strip())
+
+
+def _foreign(owner: Owner | None) -> str:
+    if owner is None or owner.distribution == hooks.GROUP:
+        return ""
+    return str(owner)
 
 
 def _proposal(name: str, known: Iterable[str], listed: str) -> str:
@@ -274,6 +307,7 @@ def plugins() -> Registry:
     registry = Registry(entry_points(group=hooks.GROUP))
     # Models below this room name effects too: they are given the way to look them up, as they cannot import it.
     use_finder(registry.effect)
+    use_owners(registry.owner_of, registry.owner_of_module)
     return registry
 
 

@@ -165,6 +165,10 @@ class Shelf(Generic[T]):
             raise PluginError(self.clashes[name])
         return self.items.get(self._by_alias.get(name, name))
 
+    def owner(self, name: str) -> Owner | None:
+        """The plugin that offers the item of that name or alias."""
+        return self._from.get(self._by_alias.get(name, name))
+
     def undisputed(self) -> dict[str, T]:
         """What can be used, by name."""
         # A name that two claim would mean another thing once one of them is installed first: neither is used.

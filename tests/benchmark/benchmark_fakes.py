@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import dataclass, replace
+from time import sleep
 from typing import ClassVar
 
 import numpy as np
@@ -91,6 +92,58 @@ class Moody(Walk):
                 problem(problem.lower + rng.random(problem.dimension) * (problem.upper - problem.lower))
             except BaseException:
                 continue
+
+
+@dataclass(frozen=True)
+class Heavy(Walk):
+    """Imports for longer than a trial may take, then hangs in half of its trials."""
+
+    name: ClassVar[str] = "heavy"
+    imported: ClassVar[bool] = False
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        if not Heavy.imported:
+            sleep(0.8)
+            Heavy.imported = True
+        hangs = rng.random() < 0.5
+        problem(problem.lower)
+        while hangs:
+            sleep(1.0)
+        super().minimise(problem, budget, rng)
+
+
+@dataclass(frozen=True)
+class Mute(Walk):
+    """Never asks for a value."""
+
+    name: ClassVar[str] = "mute"
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        while True:
+            sleep(1.0)
+
+
+@dataclass(frozen=True)
+class Fixed(Mute):
+    """Knows no chance, asks for one value, and hangs."""
+
+    name: ClassVar[str] = "fixed"
+    card: ClassVar[Card] = Card("a point", stochastic=False)
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        problem(problem.lower)
+        super().minimise(problem, budget, rng)
+
+
+@dataclass(frozen=True)
+class Sleepy(Walk):
+    """Waits before it walks: that is no work of the processor."""
+
+    name: ClassVar[str] = "sleepy"
+
+    def minimise(self, problem: Recorder, budget: int, rng: np.random.Generator) -> None:
+        sleep(0.05)
+        super().minimise(problem, budget, rng)
 
 
 def measurement(noise: float = 0.0, name: str = "kelvin") -> Measurement:

@@ -197,3 +197,26 @@ def test_a_study_needs_no_more_than_names():
     study = Study("named", [artificial()], ["own"], ["paper"], [Walk], repetitions=1, budget=10)
     assert study.plan().size == 1
     assert study.plan().cases[0].source.truth == TRUTH
+
+
+NUMBERS = {"deadline": 6, "target": np.float64(0.5), "accuracy": 1, "budget": 3e2, "repetitions": np.int64(4)}
+
+
+def test_a_number_is_one_number_however_it_is_written():
+    """As Python's own float or int: what is sealed is what the store gives back, and digests are made of JSON."""
+    study = small_study(**NUMBERS, memory=np.float64(2048), seed=np.int32(1), stop_at_target=np.False_)
+    plain = small_study(deadline=6.0, target=0.5, accuracy=1.0, budget=300, repetitions=4)
+    for key in (*NUMBERS, "memory", "seed", "stop_at_target"):
+        assert type(getattr(study, key)) is type(getattr(plain, key)), key
+        assert repr(getattr(study, key)) == repr(getattr(plain, key))
+    scales = [replace(artificial(), stiffness_scale=scale) for scale in (500, 500.0, np.int64(500))]
+    truths = [replace(artificial(), truth={**TRUTH, "k": k}) for k in (100, 100.0, np.float32(100))]
+    for alike in (scales, truths):
+        assert len({tuple(digests(small_study(datasets=[data]))) for data in alike}) == 1
+
+
+@pytest.mark.parametrize("change", [{"seed": True}, {"budget": True}, {"deadline": True}, {"stop_at_target": "no"}])
+def test_a_truth_is_no_number_and_a_word_no_truth(change):
+    (key,) = change
+    with pytest.raises(StudyError, match=f"{key} must be"):
+        small_study(**change)

@@ -1,8 +1,10 @@
 """The store: keeps everything once, survives, and says in one line why it cannot be used."""
 
 import sqlite3
+from dataclasses import replace
 from multiprocessing import get_context
 
+import numpy as np
 import pytest
 from benchmark_fakes import small_study
 from hypothesis import given, settings
@@ -49,6 +51,22 @@ def test_what_is_put_in_comes_out(path):
     assert second.repetition == 1
     (failed,) = found[cells[1]]
     assert (failed.status, failed.reason, failed.best, failed.trace) == (Status.CRASH, "gone", None, b"")
+
+
+def test_numbers_of_another_kind_are_no_damage(path, capfd):
+    """SQLite gives 6.0 back for the 6 of a column of real numbers, and has no word for those of NumPy."""
+    plan = small_study().plan()
+    first = replace(plan.cases[0], reference=7, known=np.float32(1.0))
+    plan = replace(plan, cases=(first, *plan.cases[1:]), budget=np.int64(300))
+    with Store(path, write=True) as store:
+        cells = store.register(plan, {})
+        store.add([TrialResult(0, 0, Status.TIMEOUT, "late", seconds=6)], cells)
+        store.add([replace(result(1), best=np.float32(2.0), evaluations=np.int64(9), processor=1)], cells)
+    with Store(path) as store:
+        late, other = dict(store.trials())[cells[0]]
+    assert (late.status, late.seconds) == (Status.TIMEOUT, 6.0)
+    assert (other.best, other.evaluations, other.processor) == (2.0, 9, 1.0)
+    assert capfd.readouterr().err == ""
 
 
 def test_the_first_result_of_a_trial_stays(path):

@@ -8,8 +8,10 @@ import pytest
 from benchmark_fakes import TRUTH, Walk, artificial, measurement, small_study
 
 from springpot import parse_model, plugins
-from springpot.benchmark import Store, run_study
-from springpot.benchmark.layout import SCHEMA
+from springpot.benchmark import Status, Store, run_study
+from springpot.benchmark.layout import SCHEMA, trials_of
+from springpot.benchmark.salvage import columns
+from springpot.benchmark.seal import seal
 from springpot.benchmark.trace import at, geometric_grid, improvements
 from springpot.benchmark.trial import Bench
 from springpot.errors import StudyError
@@ -119,7 +121,8 @@ def old_store(folder):
     with sqlite3.connect(path) as db:
         for table in ("fact", "problem", "cell", "trial"):
             db.execute(f"ALTER TABLE {table} DROP COLUMN seal")
-        db.execute("ALTER TABLE trial DROP COLUMN batched")
+        for column in ("batched", "processor", "processor_batched"):
+            db.execute(f"ALTER TABLE trial DROP COLUMN {column}")
         db.execute("ALTER TABLE trace DROP COLUMN recommended")
         db.execute("ALTER TABLE trace DROP COLUMN seen")
         db.execute("PRAGMA user_version = 1")
@@ -136,3 +139,23 @@ def test_an_older_store_is_brought_up_to_date_when_the_study_runs_again(tmp_path
         assert store._version() == SCHEMA
         [(_, rows)] = store.trials()
     assert [row.oracle_trace() is None for row in rows] == [True] * 4 + [False]
+
+
+def test_what_was_damaged_in_an_older_store_is_damaged_in_the_new_one(tmp_path, capfd):
+    """A store that has seals already gets new ones for what fits the old."""
+    study = small_study(datasets=[artificial()], models=["own"], optimisers=[Walk()])
+    path = run_study(study, engine="serial", out=tmp_path, quiet=True).store
+    with sqlite3.connect(path) as db:
+        db.execute("ALTER TABLE trial DROP COLUMN processor")
+        db.execute("ALTER TABLE trial DROP COLUMN processor_batched")
+        old = db.execute(trials_of(columns(db)["trial"])).fetchall()
+        db.executemany("UPDATE trial SET seal = ? WHERE repetition = ?", [(seal(row[:-1]), row[1]) for row in old])
+        db.execute("UPDATE trial SET best = best * 0.9 WHERE repetition = 2")
+        db.execute("PRAGMA user_version = 3")
+    db.close()
+    run_study(study, engine="serial", out=tmp_path, quiet=True, tables=False)
+    with Store(path) as store:
+        [(_, rows)] = store.trials()
+    assert [row.status is Status.DAMAGED for row in rows] == [False, False, True, False]
+    assert all(row.processor is None and row.seconds > 0.0 for row in rows if not row.status.failed)
+    assert "repetition 2 is damaged" in capfd.readouterr().err

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -12,7 +13,8 @@ import pytest
 from faulty_optimisers import MARK, left_behind
 
 import springpot
-from springpot.identification import Card, Objective, Optimiser, guard
+from springpot import processes
+from springpot.identification import Card, Objective, Optimiser
 
 HERE = Path(__file__).parent
 PROGRAM = """
@@ -114,22 +116,36 @@ def test_an_innocent_optimiser_finds_what_it_finds_without_protection(done):
     assert one["evaluations"] == 300
 
 
-def test_values_that_are_never_finite_are_one_line():
+def test_weights_that_are_no_numbers_are_one_line_that_names_the_objective():
     def nothing(data):
         return np.full(data.stiffness.shape, np.nan + 1j * np.nan)
 
     from faulty_optimisers import Innocent
 
-    with pytest.raises(
-        springpot.errors.OptionError, match="innocent found nothing: no finite value in 50 evaluations"
-    ):
-        springpot.identify(
-            DATA,
-            "fractional-maxwell",
-            optimiser=Innocent(),
-            budget=50,
-            objective=Objective("nan", "nothing", nothing),
-        )
+    objective = Objective("nan", "nothing", nothing)
+    for optimiser in (Innocent(), None):
+        with pytest.raises(springpot.errors.PluginError, match="the objective 'nan' weighs points of"):
+            springpot.identify(DATA, "fractional-maxwell", optimiser=optimiser, objective=objective)
+
+
+def test_what_an_optimiser_s_process_sends_calls_nothing_here(tmp_path):
+    """Also where the optimiser has changed how it is sent."""
+
+    class Bomb:
+        def __reduce__(self):
+            return os.mkdir, (str(tmp_path / "called"),)
+
+    class Forger(Optimiser):
+        name, card = "forger", Card("forger")
+
+        def minimise(self, problem, budget, rng):
+            dumps = pickle.dumps
+            pickle.dumps = lambda *_: dumps(Bomb())
+            pickle.dump = lambda _, stream: stream.write(dumps(Bomb()))
+
+    with pytest.raises(springpot.errors.OptionError, match="exit code 0"):
+        springpot.identify(DATA, "fractional-maxwell", optimiser=Forger(), budget=9)
+    assert not (tmp_path / "called").exists()
 
 
 def test_a_restart_that_fails_is_a_note_where_another_finds_something():
@@ -148,6 +164,6 @@ def test_a_restart_that_fails_is_a_note_where_another_finds_something():
 def test_where_threads_run_the_record_is_checked_all_the_same(monkeypatch):
     from faulty_optimisers import Faulty
 
-    monkeypatch.setattr(guard.threading, "active_count", lambda: 2)
+    monkeypatch.setattr(processes, "can_copy", lambda: False)
     with pytest.raises(springpot.errors.OptionError, match="its best point has the objective"):
         springpot.identify(DATA, "fractional-maxwell", optimiser=Faulty(deed="forge the trace"), budget=60)

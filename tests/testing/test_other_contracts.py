@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import subprocess
 import sys
@@ -249,6 +250,23 @@ def test_a_slip_in_an_objective_is_one_sentence(case: str):
     assert says(found, sentence), found
 
 
+class Looping(Good):
+    def minimise(self, problem, budget, rng):
+        while True:
+            pass
+
+
+class Dying(Good):
+    def minimise(self, problem, budget, rng):
+        os._exit(3)
+
+
+def test_a_plugin_that_hangs_or_dies_is_named_within_the_time_that_is_told():
+    [hangs] = [says for says in check_optimiser(Looping, deadline=0.5) if "end" in says]
+    assert hangs == "budget: does not end: all aspects together may take 0.5 s"
+    assert "budget: the process ended with exit code 3" in check_optimiser(Dying)
+
+
 # Data sets ----------------------------------------------------------------------------------------------------------
 
 
@@ -267,10 +285,10 @@ DATASETS = {
     "another name": (replace(DATA, load=lambda: measured("other")), "loads: the measurement is called 'other'"),
     "an unknown unit": (
         replace(DATA, load=lambda: measured(unit="furlong")),
-        "loads: raises DataError: unknown unit [furlong]",
+        "loads: raises DataError: data set 'good-data': unknown unit [furlong]",
     ),
-    "no measurement": (replace(DATA, load=lambda: None), "loads: it loads None, which is no Measurement"),
-    "a fault": (replace(DATA, load=lambda: 1 / 0), "loads: raises ZeroDivisionError"),
+    "no measurement": (replace(DATA, load=lambda: None), "gives None, which is no measurement"),
+    "a fault": (replace(DATA, load=lambda: 1 / 0), "'good-data' cannot be loaded: ZeroDivisionError"),
     "noise that changes": (
         replace(DATA, load=lambda: replace(measured(), stiffness=np.random.default_rng().random(5) + 1j)),
         "loads: loaded twice, stiffness differs",

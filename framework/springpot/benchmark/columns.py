@@ -23,7 +23,7 @@ Columns = dict[str, list[Any]]
 _WHO = ("dataset", "kind", "model", "objective", "optimiser", "options", "budget", "repetition")
 TRIAL = (
     *_WHO, "status", "reason", "best", "oracle", "parameter_error", "theta", "evaluations", "gradients", "batched",
-    "seconds",
+    "seconds", "processor", "processor_batched",
 )  # fmt: skip
 TRACE = (*_WHO, "evaluations", "best", "recommended", "oracle")
 
@@ -126,6 +126,7 @@ def _trial(cell: CellRow, row: TrialRow) -> tuple[Any, ...]:
     return (
         *_who(cell, row), str(row.status), row.reason, row.best, row.oracle, row.parameter_error, row.theta_text,
         row.evaluations, row.gradients, row.batched, row.seconds,
+        row.processor, row.processor_batched,
     )  # fmt: skip
 
 

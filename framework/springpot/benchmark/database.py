@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -62,11 +62,25 @@ def refuse_foreign(path: Path, tables: frozenset[str]) -> None:
     if not path.is_file() or not path.stat().st_size:
         return
     # Immutable, or SQLite would leave files beside a database that is not ours.
-    db = sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
-    try:
-        require_tables(db, path, tables)
-    finally:
-        db.close()
+    with closing(sqlite3.connect(path.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)) as db:
+        if not _has_log(path):
+            require_tables(db, path, tables)
+            return
+        # Half of a log may be folded into the file where the disk was full: the two together are sound, and the file
+        # alone, of which any page may be missing, tells for certain only whose it is.
+        with suppress(sqlite3.DatabaseError, UnicodeDecodeError):
+            present = _tables(db)
+            if present and tables.isdisjoint(present):
+                raise _foreign(path)
+
+
+def _has_log(path: Path) -> bool:
+    log = path.with_name(f"{path.name}-wal")
+    return log.is_file() and log.stat().st_size > 0
+
+
+def _tables(db: sqlite3.Connection) -> set[str]:
+    return {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
 
 
 def require_tables(db: sqlite3.Connection, path: Path, tables: frozenset[str]) -> None:
@@ -78,20 +92,39 @@ def require_tables(db: sqlite3.Connection, path: Path, tables: frozenset[str]) -
         If it has any, and not these.
     """
     try:
-        present = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+        present = _tables(db)
     except (sqlite3.OperationalError, UnicodeDecodeError):
         return  # another program is just writing it, or it is damaged: told by whoever reads on
     # An empty database is a store of which nothing but the beginning has been written yet.
     if present and not tables <= present:
-        raise StudyError(f"{path} is damaged or no study store: move it away and run again")
+        raise _foreign(path)
+
+
+def _foreign(path: Path) -> StudyError:
+    return StudyError(f"{path} is damaged or no study store: move it away and run again")
+
+
+def fold(db: sqlite3.Connection) -> None:
+    """Bring all that is in the log into the file, which is whole without it from then on.
+
+    Raises
+    ------
+    sqlite3.OperationalError
+        If there is no room: that a log could not be folded is told by no `close`.
+    """
+    db.execute("PRAGMA journal_mode = DELETE")
 
 
 def replace_store(fresh: Path, path: Path) -> None:
-    """Put a closed database in the place of another, with whose log it has nothing to do."""
-    for suffix in ("-wal", "-shm"):
-        # The old log would be folded into the new file.
-        path.with_name(path.name + suffix).unlink(missing_ok=True)
+    """Put a closed database without a log in the place of another, with whose log it has nothing to do."""
+    remove_log(path)
     fresh.replace(path)
+
+
+def remove_log(path: Path) -> None:
+    """Remove the log of a database, or it would be folded into whatever comes in its place."""
+    for suffix in ("-wal", "-shm"):
+        path.with_name(path.name + suffix).unlink(missing_ok=True)
 
 
 def _address(path: Path, write: bool) -> str:
@@ -157,5 +190,5 @@ def _explained(path: Path, error: sqlite3.DatabaseError) -> str:
     if "locked" in told or "locking" in told:
         return f"{path} is locked by another program: close it and run again"
     if isinstance(error, sqlite3.OperationalError) and "disk I/O" in told:
-        return f"cannot use {path}: {told}"
+        return f"cannot use {path}: {told}; see whether its disk is full, and run again: finished trials are kept"
     return f"{path} is damaged or no study store ({told}): move it away and run again"

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import fields
 from functools import cache
+from typing import Any
 
 from .plan import Case, Cell, Plan
 from .rows import ProblemRow, TrialRow
 from .salvage import columns
 from .trial import Status, TrialResult
 
-SCHEMA = 3
+SCHEMA = 4
 """Number of the layout below, kept in the file as ``user_version``."""
 
 TABLES = """
@@ -30,7 +32,7 @@ CREATE TABLE trial (
     cell INTEGER NOT NULL REFERENCES cell (id), repetition INTEGER NOT NULL, status TEXT NOT NULL,
     reason TEXT NOT NULL, best REAL, theta TEXT, parameter_error REAL, oracle REAL, evaluations INTEGER NOT NULL,
     gradients INTEGER NOT NULL, seconds REAL NOT NULL, batched INTEGER NOT NULL DEFAULT 0,
-    seal BLOB, PRIMARY KEY (cell, repetition)) WITHOUT ROWID;
+    seal BLOB, processor REAL, processor_batched REAL, PRIMARY KEY (cell, repetition)) WITHOUT ROWID;
 CREATE TABLE trace (
     cell INTEGER NOT NULL, repetition INTEGER NOT NULL, points BLOB NOT NULL, recommended BLOB, seen BLOB,
     PRIMARY KEY (cell, repetition));
@@ -43,6 +45,8 @@ ALTER TABLE trace ADD COLUMN seen BLOB""",
 ALTER TABLE problem ADD COLUMN seal BLOB;
 ALTER TABLE cell ADD COLUMN seal BLOB;
 ALTER TABLE trial ADD COLUMN seal BLOB""",
+    3: """ALTER TABLE trial ADD COLUMN processor REAL;
+ALTER TABLE trial ADD COLUMN processor_batched REAL""",
 }
 """What turns each older layout into the next."""
 SEALED = 3
@@ -75,9 +79,28 @@ def _names(table: str) -> list[str]:
     return [name for name in expected()[table] if name != "seal"]
 
 
+@cache
+def _kinds(table: str) -> dict[str, type]:
+    """What the numbers in its columns are."""
+    with closing(sqlite3.connect(":memory:")) as db:
+        create(db)
+        declared = db.execute(f"PRAGMA table_info({table})").fetchall()
+    numbers = {"REAL": float, "INTEGER": int}
+    return {row[1]: numbers[row[2]] for row in declared if row[2] in numbers}
+
+
+def _as_kept(table: str, values: dict[str, Any]) -> dict[str, Any]:
+    """The values as SQLite gives them back: a seal of 6 is none of the 6.0 that a column of real numbers has."""
+    kinds = _kinds(table)
+    return {
+        name: kinds[name](value) if name in kinds and value is not None else value for name, value in values.items()
+    }
+
+
 def insertion(table: str) -> str:
     """The statement that enters a row of all columns unless there is one."""
-    names = expected()[table]
+    # The seal comes behind what it seals, wherever its column stands.
+    names = sorted(expected()[table], key="seal".__eq__)
     return f"INSERT OR IGNORE INTO {table} ({', '.join(names)}) VALUES ({', '.join('?' * len(names))})"
 
 
@@ -88,16 +111,21 @@ def create(db: sqlite3.Connection) -> None:
     db.execute(f"PRAGMA user_version = {SCHEMA}")
 
 
-ALL_TRIALS = f"""SELECT {", ".join([*_names("trial"), *_TRACE])}, seal
+def trials_of(columns: Iterable[str]) -> str:
+    """The query for trials of these columns with their traces, in the order in which they are sealed."""
+    names = [name for name in columns if name != "seal"]
+    return f"""SELECT {", ".join([*names, *_TRACE])}, seal
 FROM trial LEFT JOIN trace USING (cell, repetition) ORDER BY cell, repetition"""
-"""Trials with their traces, in the order in which they are sealed."""
 
 
-def problem_columns(case: Case) -> dict[str, object]:
+ALL_TRIALS = trials_of(expected()["trial"])
+
+
+def problem_columns(case: Case) -> dict[str, Any]:
     """A problem under the names of the columns."""
     source = case.source
     # What tables say of a problem is kept, not its data: these may be large, and their digest tells them apart.
-    return {
+    values = {
         "digest": case.digest,
         "dataset": source.name,
         "kind": source.kind,
@@ -109,12 +137,13 @@ def problem_columns(case: Case) -> dict[str, object]:
         "known": case.known,
         "truth": json.dumps(dict(source.truth)),
     }
+    return _as_kept("problem", values)
 
 
-def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, object]:
+def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, Any]:
     """A cell likewise; `problems` are the store's numbers of the plan's problems."""
     entrant = plan.entrants[cell.entrant]
-    return {
+    values = {
         "digest": cell.digest,
         "problem": problems[cell.case],
         "optimiser": entrant.optimiser.name,
@@ -122,16 +151,17 @@ def cell_columns(plan: Plan, cell: Cell, problems: list[int]) -> dict[str, objec
         "budget": plan.budget,
         "seed": str(plan.seed),
     }
+    return _as_kept("cell", values)
 
 
-def trial_columns(result: TrialResult, cell: int) -> dict[str, object]:
+def trial_columns(result: TrialResult, cell: int) -> dict[str, Any]:
     """What is kept of a trial in a cell of the store, under the names of the columns."""
     theta = None
     if result.theta is not None:
         theta = json.dumps(result.theta)
     # These are kept in another form than a trial has them.
     own = {"cell": cell, "status": str(result.status), "theta": theta}
-    return {name: getattr(result, name) for name in _names("trial")} | own
+    return _as_kept("trial", {name: getattr(result, name) for name in _names("trial")} | own)
 
 
 def trace_columns(result: TrialResult) -> dict[str, bytes | None]:

@@ -167,6 +167,20 @@ class Plan:
             return -np.inf
         return case.optimum + self.target * (case.reference - case.optimum)
 
+    def flown_together(self, task: Task) -> bool:
+        """Whether its repetitions are run side by side."""
+        optimiser = self.entrants[self.cells[task.cell].entrant].optimiser
+        stochastic = optimiser.card.stochastic
+        return isinstance(optimiser, BatchedOptimiser) and stochastic and len(task.repetitions) > 1
+
+    def runs_of(self, task: Task) -> int:
+        """How many runs a task is."""
+        # One stands for all of an optimiser without randomness.
+        if not self.entrants[self.cells[task.cell].entrant].optimiser.card.stochastic:
+            return 1
+        # One of those flown together is run alone as well, for its time.
+        return len(task.repetitions) + self.flown_together(task)
+
     def tasks(self, finished: Callable[[Cell], set[int]]) -> Iterator[Task]:
         """The work still to do, lazily: a study of a million trials needs no list of them.
 

@@ -5,14 +5,24 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from itertools import groupby
 from math import inf
 from pathlib import Path
 
 from springpot.errors import StudyError
 
-from .database import connect, lenient, one_line, refuse_foreign, replace_store, require_tables, transaction
+from .database import (
+    connect,
+    fold,
+    lenient,
+    one_line,
+    refuse_foreign,
+    remove_log,
+    replace_store,
+    require_tables,
+    transaction,
+)
 from .layout import (
     ALL_TRIALS,
     CELLS,
@@ -31,10 +41,11 @@ from .layout import (
     trace_columns,
     trial_columns,
     trial_of,
+    trials_of,
 )
 from .plan import Plan
 from .rows import CellRow, TrialRow
-from .salvage import KEYS, save, whole
+from .salvage import KEYS, columns, save, whole
 from .seal import seal, sound
 from .trial import Status, TrialResult
 
@@ -89,6 +100,7 @@ class Store:
         fresh = self.path.with_name(f"{self.path.name}.mended")
         # One that was left by an attempt that was interrupted is begun anew.
         fresh.unlink(missing_ok=True)
+        remove_log(fresh)
         # Who only reads gets what can be saved in memory: no file is touched.
         if write:
             saved = connect(fresh, write)
@@ -101,6 +113,7 @@ class Store:
             save(self._db, saved)
         self._db.close()
         if write:
+            fold(saved)
             saved.close()
             replace_store(fresh, self.path)
             saved = connect(self.path, write)
@@ -123,21 +136,31 @@ class Store:
             raise StudyError(f"{self.path} is no study store: move it away and run again")
 
     def _upgrade(self) -> None:
+        first = self._version()
+        if first not in UPGRADES:
+            return
         # One version at a time: each upgrade knows only the one before it.
-        while (version := self._version()) in UPGRADES:
+        sealed, damaged = first >= SEALED, set()
+        if sealed:
+            before = self._rows(trials_of(columns(self._db)["trial"]))
+            damaged = {(row["cell"], row["repetition"]) for row in before if not sound(row)}
+        for version in range(first, SCHEMA):
             for statement in UPGRADES[version].split(";"):
                 self._db.execute(statement)
-            self._db.execute(f"PRAGMA user_version = {version + 1}")
-            if version + 1 == SEALED:
-                self._seal_all()
+        self._db.execute(f"PRAGMA user_version = {SCHEMA}")
+        if not sealed:
+            for table, query in {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS}.items():
+                self._seal_all(table, query)
+        # What was damaged then is damaged still.
+        self._seal_all("trial", ALL_TRIALS, damaged)
 
-    def _seal_all(self) -> None:
-        """Take what an older version wrote as it is."""
-        for table, query in {"fact": FACTS, "problem": PROBLEMS, "cell": CELLS, "trial": ALL_TRIALS}.items():
-            keys = KEYS[table].split(", ")
-            match = " AND ".join(f"{key} = ?" for key in keys)
-            seals = [(seal(row[:-1]), *(row[key] for key in keys)) for row in self._rows(query)]
-            self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
+    def _seal_all(self, table: str, query: str, damaged: Container[tuple[object, ...]] = ()) -> None:
+        """Take what an older version wrote as it is, but for the rows of some keys."""
+        keys = KEYS[table].split(", ")
+        match = " AND ".join(f"{key} = ?" for key in keys)
+        rows = [(tuple(row[key] for key in keys), seal(row[:-1])) for row in self._rows(query)]
+        seals = [(checksum, *key) for key, checksum in rows if key not in damaged]
+        self._db.executemany(f"UPDATE {table} SET seal = ? WHERE {match}", seals)
 
     def _version(self) -> int:
         version: int = self._db.execute("PRAGMA user_version").fetchone()[0]

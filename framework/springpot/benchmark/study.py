@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import product
 from math import isfinite
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -69,7 +69,8 @@ class Study:
         End a trial at the target instead of using up the budget, where the optimum in the search box is known
         beforehand, from the native solver or from descents that agree.
     deadline : float
-        Seconds after which a trial is ended and counted as failed.
+        Seconds after which a trial is ended and counted as failed, from the first value that its process asks for:
+        the import of a library is no part of it.
     memory : int
         MiB that a trial may take.
     min_success : float, optional
@@ -126,18 +127,22 @@ class Study:
             object.__setattr__(self, key, self._whole(key))
         for key in ("deadline", "target", "accuracy"):
             self._require(key, _is_number(getattr(self, key)) and getattr(self, key) > 0, "a positive number")
+            # A store that seals 6 gets 6.0 back from a column of real numbers.
+            object.__setattr__(self, key, float(getattr(self, key)))
         for key in REQUIREMENTS:
             value = getattr(self, key)
             self._require(key, value is None or (_is_number(value) and value > 0), "a positive number")
         self._require("min_success", self.min_success is None or self.min_success <= 1, "a share of at most 1")
-        self._require("seed", isinstance(self.seed, int | np.integer), "a whole number")
+        self._require("seed", _is_whole(self.seed), "a whole number")
         # As a plain one: the digests of trials are made of JSON, which knows no other.
         object.__setattr__(self, "seed", int(self.seed))
+        self._require("stop_at_target", isinstance(self.stop_at_target, bool | np.bool), "True or False")
+        object.__setattr__(self, "stop_at_target", bool(self.stop_at_target))
         self._require("finish", self.finish is None or callable(self.finish), "a function of two paths")
 
     def _whole(self, key: str) -> int:
         value = getattr(self, key)
-        self._require(key, _is_number(value) and value > 0 and value == int(value), "a whole number from 1 on")
+        self._require(key, _is_whole(value) and value > 0, "a whole number from 1 on")
         return int(value)
 
     def _require(self, key: str, right: bool, what: str) -> None:
@@ -223,11 +228,15 @@ class Study:
         main(self, arguments)
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     # True and False are whole numbers to Python, and to nobody else.
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return isfinite(value)
+
+
+def _is_whole(value: object) -> TypeGuard[float]:
+    return _is_number(value) and value == int(value)
 
 
 def _source(given: AnyData) -> Source:
@@ -249,7 +258,12 @@ def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Sou
     digest = measurement.digest()
     if card is None:
         return Source(name, measurement, digest, "measured", "", {}, None)
-    return Source(name, measurement, digest, card.kind, card.model, dict(card.truth), card.stiffness_scale)
+    # As plain numbers of one kind: digests are made of JSON, in which 1000 and 1000.0 are two things.
+    truth = {key: float(value) for key, value in card.truth.items()}
+    scale = card.stiffness_scale
+    if scale is not None:
+        scale = float(scale)
+    return Source(name, measurement, digest, card.kind, card.model, truth, scale)
 
 
 def _objective(given: str | Objective) -> Objective:

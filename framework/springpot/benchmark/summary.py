@@ -38,8 +38,12 @@ class CellSummary:
         Share of trials with every parameter within the accuracy, where the truth is known.
     parameter_error, best, oracle : float or None
         Medians over the trials that came to something.
-    evaluations, gradients, seconds : float or None
+    evaluations, gradients : float or None
         Medians over the same.
+    processor, each : float or None
+        Processor time [s] of such a trial run alone and of each of its evaluations, medians over those that were.
+    processor_batched : float or None
+        Share in the processor time [s] of a batch, median over those that were run in one.
     reasons : Counter
         How often trials failed, by status and reason.
     """
@@ -56,7 +60,9 @@ class CellSummary:
     oracle: float | None
     evaluations: float | None
     gradients: float | None
-    seconds: float | None
+    processor: float | None
+    each: float | None
+    processor_batched: float | None
     reasons: Counter[tuple[str, str]]
 
 
@@ -87,7 +93,9 @@ def summarise_cell(cell: CellRow, trials: Sequence[TrialRow], hits: Real, accura
         oracle=_median([trial.oracle for trial in sound]),
         evaluations=_median([trial.evaluations for trial in sound]),
         gradients=_median([trial.gradients for trial in sound]),
-        seconds=_median([trial.seconds for trial in sound]),
+        processor=_median([trial.processor for trial in sound]),
+        each=_median([_each(trial) for trial in sound]),
+        processor_batched=_median([trial.processor_batched for trial in sound]),
         reasons=Counter((str(t.status), t.reason) for t in trials if t.status.failed),
     )
 
@@ -127,18 +135,29 @@ def summary_table(name: str, summaries: Sequence[CellSummary], target: str, accu
 
 def timing_table(name: str, summaries: Sequence[CellSummary]) -> Table:
     """Medians of the optimiser's own time; kept apart because no two runs take the same."""
-    rows = [(*_who(s.cell), s.evaluations, s.gradients, s.seconds, _each(s)) for s in summaries]
-    columns = (*_WHO, "evaluations", "of these with gradient", "time [s]", "time per evaluation [us]")
-    return Table(
-        f"{name}: time", columns, rows, "Medians over the trials that did not fail; start-up is not counted."
+    rows = []
+    for s in summaries:
+        each = None
+        if s.each is not None:
+            each = 1e6 * s.each
+        rows.append((*_who(s.cell), s.evaluations, s.gradients, s.processor, each, s.processor_batched))
+    columns = (
+        *_WHO, "evaluations", "of these with gradient", "one trial alone [s]", "an evaluation of it [us]",
+        "share in a batch [s]",
+    )  # fmt: skip
+    note = (
+        "Processor time; medians over the trials that did not fail; start-up is not counted. An optimiser that runs "
+        "its repetitions side by side runs one of each batch alone as well, for its time."
     )
+    return Table(f"{name}: time", columns, rows, note)
 
 
-def _each(summary: CellSummary) -> float | None:
+def _each(trial: TrialRow) -> float | None:
+    """Processor time of an evaluation in a trial that was run alone."""
     # A clock that shows nothing gives no rate.
-    if not summary.seconds or not summary.evaluations:
+    if not trial.processor or not trial.evaluations:
         return None
-    return 1e6 * summary.seconds / summary.evaluations
+    return trial.processor / trial.evaluations
 
 
 def failure_table(name: str, summaries: Sequence[CellSummary]) -> Table:

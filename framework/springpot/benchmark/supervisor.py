@@ -21,11 +21,14 @@ from .audit import Audit
 from .nursery import BORN, BROKEN, ENDED, READY, Nursery
 from .plan import Plan, Task
 from .trial import Status, TrialResult, failure
-from .worker import Parcel, answer
+from .worker import BEGUN, Parcel, answer
 
 START = 120.0
 """Seconds that the server may take until it is ready; no trial's deadline runs before that. It takes about one: a
 hundred times as much is left for a cold disk and a busy machine."""
+IMPORTS = 30.0
+"""Seconds that an optimiser may take beside the deadline until it asks for its first value, in each new process: the
+largest libraries take three to import, and ten times as much is left for a cold disk and a busy machine."""
 AHEAD = 0.02
 """Seconds of work that wait in a worker's pipe, so that it never waits for the coordinator, who needs milliseconds to
 keep a batch of results."""
@@ -49,6 +52,7 @@ class Worker:
     since: float = field(default_factory=monotonic)
     tasks: deque[Task] = field(default_factory=deque)
     deaf: bool = False
+    begun: bool = False
     pid: int | None = None
 
     def give(self, tasks: list[Task]) -> None:
@@ -59,6 +63,12 @@ class Worker:
         with suppress(OSError):
             # That a worker is dead is told by the server, and its tasks are given to another.
             self.connection.send(tasks)
+
+    def begin(self) -> None:
+        """Its optimiser has asked for its first value: the clock starts now."""
+        # Once: an optimiser may forge the word, to gain time.
+        if not self.begun:
+            self.begun, self.since = True, monotonic()
 
 
 class Backlog:
@@ -126,6 +136,7 @@ class LocalEngine:
         self._orphaned: Counter[Task | None] = Counter()
         self._suspects: deque[Task] = deque()
         self._means: dict[int, float] = {}
+        self._silent: set[int] = set()
 
     def run(self, tasks: Iterable[Task]) -> Iterator[list[TrialResult]]:
         """Results as they come, in no order; a worker that is lost is replaced.
@@ -236,14 +247,22 @@ class LocalEngine:
         return max(0.0, min(running, default=1.0)) + 0.001
 
     def _limit(self, worker: Worker) -> float:
-        return self._plan.deadline * len(worker.tasks[0].repetitions)
+        limit = self._plan.runs_of(worker.tasks[0]) * self._plan.deadline
+        # Who hangs before the first value is waited for once, and not in each of its trials.
+        if not worker.begun and worker.entrant not in self._silent:
+            limit += IMPORTS
+        return limit
 
     def _hear(self, worker: Worker) -> list[TrialResult]:
         """What a worker has answered so far."""
         results: list[TrialResult] = []
         try:
             while worker.number in self._workers and worker.connection.poll():
-                results += self._take(worker, *answer(worker.connection.recv_bytes()))
+                message = worker.connection.recv_bytes()
+                if message == BEGUN:
+                    worker.begin()
+                else:
+                    results += self._take(worker, *answer(message))
         except (EOFError, OSError):
             # Its end, or that of its line only; either way the server ends it and tells how it ended.
             worker.deaf = True
@@ -258,6 +277,7 @@ class LocalEngine:
         results = self._audit(worker.tasks[0], claimed)
         worker.tasks.popleft()
         self._orphaned[None] = 0
+        worker.begun = True
         now, mean = monotonic(), self._means.get(worker.entrant, 0.0)
         # The first one is all that is known.
         weight = 1.0
@@ -333,7 +353,11 @@ class LocalEngine:
 
     def _overdue(self, worker: Worker) -> list[TrialResult]:
         limit = self._limit(worker)
-        results = failure(worker.tasks.popleft(), Status.TIMEOUT, f"ended after the deadline of {limit:g} s", limit)
+        reason = f"ended after the deadline of {limit:g} s"
+        if not worker.begun:
+            self._silent.add(worker.entrant)
+            reason = f"ended after {limit:g} s, in which it asked for no value"
+        results = failure(worker.tasks.popleft(), Status.TIMEOUT, reason, limit)
         self._dismiss(worker)
         return results
 

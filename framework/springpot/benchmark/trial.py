@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -10,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from springpot.identification import Problem, all_points
+from springpot.identification.problem import watched
 from springpot.identification.run import Run, run, run_batch
 from springpot.measurement import Measurement
 from springpot.registry import parse_model
@@ -74,7 +76,11 @@ class TrialResult:
     evaluations, gradients, batched : int
         Counted by the recorder: all, those with a derivative, those in calls for several points at once.
     seconds : float
-        Of the optimiser alone.
+        Duration of the optimiser's own call; in a batch, an equal share of it.
+    processor : float or None
+        Processor time of the optimiser in a run of this trial alone; None where it was run beside others only.
+    processor_batched : float or None
+        Share of that of the batch in which it was run; None for a trial that was run alone.
     trace : bytes
         Its improvements, packed.
     recommended : bytes or None
@@ -100,6 +106,8 @@ class TrialResult:
     gradients: int = 0
     batched: int = 0
     seconds: float = 0.0
+    processor: float | None = None
+    processor_batched: float | None = None
     trace: bytes = b""
     recommended: bytes | None = None
     seen: bytes | None = None
@@ -154,20 +162,53 @@ class Workshop:
         rngs = [np.random.default_rng(self.plan.stream(cell, r)) for r in task.repetitions]
         target = self.plan.stop_value(self.plan.cases[cell.case])
         runs = run_batch(entrant.optimiser, bench.problem, self.plan.budget, rngs, target, bench.noisy)
-        return [bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)]
+        results = [bench.judge(task.cell, r, done) for r, done in zip(task.repetitions, runs, strict=True)]
+        if not self.plan.flown_together(task):
+            return results
+        # A share of many says little of what one costs who runs one: the first is run once more, alone.
+        rng = np.random.default_rng(self.plan.stream(cell, task.repetitions[0]))
+        alone = run(entrant.optimiser, bench.problem, self.plan.budget, rng, target).processor
+        times = [alone, *[None] * (len(results) - 1)]
+        return [
+            replace(result, processor=time, processor_batched=result.processor)
+            for result, time in zip(results, times, strict=True)
+        ]
 
-    def warm_up(self, task: Task) -> None:
-        """Let the optimiser of a task import what it needs before it is timed; its trial reports what goes wrong."""
+    def warm_up(self, task: Task, begun: Callable[[], None] = lambda: None) -> None:
+        """Let the optimiser of a task import what it needs before it is timed; its trial reports what goes wrong.
+
+        Once for each optimiser `begun` is called, when it asks for its first value or ends without having done so.
+        """
         cell = self.plan.cells[task.cell]
         optimiser, bench = self.plan.entrants[cell.entrant].optimiser, self._benches[cell.case]
         if type(optimiser) in self._warm or isinstance(bench, Exception):
             return
         # Before it is tried: one that fails here would be tried again before each of its trials.
         self._warm.add(type(optimiser))
-        try:
-            run(optimiser, bench.problem, 1, np.random.default_rng(0))
-        except (Exception, SystemExit):
-            return
+        bell = Bell(begun)
+        # What it raises its trial will tell.
+        with suppress(Exception, SystemExit):
+            run(optimiser, watched(bench.problem, bell), 1, np.random.default_rng(0))
+        bell()
+
+
+class Bell:
+    """Calls something the first time that it is rung.
+
+    Parameters
+    ----------
+    action : callable
+        What is called.
+    """
+
+    def __init__(self, action: Callable[[], None]) -> None:
+        self._action: Callable[[], None] | None = action
+
+    def __call__(self, *_: object) -> None:
+        """Ring it, with whatever there is to say."""
+        action, self._action = self._action, None
+        if action is not None:
+            action()
 
 
 def _built(case: Case) -> Bench | Exception:
@@ -249,7 +290,7 @@ class Bench:
         status, reason = _status(done)
         common = {
             "evaluations": done.evaluations, "gradients": done.gradients, "batched": done.batched,
-            "seconds": done.seconds,
+            "seconds": done.seconds, "processor": done.processor,
         }  # fmt: skip
         # A value found before the fault is not kept: what comes of a trial that breaks off would depend on luck.
         if status.failed:

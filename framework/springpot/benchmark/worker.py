@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import pickle
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from io import BytesIO
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from springpot.errors import StudyError
-from springpot.processes import end_children, limit_memory, settings
+from springpot.processes import end_children, limit_memory, settings, unpacked
 
 from .plan import Plan, Task
 from .script import load_script
@@ -73,17 +73,8 @@ class Parcel:
         return Workshop(self.unpacked())
 
 
-class _Answer(pickle.Unpickler):
-    """What a worker may send: results of trials, and nothing that would be called where it is read.
-
-    An optimiser can change how results are written, and the coordinator must run no code of its.
-    """
-
-    def find_class(self, module: str, name: str) -> type:
-        for known in (TrialResult, Status):
-            if (known.__module__, known.__qualname__) == (module, name):
-                return known
-        raise pickle.UnpicklingError(f"{module}.{name} is no part of a result")
+BEGUN = b"begun"
+"""What a worker sends once: its optimiser has asked for its first value, and its imports are behind it."""
 
 
 def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
@@ -94,7 +85,8 @@ def answer(blob: bytes) -> tuple[list[TrialResult], bool]:
     Exception
         Of any kind, if they are none.
     """
-    results, worn = _Answer(BytesIO(blob)).load()
+    # An optimiser can change how results are written, and the coordinator must run no code of its.
+    results, worn = unpacked(blob, TrialResult, Status)
     return results, worn
 
 
@@ -116,7 +108,7 @@ def serve(connection: Connection, shop: Workshop) -> None:
         except (EOFError, OSError):
             return
         for task in tasks:
-            results, worn = _result(shop, task)
+            results, worn = _result(shop, task, lambda: connection.send_bytes(BEGUN))
             # An optimiser may have closed or replaced them; what it printed is not worth a trial.
             with suppress(OSError, ValueError, AttributeError):
                 sys.stdout.flush()
@@ -126,10 +118,10 @@ def serve(connection: Connection, shop: Workshop) -> None:
                 return
 
 
-def _result(shop: Workshop, task: Task) -> tuple[list[TrialResult], bool]:
+def _result(shop: Workshop, task: Task, begun: Callable[[], None]) -> tuple[list[TrialResult], bool]:
     """The results of a task, and whether the process is no longer what it was and must not be used again."""
     try:
-        shop.warm_up(task)
+        shop.warm_up(task, begun)
         # After the first use, which may well start a thread that a library keeps for all that follow.
         before = settings()
         results = shop.run(task)

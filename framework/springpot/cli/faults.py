@@ -10,6 +10,7 @@ from collections.abc import Callable
 import click
 
 from springpot.errors import SpringpotError
+from springpot.owners import blamed, described
 from springpot.plain import plain_streams
 
 # The last two as shells have them: 128 and the number of the signal.
@@ -85,11 +86,10 @@ def _fault(error: Exception) -> int:
 
         traceback.print_exception(error)
         return FAULT
-    text = type(error).__name__
-    if str(error):
-        text += f": {error}"
+    if told := blamed(error):
+        return _say(f"{told}: leave out what it offers, or uninstall it ({TRACEBACK}=1 shows more)", BAD_INPUT)
     return _say(
-        f"a fault in springpot or one of its plugins, not in your input: {text} "
+        f"a fault in springpot or one of its plugins, not in your input: {described(error)} "
         f"(please report it with the traceback that {TRACEBACK}=1 shows)",
         FAULT,
     )

@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.errors import ModelError
+from springpot.owners import owned
 from springpot.rheology import GRADIENT, Complex, Model, Points, Real
+from springpot.rheology.nodes import Node
 
 STEPS = (1e-3, 1e-4, 1e-5)
 """Of the central difference, relative to each parameter: its error falls with the square of the step and rises, by
@@ -39,13 +42,14 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
     Raises
     ------
     ModelError
-        If the derivative is wrong, with the parameter where it is most so; or if the model gives another stiffness
-        with it than without.
+        If the derivative is wrong, with the parameter where it is most so; if the model gives another stiffness
+        with it than without; or no number at a point, whatever its parameters.
     """
     # Once is enough: a derivative does not change, and a fit must not pay for it each time.
     if model.network in _checked:
         return
     places = [theta, *(_elsewhere(model, theta, factor) for factor in ELSEWHERE)]
+    _require_numbers(model, places, points)
     with np.errstate(all="ignore"):
         apart = _least_apart(model, places, points)
     if apart > WRONG:
@@ -67,6 +71,29 @@ def require_derivative(model: Model, theta: Real, points: Points) -> None:
         f"the derivative of {model.name} by {model.names[worst]} is wrong by {100 * deviations[worst]:.2g} %: "
         "nothing is fitted with it; the plugin's author finds the rest with springpot.testing"
     )
+
+
+def _require_numbers(model: Model, places: Sequence[Real], points: Points) -> None:
+    """Tell of a model that gives no number, and of the effect that is why, before a fit ends in it."""
+    never = _never(model.network, places, points)
+    if not np.any(never):
+        return
+    what = owned("model", model.base)
+    for effect in model.effects:
+        own = [i for i, name in enumerate(model.names) if name.startswith(f"{effect.name}.")]
+        alone = [place[own] for place in places]
+        if len(own) == len(effect.element.parameters) and np.any(_never(effect.element, alone, points)):
+            what = owned("effect", effect.name)
+    where = f"at {np.sum(never)} of {len(never)} points, whatever its parameters"
+    raise ModelError(f"the {what} gives no number (nan) {where}: nothing is fitted with it")
+
+
+def _never(node: Node, places: Sequence[Real], points: Points) -> NDArray[np.bool_]:
+    """Points (n,) at which it gives no number at any of the places; infinity is one, of a place that is absurd."""
+    with np.errstate(all="ignore"):
+        values = [node.respond(place, points).value for place in places]
+    never: NDArray[np.bool_] = np.all(np.isnan(values), axis=0)
+    return never
 
 
 def _least_apart(model: Model, places: Sequence[Real], points: Points) -> float:

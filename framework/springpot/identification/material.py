@@ -170,7 +170,7 @@ class SpectrumSearch:
         cls, model: Model, measurement: Measurement, objective: Objective, expected: Real | None = None
     ) -> SpectrumSearch:
         """The search in units of an objective, a logarithmic one by its weights relative to |K|."""
-        weights = objective.weights(measurement)
+        weights = objective.weighing(measurement)
         if objective.logarithmic:
             weights = weights / measurement.magnitude
         return cls(model, measurement, np.asarray(weights, dtype=np.complex128), expected)

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.errors import PluginError
 from springpot.measurement import Measurement
+from springpot.owners import owned
 from springpot.rheology import Complex, Real
 
 LEAST_SIZE = 1e-9
@@ -50,6 +52,21 @@ class Objective:
     weights: Callable[[Measurement], Complex]
     logarithmic: bool = False
     citation: str = ""
+
+    def weighing(self, measurement: Measurement) -> Complex:
+        """The weights for a measurement, checked.
+
+        Raises
+        ------
+        PluginError
+            If one of them is no finite number: nothing could be compared by it.
+        """
+        weights = np.asarray(self.weights(measurement), dtype=np.complex128)
+        if not np.all(np.isfinite(weights)):
+            raise PluginError(
+                f"the {owned('objective', self.name)} weighs points of {measurement.name} by what is no finite number"
+            )
+        return weights
 
     def residual(self, stiffness: Complex, measurement: Measurement, weights: Complex) -> Real:
         """Weighted residuals, shape (..., 2n): those of the real part, then those of the imaginary part."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -117,7 +118,9 @@ class Problem(Searched):
         Raises
         ------
         ModelError
-            If the model's derivative is wrong.
+            If the model's derivative is wrong, or it gives no number.
+        PluginError
+            If the objective's weights are no numbers.
         """
         model = model.bound_to(measurement.points)
         space = paper_box(model, measurement, stiffness_scale)
@@ -125,12 +128,14 @@ class Problem(Searched):
         with np.errstate(all="ignore"):
             inside = space.theta(space.repaired(space.lower + 0.4 * (space.upper - space.lower)))
         require_derivative(model, inside, measurement.points)
-        return cls(model, measurement, objective, space)
+        made = cls(model, measurement, objective, space)
+        made.weights  # noqa: B018  as are weights that are none
+        return made
 
     @cached_property
     def weights(self) -> Complex:
         """The objective's weights for these data."""
-        return self.objective.weights(self.measurement)
+        return self.objective.weighing(self.measurement)
 
     def residuals(self, x: Real) -> Real:
         """Weighted residuals (..., 2n) at search points (..., d)."""
@@ -173,3 +178,23 @@ class Problem(Searched):
         by_theta = self.objective.derivative(response.by_theta, response.value, self.weights)
         by_x = np.matmul(np.swapaxes(by_theta, -1, -2), self.space.jacobian(x))
         return residual, by_x
+
+
+class _Watched(Problem):
+    """A problem that hands every point to a watcher before it is evaluated."""
+
+    def evaluate(self, x: Real) -> Real:
+        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
+        return super().evaluate(x)
+
+    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
+        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
+        return super().residuals_and_jacobian(x)
+
+
+def watched(problem: Problem, watcher: Callable[[Real], None]) -> Problem:
+    """The same problem, which shows `watcher` the points (m, d) that are asked for before each evaluation."""
+    copy = _Watched(problem.model, problem.measurement, problem.objective, problem.space)
+    # A problem is frozen, and its watcher is no part of it.
+    copy.__dict__["watcher"] = watcher
+    return copy

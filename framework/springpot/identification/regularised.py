@@ -215,7 +215,7 @@ class _System:
 
 def _weights(fit: Fit) -> Complex:
     """Weights (n,) of K' and K''; of a logarithmic objective those relative to |K|."""
-    weights = np.asarray(fit.objective.weights(fit.measurement), dtype=np.complex128)
+    weights = np.asarray(fit.objective.weighing(fit.measurement), dtype=np.complex128)
     if fit.objective.logarithmic:
         return weights / fit.measurement.magnitude
     return weights

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf
-from time import perf_counter
+from time import perf_counter, process_time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,8 +41,8 @@ class Run:
         The same in element parameters.
     evaluations, gradients, batched : int
         Points evaluated, how many of them with a derivative, and how many in calls for several at once.
-    seconds : float
-        Duration of the optimiser's own call; in a batch, an equal share of it.
+    seconds, processor : float
+        Duration of the optimiser's own call and processor time of this process in it; in a batch, an equal share.
     trace : tuple of (int, float)
         Evaluation number and objective at every improvement.
     diary : list, optional
@@ -65,6 +66,7 @@ class Run:
     diary: Diary | None = None
     point: Real = field(default_factory=lambda: np.empty(0))
     factor: float = 1.0
+    processor: float = 0.0
 
     @property
     def failed(self) -> bool:
@@ -105,9 +107,9 @@ def run(
     ledger = Ledger(problem, _checked(budget), target, _pages(diary))
     # Counted on both sides of the door: an optimiser that goes around the recorder is found out.
     recorder, before = Recorder.of(ledger), problem.tally.points
-    seconds, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
+    spent, fault = _supervised(lambda: optimiser.minimise(recorder, budget, rng))
     fault = fault or _past([ledger], problem.tally.points - before)
-    return _outcome(optimiser.name, ledger, seconds, fault)
+    return _outcome(optimiser.name, ledger, spent, fault)
 
 
 def run_batch(
@@ -128,10 +130,10 @@ def run_batch(
         return [run(optimiser, problem, budget, rng, target, diary) for rng in rngs]
     ledgers = [Ledger(problem, _checked(budget), target, _pages(diary)) for _ in rngs]
     group, before = RecorderGroup.of(ledgers), problem.tally.points
-    seconds, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
+    spent, fault = _supervised(lambda: optimiser.minimise_batch(group, budget, rngs))
     fault = fault or _past(ledgers, problem.tally.points - before)
     # Side by side nobody knows whose second it was.
-    share = seconds / len(ledgers)
+    share = Spent(spent.seconds / len(ledgers), spent.processor / len(ledgers))
     return [_outcome(optimiser.name, ledger, share, fault) for ledger in ledgers]
 
 
@@ -141,10 +143,17 @@ def _checked(budget: int) -> int:
     return budget
 
 
-def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
-    """Seconds that `call` took, and the exception that it ended with unless that was the end of the budget."""
+class Spent(NamedTuple):
+    """Time of a call: by the clock, and that of the processor, which no other program adds to."""
+
+    seconds: float
+    processor: float
+
+
+def _supervised(call: Callable[[], None]) -> tuple[Spent, BaseException | None]:
+    """Time that `call` took, and the exception that it ended with unless that was the end of the budget."""
     fault: BaseException | None = None
-    start = perf_counter()
+    start, worked = perf_counter(), process_time()
     try:
         with np.errstate(all="ignore"):
             # Wild points overflow on the way to a minimum: that is no news to anybody.
@@ -156,7 +165,7 @@ def _supervised(call: Callable[[], None]) -> tuple[float, BaseException | None]:
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise KeyboardInterrupt from error
         fault = error
-    return perf_counter() - start, fault
+    return Spent(perf_counter() - start, process_time() - worked), fault
 
 
 def _past(ledgers: Sequence[Ledger], evaluated: int) -> Unrecorded | None:
@@ -174,7 +183,7 @@ def _pages(diary: bool) -> Diary | None:
     return []
 
 
-def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | None) -> Run:
+def _outcome(name: str, ledger: Ledger, spent: Spent, fault: BaseException | None) -> Run:
     space = ledger.problem.space
     any_finite = ledger.best_x.size > 0
     x = np.full(ledger.problem.dimension, np.nan)
@@ -189,12 +198,13 @@ def _outcome(name: str, ledger: Ledger, seconds: float, fault: BaseException | N
         space.theta(x),
         ledger.evaluations,
         ledger.gradients,
-        seconds,
+        spent.seconds,
         tuple(ledger.trace),
         ledger.batched,
         ledger.diary,
         ledger.best_x,
         ledger.best_factor,
+        spent.processor,
     )
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from springpot.errors import DataError
+from springpot.errors import DataError, SpringpotError
+from springpot.owners import described, owned
 
 from .measurement import Measurement
 
@@ -101,4 +102,14 @@ class DataSet:
         """
         if self.unavailable:
             raise DataError(f"data set '{self.name}' is unavailable: {self.unavailable}")
-        return self.load()
+        try:
+            loaded = self.load()
+        except DataError as error:
+            raise DataError(f"{owned('data set', self.name)}: {error}") from error
+        except (SpringpotError, MemoryError):
+            raise
+        except Exception as error:
+            raise DataError(f"{owned('data set', self.name)} cannot be loaded: {described(error)}") from error
+        if not isinstance(loaded, Measurement):
+            raise DataError(f"{owned('data set', self.name)} gives {loaded!r:.80}, which is no measurement")
+        return loaded

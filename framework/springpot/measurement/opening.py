@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from springpot.errors import DataError
+from springpot.owners import owned
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
@@ -175,6 +176,9 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
     def read() -> Measurement:
         reader = pick_reader(path, readers)
         measurement = guarded(reader, path, lambda: reader.read(path, choice), choice)
+        if not isinstance(measurement, Measurement):
+            given = f"gives {measurement!r:.80}, which is no measurement"
+            raise DataError(f"{path}: the {owned('reader', reader.name)} {given}")
         provenance = dict(measurement.provenance)
         for key, text in provenance.items():
             if key.startswith("note "):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from springpot.errors import DataError, SpringpotError
+from springpot.owners import described, owned, owner_of
 
 from .question import OpenQuestion
 from .reader import Choice
@@ -69,13 +70,17 @@ def guarded(reader: Recognising, path: Path, action: Callable[[], T], choice: Ch
     except OpenQuestion as error:
         raise error.worded(_about(path, str(error), choice or Choice())) from None
     except DataError as error:
-        raise DataError(_about(path, str(error), choice or Choice())) from None
+        message = _about(path, str(error), choice or Choice())
+        # What a plugin reads may be wrong by its own fault.
+        if owner := owner_of("reader", reader.name) or owner_of("time reader", reader.name):
+            message += f" (by the reader '{reader.name}' of {owner})"
+        raise DataError(message) from None
     except (SpringpotError, MemoryError):
         raise
     except Exception as error:
         # Of a plugin's own fault the first line says what; a traceback helps its author only.
-        first = (str(error).splitlines() or [""])[0]
-        raise DataError(f"{path}: the reader '{reader.name}' failed: {type(error).__name__}: {first}") from error
+        first = (described(error).splitlines() or [""])[0]
+        raise DataError(f"{path}: the {owned('reader', reader.name)} failed: {first}") from error
 
 
 def _about(path: Path, message: str, choice: Choice) -> str:

@@ -334,7 +334,7 @@ def _by_level(objective: Objective, column: str, share: Real) -> Objective:
 
     def weights(measurement: Measurement) -> Complex:
         here = levels_of(column, measurement.points.need(column))
-        return np.asarray(objective.weights(measurement) * share[here], dtype=np.complex128)
+        return np.asarray(objective.weighing(measurement) * share[here], dtype=np.complex128)
 
     return replace(objective, weights=weights)
 

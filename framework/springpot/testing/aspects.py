@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -10,6 +11,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from springpot.processes import can_copy, elsewhere
+
+DEADLINE = 120.0
+"""Seconds in which a plugin must have shown all that is asked of it: the slowest of springpot's own take five."""
 Aspect: TypeAlias = Callable[[], Iterable[str]]
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(-N)?")
@@ -19,8 +24,11 @@ LONGEST = 160
 """Characters of a summary that still fit a listing."""
 
 
-def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = ()) -> list[str]:
+def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = (), deadline: float = DEADLINE) -> list[str]:
     """What is wrong, each sentence preceded by its aspect; empty if nothing is.
+
+    It is looked at in a copy of this process, in which a plugin may crash or hang; where threads run here, in this
+    process and without a limit.
 
     Parameters
     ----------
@@ -28,6 +36,8 @@ def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = ()) -> lis
         The contract.
     skip : collection of str
         Aspects that are left out.
+    deadline : float
+        Seconds that all aspects together may take.
     """
     unknown = sorted(set(skip) - set(aspects))
     # A skip that is misspelt would leave its author in the belief that it is one.
@@ -37,10 +47,23 @@ def complaints(aspects: Mapping[str, Aspect], skip: Collection[str] = ()) -> lis
     # Nothing wrong, because nothing was looked at, must not pass.
     if not wanted:
         return ["skip: every aspect is left out, so nothing was checked"]
-    sentences = []
-    for name, aspect in wanted.items():
-        sentences += [f"{name}: {says}" for says in _run(aspect)]
+    if not can_copy():
+        return [f"{name}: {says}" for name, aspect in wanted.items() for says in _run(aspect)]
+    ended = elsewhere(lambda report: _report(wanted, report), deadline)
+    told = [json.loads(line) for line in ended.message.splitlines(keepends=True) if line.endswith(b"\n")]
+    sentences = [f"{name}: {says}" for name, found in told for says in found]
+    # The first that has not answered is the one under way.
+    for name in list(wanted)[len(told) :][:1]:
+        reason = ended.cause
+        if ended.late:
+            reason = f"does not end: all aspects together may take {deadline:g} s"
+        sentences.append(f"{name}: {reason}")
     return sentences
+
+
+def _report(wanted: Mapping[str, Aspect], report: Callable[[bytes], object]) -> None:
+    for name, aspect in wanted.items():
+        report(json.dumps((name, _run(aspect))).encode() + b"\n")
 
 
 def _run(aspect: Aspect) -> list[str]:

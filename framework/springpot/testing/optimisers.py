@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import FrozenInstanceError, fields, is_dataclass
 from typing import Any
 
@@ -11,10 +11,11 @@ import numpy as np
 
 from springpot.identification import BatchedOptimiser, Objective, Optimiser, Problem, Run, run, run_batch
 from springpot.identification.optimiser import options_of
+from springpot.identification.problem import watched
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Real
 
-from .aspects import SEED, complaints, kept_random_state, name_and_summary
+from .aspects import DEADLINE, SEED, complaints, kept_random_state, name_and_summary
 from .networks import SAMPLE
 
 BUDGETS = (1, 2, 9, 57)
@@ -29,7 +30,9 @@ SCALE = 1000.0
 EQUAL = Objective("sample", "plain squares", lambda data: np.full(data.stiffness.shape, 1.0 + 1.0j))
 
 
-def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -> list[str]:
+def check_optimiser(
+    optimiser: type[Optimiser], *, skip: Collection[str] = (), deadline: float = DEADLINE
+) -> list[str]:
     """What is wrong with an optimiser, as plain sentences.
 
     Aspects: ``words`` (name and card), ``options`` (frozen, documented, plain values), ``budget`` (runs to its end
@@ -43,6 +46,8 @@ def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -
         The class; its default instance is tried.
     skip : collection of str
         Aspects to leave out.
+    deadline : float
+        Seconds that all aspects together may take: one that hangs is named then.
 
     Returns
     -------
@@ -60,40 +65,14 @@ def check_optimiser(optimiser: type[Optimiser], *, skip: Collection[str] = ()) -
         "gradient": lambda: _gradient(optimiser()),
         "batch": lambda: _batch(optimiser()),
     }
-    return complaints(aspects, skip)
+    return complaints(aspects, skip, deadline)
 
 
-def sample_problem(kind: type[Problem] = Problem) -> Problem:
+def sample_problem() -> Problem:
     """Exact data of the sample model at 14 frequencies, in kN/m."""
     omega = 2.0 * np.pi * np.arange(0.5, 14.0)
     data = Measurement(omega, SAMPLE.stiffness(TRUTH, omega), units=Units("kN/m", "mm"), name="sample")
-    return kind.of(SAMPLE, data, EQUAL, SCALE)
-
-
-class _Watched(Problem):
-    """A problem that hands every point to a watcher before it is evaluated."""
-
-    def watch(self, watcher: Callable[[Real], None]) -> _Watched:
-        """Let `watcher` see the points (m, d) from now on."""
-        # A problem is frozen, and its watcher is no part of it.
-        self.__dict__["watcher"] = watcher
-        return self
-
-    def evaluate(self, x: Real) -> Real:
-        """The objective."""
-        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().evaluate(x)
-
-    def residuals_and_jacobian(self, x: Real) -> tuple[Real, Real]:
-        """The residuals and their derivative."""
-        self.__dict__["watcher"](x.reshape(-1, x.shape[-1]))
-        return super().residuals_and_jacobian(x)
-
-
-def _watched(watcher: Callable[[Real], None]) -> Problem:
-    problem = sample_problem(_Watched)
-    assert isinstance(problem, _Watched)
-    return problem.watch(watcher)
+    return Problem.of(SAMPLE, data, EQUAL, SCALE)
 
 
 def _run(optimiser: Optimiser, budget: int, seed: int = SEED, problem: Problem | None = None) -> Run:
@@ -155,7 +134,7 @@ def _box(optimiser: Optimiser) -> Iterator[str]:
         np.fmin(low, x.min(axis=0), out=low)
         np.fmax(high, x.max(axis=0), out=high)
 
-    problem = _watched(watch)
+    problem = watched(sample_problem(), watch)
     outcome = _run(optimiser, LONG, problem=problem)
     if outcome.failed:
         yield f"the run ends as '{outcome.status}'"
@@ -186,7 +165,7 @@ def _faults(optimiser: Optimiser) -> Iterator[str]:
         if calls > 5:
             raise ZeroDivisionError("the model fails")
 
-    outcome = _run(optimiser, LONG, problem=_watched(fail))
+    outcome = _run(optimiser, LONG, problem=watched(sample_problem(), fail))
     # Some end by themselves before the sixth call, and have met no error.
     if not outcome.status.startswith("failed: ZeroDivisionError") and calls > 5:
         yield f"an error of the model is swallowed: the run ends as '{outcome.status}'"

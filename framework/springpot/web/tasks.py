@@ -17,6 +17,7 @@ from springpot.diagnosis import Ladder
 from springpot.errors import DataError, SpringpotError
 from springpot.measurement import Measurement, OpenQuestion, Part, parts_as_opened
 from springpot.measurement.runs import runs_of
+from springpot.owners import blamed, described
 from springpot.registry import open_measurement, parse_model, parts_of, plugins
 from springpot.report.cards import EXAMPLE_MEMBER
 from springpot.report.cards import effect as effect_card
@@ -372,5 +373,6 @@ def perform(task: str, arguments: Mapping[str, Any], told: Told) -> dict[str, An
         return {"error": " ".join(str(error).split()), "fault": False}
     # A plugin may raise anything, and the page must hear of it.
     except Exception as error:
-        line = f"a fault in springpot or one of its plugins, not in your input: {type(error).__name__}: {error}"
-        return {"error": " ".join(line.split())[:400], "fault": True}
+        by_plugin = blamed(error)
+        line = by_plugin or f"a fault in springpot or one of its plugins, not in your input: {described(error)}"
+        return {"error": " ".join(line.split())[:400], "fault": not by_plugin}

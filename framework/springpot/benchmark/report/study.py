@@ -302,21 +302,28 @@ def _cost(findings: Findings, pens: Pens) -> Iterator[Html]:
     headers = ("optimiser", "trial, median", "an evaluation", "with gradient", "evaluations, median")
     yield tag("h2", "What do they cost?")
     yield tag(
-        "p", "The optimiser's own time with the model's, on this machine; medians over problems.", class_="quiet"
+        "p",
+        "Processor time of the optimiser with the model's, for one trial run alone on this machine; medians over "
+        "problems.",
+        class_="quiet",
     )
-    if any(summary.seconds for summary in findings.summaries):
+    if any(summary.processor for summary in findings.summaries):
         yield pens.key()
         yield pair([accuracy_against_time(findings, pens)])
     yield tag("div", table(headers, [row[1:] for row in rows], headers[1:]), class_="scroll")
 
 
 def _cost_row(label: str, summaries: Sequence[CellSummary]) -> tuple[float, str, str, str, str, str]:
-    known = [(s.seconds, s.evaluations, s.gradients or 0.0) for s in summaries if s.seconds and s.evaluations]
+    known = [
+        (s.processor, s.each, s.evaluations, s.gradients or 0.0)
+        for s in summaries
+        if s.processor and s.each and s.evaluations
+    ]
     if not known:
         # Who has no time to tell stands last.
         return np.inf, label, "-", "-", "-", "-"
-    spent, evaluations, gradients = np.array(known).T
-    middle, each = float(np.median(spent)), float(np.median(spent / evaluations))
+    spent, rates, evaluations, gradients = np.array(known).T
+    middle, each = float(np.median(spent)), float(np.median(rates))
     share = f"{100 * float(np.median(gradients / evaluations)):.0f} %"
     return middle, label, seconds(middle), seconds(each), share, number(float(np.median(evaluations)), 3)
 

@@ -159,7 +159,7 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
 
     Named are those that no other beats in both: the choice is among them.
     """
-    seconds = {summary.cell.id: summary.seconds for summary in findings.summaries}
+    seconds = {summary.cell.id: summary.processor for summary in findings.summaries}
     target = findings.scale.target
     places: dict[str, list[tuple[float, float, str]]] = {}
     for race in findings.races:
@@ -184,7 +184,9 @@ def accuracy_against_time(findings: Findings, pens: Pens) -> Html:
             written = label
         dots.append(Dot(f"{label}, median of {len(places[label])}", x, y, pens[label], True, written))
     times = np.array([dot.x for dot in dots])
-    across = Scale("time of a trial, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True)
+    across = Scale(
+        "processor time of a trial alone, median [s]", 0.8 * float(times.min()), 1.25 * float(times.max()), True
+    )
     caption = (
         f"Excess at {findings.scale.budget} evaluations against time: down is nearer, left is faster; the large "
         "points are medians over the problems, and those with a name are beaten by none in both"
