@@ -22,7 +22,26 @@ F = TypeVar("F", bound=Callable[..., Any])
 NARROWEST, USUAL, WIDEST = 60, 120, 140
 """Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
 FILE = click.Path(path_type=Path)
+"""A file or folder that a command writes."""
 POSITIVE = click.IntRange(min=1)
+
+
+class _Input(click.Path):
+    """What a command reads, which no output of it replaces."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The value as it is, after the file that it names has been remembered."""
+        from springpot.files import keep_input
+
+        text = str(value)
+        # A part, columns and rows may be chosen behind the name of a file, which may hold such marks itself.
+        for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
+            keep_input(text[:i])
+        return super().convert(value, param, ctx)
+
+
+DATA, INPUT = _Input(), _Input(path_type=Path)
+"""What is read: data as a user names them, and any other file."""
 
 
 OUTPUT = "springpot.output"
@@ -53,7 +72,7 @@ def print_json(result: Any, indent: int | None = 2) -> None:
 
 def data_argument(command: F) -> F:
     """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", metavar="DATA", shell_complete=completion.data)(command)
+    return click.argument("data", type=DATA, metavar="DATA", shell_complete=completion.data)(command)
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."

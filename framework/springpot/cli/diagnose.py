@@ -10,6 +10,7 @@ import click
 
 from . import completion, timetests
 from .common import (
+    DATA,
     geometry_option,
     json_option,
     judged_option,
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
-@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.argument("data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @judged_option
 @known_options
 @seed_option

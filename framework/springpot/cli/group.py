@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from springpot import __version__
+from springpot.files import one_run
 
 from .table import COMMANDS
 
@@ -74,7 +75,7 @@ def run(arguments: list[str]) -> int:
     if "_SPRINGPOT_COMPLETE" in os.environ:
         springpot.main(arguments, "springpot")
     try:
-        with springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
+        with one_run(), springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
             answer: Any = springpot.invoke(context)
     # ``--help`` and ``--version`` end by an exception.
     except click.exceptions.Exit as leave:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import timetests
-from .common import FILE, emit, json_option
+from .common import DATA, FILE, INPUT, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.identification import Prediction
@@ -18,10 +18,12 @@ SPACED = 25
 
 
 @click.command("predict", epilog="Example: springpot predict fit.json --frequency 0.1..100 --temperature 35")
-@click.argument("fit", type=FILE, metavar="FIT.json")
+@click.argument("fit", type=INPUT, metavar="FIT.json")
 @click.option("--frequency", "-f", metavar="HZ", help="In Hz: numbers with commas, or a range such as 0.1..100.")
 @click.option("--omega", "-w", metavar="RAD/S", help="In rad/s instead.")
-@click.option("--history", metavar="FILE", help="A test in time, or a sweep, that is predicted and compared.")
+@click.option(
+    "--history", type=DATA, metavar="FILE", help="A test in time, or a sweep, that is predicted and compared."
+)
 @click.option("--temperature", "-t", type=float, metavar="DEGC", help="In degC, where the model depends on it.")
 @click.option("--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data.")
 @click.option("--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True)
@@ -47,14 +49,16 @@ def command(
     prediction holds; where only what is imposed is in FILE, the answer to it is given.
     """
     from springpot.errors import DataError
-    from springpot.files import write_text
+    from springpot.files import require_writable, write_text
     from springpot.identification import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
     from springpot.timetests import Known
 
+    # A path that cannot be written is told before anything is worked out.
+    if output is not None:
+        require_writable(output)
     if figure is not None:
-        # A path that cannot be written is told before anything is worked out.
         check_figure_path(figure)
     # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
     if [frequency, omega, history].count(None) != 2:

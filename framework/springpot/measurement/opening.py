@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from springpot.errors import DataError
+from springpot.files import keep_input
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
@@ -137,6 +138,8 @@ def read_head(path: Path) -> bytes:
         raise DataError(f"{short(str(path))}: cannot be read: {reason}") from None
     if not head:
         raise DataError(f"{path}: the file is empty")
+    # Of a data set the command line knows only the name.
+    keep_input(path)
     return head
 
 
