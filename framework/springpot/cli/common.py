@@ -26,21 +26,26 @@ FILE = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
 
-class _Input(click.Path):
+class _Input(click.ParamType):
     """What a command reads, which no output of it replaces."""
 
+    name = "input"
+
+    def __init__(self, kind: type[str] | type[Path]) -> None:
+        self._kind = kind
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The value as it is, after the file that it names has been remembered."""
+        """The value, after the file that it names has been remembered."""
         from springpot.files import keep_input
 
         text = str(value)
         # A part, columns and rows may be chosen behind the name of a file, which may hold such marks itself.
         for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
             keep_input(text[:i])
-        return super().convert(value, param, ctx)
+        return self._kind(value)
 
 
-DATA, INPUT = _Input(), _Input(path_type=Path)
+DATA, INPUT = _Input(str), _Input(Path)
 """What is read: data as a user names them, and any other file."""
 
 

@@ -12,7 +12,6 @@ from typing import Any
 import click
 
 from springpot import __version__
-from springpot.files import one_run
 
 from .table import COMMANDS
 
@@ -67,6 +66,11 @@ class LazyGroup(click.Group):
 @click.version_option(__version__, prog_name="springpot", message="%(prog)s %(version)s")
 def springpot() -> None:
     """Identify viscoelastic models, find the missing physical effect, race optimisers fairly."""
+    # Not above: ``--help`` writes nothing.
+    from springpot.files import one_run
+
+    # Before the command's arguments are looked at, among which are its inputs.
+    click.get_current_context().with_resource(one_run())
 
 
 def run(arguments: list[str]) -> int:
@@ -75,7 +79,7 @@ def run(arguments: list[str]) -> int:
     if "_SPRINGPOT_COMPLETE" in os.environ:
         springpot.main(arguments, "springpot")
     try:
-        with one_run(), springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
+        with springpot.make_context("springpot", arguments or ["--help"]) as context, _located(context):
             answer: Any = springpot.invoke(context)
     # ``--help`` and ``--version`` end by an exception.
     except click.exceptions.Exit as leave:
