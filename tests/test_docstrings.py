@@ -13,7 +13,7 @@ import springpot
 MODULES = [
     found.name
     for found in pkgutil.walk_packages(springpot.__path__, "springpot.")
-    if not found.name.endswith("__main__") and not found.name.startswith("springpot.testing.plugin")
+    if not found.name.endswith("__main__") and not found.name.startswith("springpot.benchmark.gate.pytest_plugin")
 ]
 
 

@@ -5,8 +5,9 @@ The names here are loaded when first used, so that the command line starts at on
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
 
 if TYPE_CHECKING:  # what a user's type checker sees; the table below is what happens
     from springpot.api import compare, diagnose, discover, identify, mastercurve, read
@@ -86,11 +87,7 @@ __all__ = [
 ]
 
 
-# Called by Python for what the module does not have: a name is imported when it is first asked for.
-def __getattr__(name: str) -> object:
-    if name in _WHERE:
-        return getattr(import_module(_WHERE[name]), name)
-    raise AttributeError(f"module 'springpot' has no attribute '{name}'")
+__getattr__, _ = offered(__name__, _WHERE)
 
 
 def __dir__() -> list[str]:

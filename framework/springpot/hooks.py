@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import pluggy
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from springpot.measurement.reader import Reader
     from springpot.measurement.timeeffect import TimeEffect
     from springpot.measurement.timereader import TimeReader
-    from springpot.rheology import Effect, Model, Writer
+    from springpot.rheology import Effect, Model
     from springpot.rheology.family import Family
 
 GROUP = "springpot"
@@ -73,6 +73,20 @@ class Chapter:
     left_to_user: bool = False
 
 
+@runtime_checkable
+class SolverFormat(Protocol):
+    """What the core must know of a format for solvers; `springpot.solvers.Writer` is one."""
+
+    name: str
+    summary: str
+    suffix: str
+    aliases: tuple[str, ...]
+
+    def written(self, handoff: Any) -> str:
+        """The text of a model that is handed over."""
+        ...
+
+
 @hookspec
 def springpot_models() -> Iterable[Model | Family]:  # type: ignore[empty-body]
     """Rheological models, or families of them such as ``prony-N``."""
@@ -119,7 +133,7 @@ def springpot_time_readers() -> Iterable[TimeReader]:  # type: ignore[empty-body
 
 
 @hookspec
-def springpot_writers() -> Iterable[Writer]:  # type: ignore[empty-body]
+def springpot_writers() -> Iterable[SolverFormat]:  # type: ignore[empty-body]
     """Formats in which an identified model is handed to a solver."""
 
 

@@ -8,10 +8,10 @@ from inspect import isabstract
 from typing import Any, Generic, TypeVar
 
 from springpot.errors import PluginError
-from springpot.hooks import Chapter
+from springpot.hooks import Chapter, SolverFormat
 from springpot.identification import Objective, Optimiser, OptimiserFamily
 from springpot.measurement import DataSet, Reader, TimeEffect, TimeReader
-from springpot.rheology import Effect, Model, Writer
+from springpot.rheology import Effect, Model
 from springpot.rheology.family import Family
 
 T = TypeVar("T")
@@ -198,7 +198,7 @@ KINDS: dict[str, Kind[Any]] = {
         Kind[Any]("data set", "springpot_datasets", lambda x: isinstance(x, DataSet)),
         Kind[Any]("reader", "springpot_readers", lambda x: isinstance(x, Reader)),
         Kind[Any]("time reader", "springpot_time_readers", lambda x: isinstance(x, TimeReader)),
-        Kind[Any]("writer", "springpot_writers", lambda x: isinstance(x, Writer)),
+        Kind[Any]("writer", "springpot_writers", lambda x: isinstance(x, SolverFormat)),
         Kind[Any]("chapter", "springpot_demo", lambda x: isinstance(x, Chapter), lambda x: x.title),
     )
 }

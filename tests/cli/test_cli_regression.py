@@ -21,7 +21,7 @@ study = Study("tiny", ["artificial-springpot"], ["own"], ["paper"], [("swarm", s
 def study(tmp_path, monkeypatch, write):
     monkeypatch.chdir(tmp_path)
     # Where trials run is not what is tested: workers would be started for each of four studies.
-    monkeypatch.setattr("springpot.testing.regression.run_study", partial(run_study, engine="serial"))
+    monkeypatch.setattr("springpot.benchmark.gate.regression.run_study", partial(run_study, engine="serial"))
 
     def script(first=0.9, last=0.4, budget=4000):
         return write(SCRIPT.format(first=first, last=last, budget=budget), f"tiny_{first}_{last}_{budget}.py")

@@ -257,7 +257,7 @@ def test_who_waits_is_told_why(capsys, monkeypatch):
 
 
 def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, monkeypatch):
-    from springpot.cli import demo
+    from springpot.benchmark.commands import demo
 
     monkeypatch.setattr(demo, "_run", lambda race, out: f"{race.name} of {len(race.optimisers)}\n")
     answer = springpot("demo", "--out", tmp_path / "story")
@@ -271,7 +271,7 @@ def test_the_demonstration_tells_its_whole_story(springpot, undrawn, tmp_path, m
 
 
 def test_the_race_of_the_demonstration_runs(tmp_path):
-    from springpot.cli.demo import _run
+    from springpot.benchmark.commands.demo import _run
     from springpot.hooks import Race
 
     text = _run(

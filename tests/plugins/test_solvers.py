@@ -10,8 +10,8 @@ import zipfile
 import numpy as np
 import pytest
 
-from springpot.exporting import exported
 from springpot.registry import parse_model
+from springpot.solvers.exporting import exported
 
 GIVEN = ["k=400", "c=60", "alpha=0.55"]
 MODEL = parse_model("fractional-maxwell")

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from springpot.errors import ModelError
-from springpot.exporting import exported
 from springpot.registry import parse_model, plugins
-from springpot.rheology import Handoff, Prony, Real
+from springpot.rheology import Real
+from springpot.solvers import Handoff, Prony
+from springpot.solvers.exporting import exported
 
 WRITERS = {writer.name: writer for writer in plugins().items("writer")}
 OMEGA = np.geomspace(1.0, 300.0, 40)

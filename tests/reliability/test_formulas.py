@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from springpot.benchmark.export import _csv
+from springpot.benchmark.exporting import _csv
 from springpot.benchmark.tables import Table, to_csv
 from springpot.measurement import Measurement, guarded, guarded_line, open_measurement, unguarded, unguarded_line
 from springpot.registry import write_measurement

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import springpot
-from springpot.benchmark.plan import digest_of_data
 from springpot.errors import OutputError
 from springpot.markup import Html, html, joined, table, tag
 from springpot.measurement import Measurement, Units
@@ -151,7 +150,7 @@ def test_every_section_is_there(page, heading):
 
 def test_it_says_how_to_repeat_it(page, ladder):
     words = "".join(Page(page).words)
-    assert digest_of_data(measured()) in words
+    assert measured().digest() in words
     assert springpot.__version__ in words
     assert "numpy" in words
     assert "springpot discover" in words

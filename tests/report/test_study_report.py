@@ -17,11 +17,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from benchmark_fakes import Moody, Walk, artificial, small_study
 
 from springpot.benchmark import Findings, Store, run_study
+from springpot.benchmark.report.plot import Dot, Line, Pen, Ranked, Scale, critical_differences, plot, scatter
+from springpot.benchmark.report.pools import not_below
+from springpot.benchmark.report.study import write_study_report
 from springpot.benchmark.statistics import Interval
 from springpot.identification import Optimiser
-from springpot.report.plot import Dot, Line, Pen, Ranked, Scale, critical_differences, plot, scatter
-from springpot.report.pools import not_below
-from springpot.report.study import write_study_report
 
 NASTY = '<script>alert("&")</script>'
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from springpot.errors import ModelError
 from springpot.registry import parse_model
-from springpot.rheology import prony_of
+from springpot.solvers import prony_of
 
 
 def spectrum_of(name: str, theta: list[float], decades: float = 2.0):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import mannwhitneyu, t
 
-from springpot.testing.difference import apart, chance, interval, smallest_chance, verdicts
+from springpot.benchmark.gate.difference import apart, chance, interval, smallest_chance, verdicts
 
 
 def lognormal(rng, n=20, factor=1.0, spread=0.5):

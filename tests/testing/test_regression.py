@@ -12,9 +12,9 @@ import pytest
 from soaked import soaked
 from springpot import plugins
 from springpot.benchmark import Store, load_study, run_study
+from springpot.benchmark.gate.baseline import read_baseline
+from springpot.benchmark.gate.regression import check, compare, known_scripts, update
 from springpot.errors import StudyError
-from springpot.testing.baseline import read_baseline
-from springpot.testing.regression import check, compare, known_scripts, update
 
 pytest_plugins = ["pytester"]
 
@@ -204,6 +204,8 @@ def test_the_fixture_updates_passes_and_fails_with_a_sentence(pytester):
 
 
 def test_the_pytest_plugin_is_light():
-    script = "import sys, springpot.testing.plugin; print('numpy' in sys.modules or 'click' in sys.modules)"
+    script = (
+        "import sys, springpot.benchmark.gate.pytest_plugin; print('numpy' in sys.modules or 'click' in sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

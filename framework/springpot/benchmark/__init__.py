@@ -1,17 +1,24 @@
 """Benchmark: studies, their engines and store, statistics and tables."""
 
-from .columns import frame
-from .export import export
-from .exported import Export
-from .findings import Findings, summarise, write_tables
-from .runner import Outcome, run_study
-from .script import load_study
-from .statistics import Interval
-from .store import Store
-from .study import Study
-from .summary import store_path
-from .tables import FORMATS, Table, save_table
-from .trial import Status
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .columns import frame
+    from .exported import Export
+    from .exporting import export
+    from .findings import Findings, summarise, write_tables
+    from .runner import Outcome, run_study
+    from .script import load_study
+    from .statistics import Interval
+    from .store import Store
+    from .study import Study
+    from .summary import store_path
+    from .tables import FORMATS, Table, save_table
+    from .trial import Status
 
 __all__ = [
     "FORMATS",
@@ -32,3 +39,25 @@ __all__ = [
     "summarise",
     "write_tables",
 ]
+
+_WHERE = {
+    "Export": "springpot.benchmark.exported",
+    "FORMATS": "springpot.benchmark.tables",
+    "Findings": "springpot.benchmark.findings",
+    "Interval": "springpot.benchmark.statistics",
+    "Outcome": "springpot.benchmark.runner",
+    "Status": "springpot.benchmark.trial",
+    "Store": "springpot.benchmark.store",
+    "Study": "springpot.benchmark.study",
+    "Table": "springpot.benchmark.tables",
+    "export": "springpot.benchmark.exporting",
+    "frame": "springpot.benchmark.columns",
+    "load_study": "springpot.benchmark.script",
+    "run_study": "springpot.benchmark.runner",
+    "save_table": "springpot.benchmark.tables",
+    "store_path": "springpot.benchmark.summary",
+    "summarise": "springpot.benchmark.findings",
+    "write_tables": "springpot.benchmark.findings",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass
-from enum import Enum
+from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any
 
 import numpy as np
 
-from springpot.errors import StudyError
 from springpot.identification import Objective, Optimiser
-from springpot.identification.optimiser import BatchedOptimiser
+from springpot.identification.optimiser import BatchedOptimiser, options_of
 from springpot.measurement import Measurement
 
 SCHEME = 1
@@ -31,22 +28,6 @@ optimiser), so that only those that are missing are run."""
 def digest_of(*parts: object) -> str:
     """SHA-256 of a sequence of plain values, free of ambiguity between neighbours."""
     return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
-
-
-def digest_of_data(measurement: Measurement) -> str:
-    """SHA-256 of everything in a measurement that a fit can see."""
-    columns: dict[str, Any] = {"omega": measurement.omega, "stiffness": measurement.stiffness}
-    optional = {"sd": measurement.sd, "repeat": measurement.repeat, **measurement.conditions}
-    # In the order of their names: that in which a file has its columns changes nothing for a fit.
-    columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
-    # By content and not by name: a file that was changed is another problem.
-    seen = sha256()
-    for key, column in columns.items():
-        values = np.ascontiguousarray(column)
-        # Kind and shape too, as the same bytes may be other numbers.
-        seen.update(f"{key} {values.dtype.str} {values.shape}\n".encode())
-        seen.update(values.tobytes())
-    return seen.hexdigest()
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,37 +206,3 @@ def cell_digest(case: Case, entrant: Entrant, budget: int, seed: int, stop: floa
     if stop != -np.inf:
         stop_text = float(stop)
     return digest_of(case.digest, entrant.optimiser.name, entrant.options, budget, seed, stop_text)
-
-
-def options_of(optimiser: Optimiser) -> dict[str, Any]:
-    """An optimiser's options as plain values.
-
-    Raises
-    ------
-    StudyError
-        If one of them is no plain value: it could not be told from another.
-    """
-    # An optimiser without options need not be one.
-    if not is_dataclass(optimiser):
-        return {}
-    return {f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}") for f in fields(optimiser)}
-
-
-def _plain(value: Any, where: str) -> Any:
-    if value is None or isinstance(value, bool | int | float | str):
-        # A word of an enumeration may be a string as well.
-        if isinstance(value, Enum):
-            return value.value
-        return value
-    if isinstance(value, Enum):
-        return _plain(value.value, where)
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item, where) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [_plain(item, where) for item in value]
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name), where) for f in fields(value)}
-    kind = type(value).__name__
-    raise StudyError(f"option {where} is a {kind}: options must be numbers, texts or sequences of them")

@@ -15,10 +15,11 @@ import numpy as np
 from springpot.errors import StudyError
 from springpot.identification import Objective, Optimiser, Problem, minima_in_box
 from springpot.identification.native import fit
+from springpot.identification.optimiser import options_of
 from springpot.measurement import DataSet, Measurement, open_measurement
 from springpot.registry import parse_model, plugins
 
-from .plan import Case, Cell, Entrant, Plan, Source, cell_digest, digest_of_data, options_of
+from .plan import Case, Cell, Entrant, Plan, Source, cell_digest
 
 OWN = "own"
 """Stands for a data set's own model where a model is named."""
@@ -210,7 +211,7 @@ def _is_number(value: object) -> bool:
 
 def _source(given: AnyData) -> Source:
     if isinstance(given, Measurement):
-        return Source(given.name, given, digest_of_data(given), "measured", "", {}, None)
+        return Source(given.name, given, given.digest(), "measured", "", {}, None)
     if isinstance(given, DataSet):
         return _source_of(given.name, given.open(), given)
     registry = plugins()
@@ -224,7 +225,7 @@ def _source(given: AnyData) -> Source:
 
 
 def _source_of(name: str, measurement: Measurement, card: DataSet | None) -> Source:
-    digest = digest_of_data(measurement)
+    digest = measurement.digest()
     if card is None:
         return Source(name, measurement, digest, "measured", "", {}, None)
     return Source(name, measurement, digest, card.kind, card.model, dict(card.truth), card.stiffness_scale)

@@ -12,8 +12,9 @@ from typing import Any
 import click
 
 from springpot import __version__
+from springpot.errors import PluginError
 
-from .table import COMMANDS
+from .table import commands
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
@@ -23,13 +24,17 @@ class LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names in the order of the table."""
-        return list(COMMANDS)
+        return list(commands())
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command, imported now."""
-        if cmd_name not in COMMANDS:
+        entry = commands().get(cmd_name)
+        if entry is None:
             return None
-        command: click.Command = import_module(COMMANDS[cmd_name].module).command
+        # Of a guest that could not be loaded only the reason is there.
+        if not entry.module:
+            raise PluginError(f"'{cmd_name}' {entry.summary}")
+        command: click.Command = import_module(entry.module).command
         return command
 
     def resolve_command(
@@ -43,9 +48,9 @@ class LazyGroup(click.Group):
             If there is none, with the nearest.
         """
         # Told as every unknown name is, with the nearest that there is.
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            hint = f"known are {', '.join(COMMANDS)}"
-            near = get_close_matches(args[0], COMMANDS, n=1)
+        if args and args[0] not in commands() and not args[0].startswith("-"):
+            hint = f"known are {', '.join(commands())}"
+            near = get_close_matches(args[0], commands(), n=1)
             if near:
                 hint = f"did you mean {near[0]}?"
             raise click.UsageError(f"unknown command '{args[0]}': {hint}", ctx)
@@ -54,7 +59,7 @@ class LazyGroup(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands from the table, so that ``--help`` imports none of them."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, entry.summary) for name, entry in COMMANDS.items()])
+            formatter.write_dl([(name, entry.summary) for name, entry in commands().items()])
 
 
 @click.group(

@@ -1,12 +1,17 @@
 """The commands: where each lives and its line in ``springpot --help``.
 
-A new command is one module with a click command named `command`, and one line here. Nothing is imported from
-it until it is called.
+A command is one module with a click command named `command`. Those of the core stand here; a guest such as the race
+brings its own as a table of the same kind, named in the entry-point group ``springpot.commands``. Nothing is imported
+from a command until it is called.
 """
 
 from __future__ import annotations
 
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from typing import NamedTuple
+
+GROUP = "springpot.commands"
 
 
 class Entry(NamedTuple):
@@ -16,8 +21,7 @@ class Entry(NamedTuple):
     summary: str
 
 
-COMMANDS: dict[str, Entry] = {
-    "demo": Entry("springpot.cli.demo", "The whole story on embedded data, in under a minute."),
+CORE: dict[str, Entry] = {
     "list": Entry("springpot.cli.listing", "Models, optimisers, effects, data sets or readers that are installed."),
     "inspect": Entry("springpot.cli.inspection", "What a file or data set holds: sweeps, ranges, units, origin."),
     "signals": Entry("springpot.cli.signals", "Time signals to dynamic stiffness, with its uncertainty."),
@@ -26,15 +30,26 @@ COMMANDS: dict[str, Entry] = {
     "mastercurve": Entry("springpot.cli.mastercurve", "Sweeps on one curve without a model: factors and laws."),
     "diagnose": Entry("springpot.cli.diagnose", "Which physical effect is missing from a model."),
     "discover": Entry("springpot.cli.discover", "Add missing effects one by one and watch the error fall."),
-    "workbench": Entry(
-        "springpot.cli.workbench", "The whole loop in a browser: point at an effect, accept it, undo."
-    ),
-    "run": Entry("springpot.cli.run", "Run a study, or resume it, and write its tables."),
-    "tables": Entry("springpot.cli.tables", "Tables of a study that has been run."),
-    "export": Entry("springpot.cli.export", "A study's results for IOHanalyzer, COCO, CSV or Parquet."),
     "predict": Entry("springpot.cli.predict", "Another test, from an identified model, with a band."),
-    "export-model": Entry("springpot.cli.export_model", "A model for a solver: Prony series, cards, scripts."),
-    "simulate": Entry("springpot.cli.simulate", "A structure with identified dampers under a record."),
     "init": Entry("springpot.cli.init", "Files to start from: a study, a plugin, a CI workflow."),
-    "regression": Entry("springpot.cli.regression", "The accuracy gate for continuous integration."),
 }
+
+
+@cache
+def commands() -> dict[str, Entry]:
+    """All commands by name: those of the core, then those of the guests that are installed."""
+    found = dict(CORE)
+    for guest in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        for name, (module, summary) in _table(guest).items():
+            # A guest adds commands and takes none away.
+            found.setdefault(name, Entry(module, summary))
+    return found
+
+
+def _table(guest: EntryPoint) -> dict[str, tuple[str, str]]:
+    """What a guest brings; one that cannot be loaded stands as a command that says why."""
+    try:
+        return dict(guest.load())
+    # A guest is a plugin: whatever it raises is told by its name and must not take the other commands down.
+    except Exception as error:
+        return {guest.name: ("", f"cannot be loaded: {type(error).__name__}: {error}")}

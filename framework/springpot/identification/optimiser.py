@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from typing import Any, ClassVar
 
 import numpy as np
 
-from springpot.errors import OptionError
+from springpot.errors import OptionError, StudyError
 
 from .recorder import Recorder, RecorderGroup
 
@@ -121,3 +122,37 @@ class OptimiserFamily:
     def prefix(self) -> str:
         """What all their names begin with."""
         return self.name.removesuffix("NAME")
+
+
+def options_of(optimiser: Optimiser) -> dict[str, Any]:
+    """An optimiser's options as plain values.
+
+    Raises
+    ------
+    StudyError
+        If one of them is no plain value: it could not be told from another.
+    """
+    # An optimiser without options need not be one.
+    if not is_dataclass(optimiser):
+        return {}
+    return {f.name: _plain(getattr(optimiser, f.name), f"{optimiser.name}.{f.name}") for f in fields(optimiser)}
+
+
+def _plain(value: Any, where: str) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        # A word of an enumeration may be a string as well.
+        if isinstance(value, Enum):
+            return value.value
+        return value
+    if isinstance(value, Enum):
+        return _plain(value.value, where)
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, where) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(item, where) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _plain(getattr(value, f.name), where) for f in fields(value)}
+    kind = type(value).__name__
+    raise StudyError(f"option {where} is a {kind}: options must be numbers, texts or sequences of them")

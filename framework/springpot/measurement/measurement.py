@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sized
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -320,6 +321,19 @@ class Measurement(Rows):
             units=change.units,
             provenance={**self.provenance, "geometry": words_of(change.geometry)},
         )
+
+    def digest(self) -> str:
+        """SHA-256 of everything in it that a fit can see: by content and not by name or order of columns."""
+        columns: dict[str, Any] = {"omega": self.omega, "stiffness": self.stiffness}
+        optional = {"sd": self.sd, "repeat": self.repeat, **self.conditions}
+        columns |= {key: optional[key] for key in sorted(optional) if optional[key] is not None}
+        seen = sha256()
+        for key, column in columns.items():
+            values = np.ascontiguousarray(column)
+            # Kind and shape too, as the same bytes may be other numbers.
+            seen.update(f"{key} {values.dtype.str} {values.shape}\n".encode())
+            seen.update(values.tobytes())
+        return seen.hexdigest()
 
     def levels(self, name: str) -> NDArray[np.int64]:
         """Number (n,) of the level of a condition that each row belongs to, ascending.

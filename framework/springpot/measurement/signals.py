@@ -21,6 +21,8 @@ BENT = 0.05
 LONGER = 4.0
 """Ratio of neighbouring lengths; a fraction of a cycle over one of them is less than half a cycle over the next."""
 
+_ONE_WAY = "a single loading is a test in time, which springpot inspect shows and springpot identify fits"
+
 __all__ = ["Harmonics", "Signals", "harmonics_of"]
 
 
@@ -200,8 +202,7 @@ def _basis(
     # The search left the peak that it began at: what it found is another one, or none.
     if not 0.3 * omega < basis.omega < 3 * omega:
         raise DataError(
-            f"{record.name}: no frequency found; if it swings, give it with omega (CLI: --frequency); a single "
-            "loading is a test in time, which springpot inspect shows and springpot identify fits"
+            f"{record.name}: no frequency found; if it swings, give it with omega (CLI: --frequency); {_ONE_WAY}"
         )
     if trim:
         basis = _whole_cycles(basis)
@@ -211,7 +212,8 @@ def _basis(
         cycles = (basis.stop - basis.start) * basis.omega / (2 * np.pi)
         raise DataError(
             f"{record.name}: {cycles:.2g} cycles of {basis.omega:.4g} rad/s where one is needed; if some part of it "
-            "oscillates, say which and how fast: --window START STOP --frequency HZ (window, omega in Python)"
+            "oscillates, say which and how fast: --window START STOP --frequency HZ (window, omega in Python); "
+            f"{_ONE_WAY}"
         )
     return basis, sd
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
+from springpot.hooks import SolverFormat
 from springpot.identification import Objective, Optimiser, OptimiserFamily
 from springpot.measurement import TimeEffect, TimeReader, Units
 from springpot.measurement.catalogue import DataSet
 from springpot.measurement.reader import Reader
 from springpot.registry import Registry
-from springpot.rheology import Effect, Model, Parameter, Writer
+from springpot.rheology import Effect, Model, Parameter
 from springpot.rheology.drawing import drawing_of
 from springpot.rheology.family import Family
 
@@ -181,7 +182,7 @@ def objective(item: Objective) -> dict[str, Any]:
     return {"name": item.name, "summary": item.summary, "citation": item.citation}
 
 
-def writer(item: Writer) -> dict[str, Any]:
+def writer(item: SolverFormat) -> dict[str, Any]:
     """Describe a writer."""
     return {"name": item.name, "summary": item.summary, "suffix": item.suffix}
 

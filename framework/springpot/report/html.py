@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from springpot.benchmark.plan import digest_of_data
 from springpot.diagnosis import Candidate, Ladder, Step
 from springpot.digits import number
 from springpot.errors import OutputError
@@ -375,7 +374,7 @@ def _repeat(ladder: Ladder, measurement: Measurement, command: Sequence[str]) ->
         ("data", measurement.name),
         ("points", f"{len(measurement)}, {told_range(measurement)}"),
         # Of the numbers, not of the file: whoever repeats it may have them in another format.
-        ("SHA-256 of the data", digest_of_data(measurement)),
+        ("SHA-256 of the data", measurement.digest()),
         *((str(key), str(value)) for key, value in measurement.provenance.items()),
         *_versions(),
     ]

@@ -7,7 +7,6 @@ from .effect import Effect, InstrumentConstant, Layer
 from .elements import FixedPower, Springpot, dashpot, mass, power_of_s, spring, springpot
 from .forms import KELVIN_FORM, MAXWELL_FORM, TIME_FORM, SearchForm, columns, limits_form, rows
 from .formula import Formula
-from .handoff import Handoff, Writer
 from .history import InTime, Placed, network_of, sorted_out, with_laws
 from .hysteresis import smooth_hysteresis
 from .intime import Traced
@@ -74,7 +73,6 @@ from .parameters import (
     viscosity,
 )
 from .points import KELVIN, ROOM, Complex, Points, Real
-from .prony import Prony, prony_of
 from .signal import (
     clock,
     delay,
@@ -164,7 +162,6 @@ __all__ = [
     "FULL",
     "FixedPower",
     "GRADIENT",
-    "Handoff",
     "HasParameters",
     "INERTANCE",
     "InTime",
@@ -180,7 +177,6 @@ __all__ = [
     "Parallel",
     "Parameter",
     "Points",
-    "Prony",
     "RADIAN_PER_SECOND",
     "Real",
     "Renamed",
@@ -197,7 +193,6 @@ __all__ = [
     "TIME_FORM",
     "Traced",
     "VALUE",
-    "Writer",
     "VISCOSITY",
     "balanced_series",
     "chain",
@@ -213,7 +208,6 @@ __all__ = [
     "order",
     "parallel",
     "power_of_s",
-    "prony_of",
     "quasi_property",
     "relaxation_time",
     "rows",

@@ -1,8 +1,15 @@
 """A structure with identified dampers: modes, steady state, motion under a record, energy, and how sure all is."""
 
-from .frame import Damper, Frame
-from .modes import Mode, Steady, modes_of, steady_of, steady_state
-from .motion import Motion, Record, Simulation, artificial, motion_of, simulate
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy import offered
+
+if TYPE_CHECKING:
+    from .frame import Damper, Frame
+    from .modes import Mode, Steady, modes_of, steady_of, steady_state
+    from .motion import Motion, Record, Simulation, artificial, motion_of, simulate
 
 __all__ = [
     "Damper",
@@ -19,3 +26,21 @@ __all__ = [
     "steady_of",
     "steady_state",
 ]
+
+_WHERE = {
+    "Damper": "springpot.structure.frame",
+    "Frame": "springpot.structure.frame",
+    "Mode": "springpot.structure.modes",
+    "Motion": "springpot.structure.motion",
+    "Record": "springpot.structure.motion",
+    "Simulation": "springpot.structure.motion",
+    "Steady": "springpot.structure.modes",
+    "artificial": "springpot.structure.motion",
+    "modes_of": "springpot.structure.modes",
+    "motion_of": "springpot.structure.motion",
+    "simulate": "springpot.structure.motion",
+    "steady_of": "springpot.structure.modes",
+    "steady_state": "springpot.structure.modes",
+}
+
+__getattr__, __dir__ = offered(__name__, _WHERE)

@@ -14,29 +14,20 @@ The functions ``check_*`` do the same for one thing and return plain sentences t
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any
+from springpot.lazy import offered
 
 _WHERE = {
-    "PluginContract": "contract",
-    "check_dataset": "datasets",
-    "check_effect": "effects",
-    "check_model": "models",
-    "check_objective": "objectives",
-    "check_optimiser": "optimisers",
-    "check_plugin": "contract",
-    "check_reader": "readers",
-    "check_time_effect": "timeeffects",
+    "PluginContract": "springpot.testing.contract",
+    "check_dataset": "springpot.testing.datasets",
+    "check_effect": "springpot.testing.effects",
+    "check_model": "springpot.testing.models",
+    "check_objective": "springpot.testing.objectives",
+    "check_optimiser": "springpot.testing.optimisers",
+    "check_plugin": "springpot.testing.contract",
+    "check_reader": "springpot.testing.readers",
+    "check_time_effect": "springpot.testing.timeeffects",
 }
 
 __all__ = list(_WHERE)
 
-
-def __getattr__(name: str) -> Any:
-    if name in _WHERE:
-        return getattr(import_module(f"{__name__}.{_WHERE[name]}"), name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = offered(__name__, _WHERE)

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.benchmark.plan import options_of
 from springpot.identification import BatchedOptimiser, Objective, Optimiser, Problem, Run, run, run_batch
+from springpot.identification.optimiser import options_of
 from springpot.measurement import Measurement, Units
 from springpot.rheology import Real
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from springpot.benchmark import Store, Table
 from springpot.benchmark.findings import Findings, study_tables
+from springpot.benchmark.report.study import study_html
 from springpot.errors import DataError, SpringpotError
-from springpot.report.study import study_html
 
 RESULTS = Path("results")
 SHOWN = ("choice", "summary", "ranks", "failures")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from springpot.hooks import hookimpl
-from springpot.rheology import Writer
+from springpot.solvers import Writer
 
 from . import abaqus, ansys, comsol, fmu, lsdyna, nastran, opensees, python, tables
 

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springpot.rheology import Handoff, Real, Writer
+from springpot.rheology import Real
+from springpot.solvers import Handoff, Writer
 
 from .frequencies import frequencies
 

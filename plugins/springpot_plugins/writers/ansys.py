@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 PER_LINE = 3
 """Constants that one TBDATA line may hold, kept at three for readers of older releases (it takes six)."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 _VALUE = re.compile(r"^(\S+)\s*(.*)$")
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import quoteattr
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 PLATFORMS = {("Linux", "x86_64"): ("linux64", ".so"), ("Darwin", "x86_64"): ("darwin64", ".dylib")}
 """Folders of FMI 2.0 for machines on which ``cc -shared`` gives what they need."""

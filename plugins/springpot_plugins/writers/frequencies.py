@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.rheology import Handoff, Real
+from springpot.rheology import Real
+from springpot.solvers import Handoff
 
 FEWEST = 8
 """Lines of a table at least, so that one of a narrow band is no straight line either."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from springpot.errors import ModelError
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 WIDTH = 10
 """Of a field of a fixed card; numbers take one sign less, so that they stand apart."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 from .frequencies import frequencies
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 FIRST, WHOLE = 1, 100
 """Tags: the parts count up from the first; the whole is 100, above the most terms that there may be."""

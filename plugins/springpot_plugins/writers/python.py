@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from springpot.rheology import Handoff, Real, Writer
+from springpot.rheology import Real
+from springpot.solvers import Handoff, Writer
 
 TEMPLATE = '''"""{heading}"""
 

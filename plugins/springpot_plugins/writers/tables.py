@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from springpot.rheology import Handoff, Writer
+from springpot.solvers import Handoff, Writer
 
 
 def to_json(handoff: Handoff) -> str:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.errors import ModelError
+from springpot.rheology.points import Complex, Real
 
-from .points import Complex, Real
 from .prony import Prony
 
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from springpot.errors import ModelError
 from springpot.nonnegative import non_negative
-
-from .points import Complex, Real
+from springpot.rheology.points import Complex, Real
 
 if TYPE_CHECKING:
-    from .spectrum import Spectrum
+    from springpot.rheology.spectrum import Spectrum
 
 MOST = 60
 """Terms beyond which a tolerance is given up: three a decade over twenty decades."""
@@ -94,7 +93,8 @@ def prony_of(
 
     Examples
     --------
-    >>> from springpot.rheology import Model, prony_of, springpot
+    >>> from springpot.rheology import Model, springpot
+    >>> from springpot.solvers import prony_of
     >>> exact = Model("springpot", springpot()).spectrum([1.0, 0.5], (0.1, 10.0))
     >>> series = prony_of(exact, tolerance=0.01)
     >>> len(series.times), series.error < 0.01

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import FILE, INPUT, POSITIVE, F, emit, json_option
+from springpot.cli.common import FILE, INPUT, POSITIVE, F, emit, json_option
 
 if TYPE_CHECKING:
-    from springpot.testing.regression import Gate
+    from springpot.benchmark.gate.regression import Gate
 
 
 def _shared(command: F) -> F:
@@ -40,8 +40,8 @@ def _update(studies: tuple[Path, ...], baseline: Path | None, out: Path, workers
 
     Without arguments, every study that has a baseline.
     """
+    from springpot.benchmark.gate.regression import known_scripts, update
     from springpot.files import require_writable
-    from springpot.testing.regression import known_scripts, update
 
     _require_one(studies, baseline)
     # Told before the studies are run; a new one may lie in a folder that is yet to be made.
@@ -68,7 +68,7 @@ def _check(
     Exit code 1 and a sentence for each optimiser and data set that got worse; 2 if there is no baseline. Without
     arguments, every study that has a baseline.
     """
-    from springpot.testing.regression import check, known_scripts
+    from springpot.benchmark.gate.regression import check, known_scripts
 
     _require_one(studies, baseline)
     gates = [check(study, baseline, out, workers, seed) for study in studies or known_scripts(out)]

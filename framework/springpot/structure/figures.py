@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springpot.report.canvas import COLOURS, QUIET, blank, logarithmic, save
 from springpot.structure import Simulation, Steady
-
-from .canvas import COLOURS, QUIET, blank, logarithmic, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import FILE, emit, json_option
+from springpot.cli.common import FILE, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.hooks import Chapter, Race
@@ -66,7 +66,7 @@ def _told(chapter: Chapter, out: Path) -> tuple[str, int]:
     """What a chapter prints, and its exit code."""
     if chapter.race is not None:
         return _run(chapter.race, out), 0
-    from .group import run
+    from springpot.cli.group import run
 
     # The folder is put into each word by itself, so that a blank in its name parts no words.
     arguments = [part.replace("{out}", str(out)) for part in chapter.command]

@@ -9,9 +9,8 @@ from math import ceil, floor, log10
 import numpy as np
 
 from springpot.markup import Html, joined, tag
+from springpot.report.canvas import COLOURS, INK, QUIET
 from springpot.rheology import Real
-
-from .canvas import COLOURS, INK, QUIET
 
 WIDTH, HEIGHT = 420.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 56.0, 18.0, 10.0, 40.0

@@ -19,9 +19,9 @@ from springpot.benchmark.tables import Table, text
 from springpot.digits import counted, number
 from springpot.files import write_text
 from springpot.markup import Html, joined, table, tag
+from springpot.report.numbers import seconds
+from springpot.report.page import page
 
-from .numbers import seconds
-from .page import page
 from .pools import pools, share_text, verdict
 from .study_plots import Pens, accuracy_against_time, attained, diagram, distribution, pair, profile_figures, progress
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .common import MODEL, json_option, print_json
+from springpot.cli.common import MODEL, json_option, print_json
 
 
 @click.command("workbench", epilog="Example: springpot workbench damper.csv --model fractional-maxwell")

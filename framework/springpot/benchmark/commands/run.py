@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .common import FILE, INPUT, POSITIVE, emit, json_option, own_stdout
+from springpot.cli.common import FILE, INPUT, POSITIVE, emit, json_option, own_stdout
 
 
 @click.command("run", epilog="Example: springpot run race.py --workers 2")
@@ -37,7 +37,7 @@ def command(
     Finished trials are kept: after an interruption, the same command goes on.
     """
     from springpot.benchmark import run_study
-    from springpot.report.study import write_study_report
+    from springpot.benchmark.report.study import write_study_report
 
     if workers is not None and engine not in (None, "local"):
         raise click.UsageError("give --workers or --engine, not both", click.get_current_context())

@@ -14,8 +14,11 @@ from springpot.identified import fitted, lesser, stated
 from springpot.measurement import KELVIN
 from springpot.measurement.units import FREQUENCY_UNITS, known_unit
 from springpot.registry import plugins
-from springpot.rheology import Handoff, Layer, Model, Points, Prony, Real, Writer, prony_of
+from springpot.rheology import Layer, Model, Points, Real
 from springpot.timetests import Known
+
+from .handoff import Handoff, Writer
+from .prony import Prony, prony_of
 
 _EDGE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s.].*?)\s*")
 """A frequency and its unit."""

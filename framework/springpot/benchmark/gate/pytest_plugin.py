@@ -24,14 +24,13 @@ def accuracy_gate(request: pytest.FixtureRequest) -> Callable[..., Any]:
     """A function that fails the test if an optimiser became worse since the baseline was made.
 
     ``accuracy_gate("studies/gate.py")`` or ``accuracy_gate(study, baseline=path)``: arguments and result are those of
-    `springpot.testing.regression.check`. With ``--springpot-update`` it writes the baseline instead.
+    `springpot.benchmark.gate.regression.check`. With ``--springpot-update`` it writes the baseline instead.
     """
 
     def gate(study: Any, baseline: Any = None, **options: Any) -> Any:
         __tracebackhide__ = True
+        from springpot.benchmark.gate.regression import check, update
         from springpot.errors import SpringpotError
-
-        from .regression import check, update
 
         try:
             if request.config.getoption(UPDATE):

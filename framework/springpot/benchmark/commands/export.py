@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from .common import DATA, FILE, emit, json_option
+from springpot.cli.common import DATA, FILE, emit, json_option
 
 FORMATS = ("ioh", "coco", "csv", "parquet")
 
@@ -26,7 +26,7 @@ def command(study: str, kind: str, folder: Path | None, out: Path, as_json: bool
 
     ioh: IOHanalyzer and iohinspector; coco: cocopp; csv and parquet: every trial, and every point of its trace.
     """
-    from springpot.benchmark.export import export
+    from springpot.benchmark.exporting import export
 
     result = {"schema": "springpot.export/1", "format": kind, **asdict(export(study, kind, folder, out))}
     emit(result, as_json, lambda: _show(result))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import DATA, FILE, emit, json_option
+from springpot.cli.common import DATA, FILE, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark import Table
@@ -59,7 +59,7 @@ def command(
         if write:
             paths += write_tables(study, [kind], out)
         if report:
-            from springpot.report.study import write_study_report
+            from springpot.benchmark.report.study import write_study_report
 
             paths.append(write_study_report(study, out))
         emit({"schema": "springpot.files/1", "files": paths}, as_json, lambda: print(*paths, sep="\n"))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import DATA, FILE, INPUT, emit, json_option
-from .predict import numbers
+from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
+from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
     from springpot.structure import Simulation, Steady
@@ -40,8 +40,8 @@ def command(
     import numpy as np
 
     from springpot.report.canvas import check_figure_path
-    from springpot.simulating import read_record, read_structure
     from springpot.structure import simulate
+    from springpot.structure.reading import read_record, read_structure
 
     # A path that cannot be written is told before time is spent on the motion.
     if figure is not None:
@@ -55,7 +55,7 @@ def command(
     rng = np.random.default_rng(seed)
     simulation = simulate(read_structure(structure), read_record(record, rng), rng, draws)
     if figure is not None:
-        from springpot.report.structure import figure_motion
+        from springpot.structure.figures import figure_motion
 
         figure_motion(simulation, figure)
     emit(described(simulation), as_json, lambda: _show(simulation, figure))
@@ -65,12 +65,12 @@ def _steady(structure: Path, frequency: str, figure: Path | None, as_json: bool)
     """The steady state at each frequency in Hz."""
     import numpy as np
 
-    from springpot.simulating import read_structure
     from springpot.structure import steady_of
+    from springpot.structure.reading import read_structure
 
     steady = steady_of(read_structure(structure), 2.0 * np.pi * np.array(numbers(frequency)))
     if figure is not None:
-        from springpot.report.structure import figure_steady
+        from springpot.structure.figures import figure_steady
 
         figure_steady(steady, figure)
     emit(described_steady(steady), as_json, lambda: _show_steady(steady, figure))

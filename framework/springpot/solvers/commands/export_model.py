@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .common import DATA, FILE, POSITIVE, emit, json_option
+from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
@@ -35,8 +35,8 @@ def command(
     refused, for they do not belong to the specimen: leave them out with --without.
     """
     from springpot.errors import OptionError
-    from springpot.exporting import exported
     from springpot.files import require_writable, write_text, write_with
+    from springpot.solvers.exporting import exported
 
     # A path that cannot be written is told before anything is worked out.
     if output is not None:

@@ -1,0 +1,1 @@
+"""The accuracy gate: whether an optimiser became worse than its committed baseline."""
