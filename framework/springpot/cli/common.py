@@ -26,13 +26,8 @@ FILE = click.Path(path_type=Path)
 POSITIVE = click.IntRange(min=1)
 
 
-class _Input(click.ParamType):
+class _Input(click.Path):
     """What a command reads, which no output of it replaces."""
-
-    name = "input"
-
-    def __init__(self, kind: type[str] | type[Path]) -> None:
-        self._kind = kind
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The value, after the file that it names has been remembered."""
@@ -42,10 +37,11 @@ class _Input(click.ParamType):
         # A part, columns and rows may be chosen behind the name of a file, which may hold such marks itself.
         for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
             keep_input(text[:i])
-        return self._kind(value)
+        # Whether it can be a file is told by who reads it.
+        return self.coerce_path_result(value)
 
 
-DATA, INPUT = _Input(str), _Input(Path)
+DATA, INPUT = _Input(path_type=str), _Input(path_type=Path)
 """What is read: data as a user names them, and any other file."""
 
 

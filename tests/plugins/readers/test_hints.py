@@ -1,5 +1,6 @@
 """A hint says more of a column, and never changes which one is meant."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from springpot.errors import DataError
 from springpot.registry import open_in_time, open_measurement, signals_to_measurement
 
-UNSEEN = Path(__file__).parents[4] / "shared" / "unseen"
+UNSEEN = Path(os.environ.get("SPRINGPOT_DATA") or Path(__file__).parents[4] / "shared" / "data").parent / "unseen"
 CLOCK = np.linspace(0.0, 4.0, 801)
 MOVED = np.sin(2.0 * np.pi * CLOCK)
 PULLED = -3.0 * np.sin(2.0 * np.pi * CLOCK + 0.4)
