@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from pathlib import Path
 from shutil import get_terminal_size
@@ -186,6 +186,11 @@ def with_rows(named: str, chosen: str) -> str:
     if "@" in named and not is_file(named):
         return f"{named},{chosen}"
     return f"{named}@{chosen}"
+
+
+def turned(provenance: Mapping[str, str]) -> str:
+    """The data with one channel turned, where it seems to count the other way; empty for others."""
+    return provenance.get("note sign", "").partition(", open '")[2].removesuffix("'")
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from .common import (
     print_json,
     quoted,
     seed_option,
+    turned,
     verbose_option,
     window,
     with_rows,
@@ -115,15 +116,18 @@ def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: 
 
     # At once: what is there stays, even where the rest is interrupted.
     print(diagnosis_text(diagnosis, measurement, window(), verbose), flush=True)
-    if command := _next_command(diagnosis, named, model):
+    if command := _next_command(diagnosis, named, model, turned(measurement.provenance)):
         print(f"\nnext: springpot {command}", flush=True)
 
 
-def _next_command(diagnosis: Diagnosis, named: str, model: str | None) -> str:
+def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way: str = "") -> str:
     """The command that goes on from an answer; empty where only a measurement does."""
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
+    # Before all else: of a force that counts the other way every other answer is wrong.
+    if other_way:
+        return f"diagnose {quoted(other_way)}{judged}"
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     if diagnosis.one_test:
         return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"

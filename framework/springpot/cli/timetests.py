@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, window
+from .common import emit, note_to_stderr, opened, quoted, turned, window
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
@@ -116,7 +116,7 @@ def diagnose(
     from springpot.timetests import diagnose as diagnose_in_time
 
     diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
-    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, data, named))
+    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
 
 
 def discover(
@@ -149,16 +149,31 @@ def discover(
         print(f"\nwritten: {figure}")
 
 
-def _show_diagnosis(diagnosis: TimeDiagnosis, data: Sequence[str], model: str | None) -> None:
+def _show_diagnosis(diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None) -> None:
     from springpot.report.fits import diagnosed_in_time_text
 
     print(diagnosed_in_time_text(diagnosis, window()))
-    if diagnosis.missing:
-        judged = ""
-        if model is not None:
-            judged = f" --model {quoted(model)}"
+    judged = ""
+    if model is not None:
+        judged = f" --model {quoted(model)}"
+    # Before all else: of a force that counts the other way every other answer is wrong.
+    right_way = _turned(tests, data)
+    if right_way != list(data):
+        print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
+    elif diagnosis.missing:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
+
+
+def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
+    """The data, each with its force turned where that seems to count the other way."""
+    from springpot.measurement.naming import file_and_choice
+
+    others = [other for test in tests if (other := turned(test.provenance))]
+    return [
+        next((other for other in others if file_and_choice(other)[0] == file_and_choice(spec)[0]), spec)
+        for spec in data
+    ]
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from .from_signals import measurement_from_signals
 from .measurement import Measurement
 from .naming import LISTED, file_and_choice, is_file, short, temperature_offer
 from .reader import Choice, Part, Reader
-from .recognition import guarded, surest
+from .recognition import guarded, surest, to_type
 from .selection import conditions, select
 from .signals import Signals
 
@@ -181,8 +181,7 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
         provenance = dict(measurement.provenance)
         for key, text in provenance.items():
             if key.startswith("note "):
-                # A reader does not know under which name the user opened the file.
-                provenance[key] = text.replace("'FILE", f"'{path}")
+                provenance[key] = to_type(path, text, choice)
         # A number in the file's name is only offered: what the file itself says comes first.
         if "temperature" not in measurement.conditions:
             provenance |= temperature_offer(path)
@@ -259,10 +258,10 @@ def signals_to_measurement(
     )
     provenance = dict(measurement.provenance)
     for path in paths:
-        file = file_and_choice(str(path))[0]
+        file, choice = file_and_choice(str(path))
         key = f"note {Path(file).stem}"
         if key in provenance:
-            provenance[key] = provenance[key].replace("'FILE", f"'{file}")
+            provenance[key] = to_type(Path(file), provenance[key], choice)
     return replace(measurement, provenance=provenance)
 
 

@@ -88,8 +88,15 @@ def _about(path: Path, message: str, choice: Choice) -> str:
     sign = ": "
     if message.startswith(("line ", "column ")):
         sign = ", "
-    hinted = _HINT.sub(lambda hint: f"'FILE{said_with(choice, hint[1])}'", message).replace("'FILE", f"'{path}")
-    return f"{path}{sign}{hinted}"
+    return f"{path}{sign}{to_type(path, message, choice)}"
+
+
+def to_type(path: Path, text: str, choice: Choice) -> str:
+    """What a reader says, with what to type as a user has to: the file's name, and what was said of it before.
+
+    Readers and whoever judges a file do not know under which name it was opened, and write ``FILE``.
+    """
+    return _HINT.sub(lambda hint: f"'FILE{said_with(choice, hint[1])}'", text).replace("'FILE", f"'{path}")
 
 
 def said_with(choice: Choice, answers: str) -> str:

@@ -22,7 +22,8 @@ from .curve_names import logarithm
 from .flags import IGNORE, STATUS
 from .names import FREQUENCIES, ROLES, fold, rank, role_of
 from .proposals import proposal, stated_unit, usual_unit
-from .titles import UNITS, USUAL, Heading, heading, is_unit
+from .titles import UNITS, USUAL, Heading, apart_from_sign, heading, is_unit
+from .written import OPPOSITE
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
@@ -159,6 +160,8 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
         name, unit = match[1].strip(), match[2]
     elif is_unit(meaning) and meaning not in ROLES:
         return replace(heading_, unit=meaning, written=base or heading_.written)
+    elif is_unit(apart_from_sign(meaning)[1]) and not heading_.written:
+        return replace(heading_, unit=apart_from_sign(meaning)[1], written=OPPOSITE)
     role = _role(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"

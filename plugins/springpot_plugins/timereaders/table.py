@@ -29,6 +29,7 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.from_signals import stiffness_unit
+from springpot.measurement.sign import sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
@@ -274,7 +275,7 @@ def _test(section: Section, manner: Manner, name: str, path: Path, overruled: st
     # The record before a modulus that was computed from it: it has the real ramp.
     if pair is not None:
         moved, pulled = (section.titles[place] for place in pair)
-        return TimeTest.of_history(
+        test = TimeTest.of_history(
             clock,
             section.column(pair[0]),
             section.column(pair[1]),
@@ -284,6 +285,9 @@ def _test(section: Section, manner: Manner, name: str, path: Path, overruled: st
             rise=manner.ramp,
             **common,  # type: ignore[arg-type]
         )
+        # The other way than it counts now.
+        opposite = "-" * (pulled.sign > 0.0)
+        return replace(test, provenance={**origin, **sign_note(test, f"force={opposite}{pulled.unit}")})
     if (place := _first(section, "relaxation")) is not None:
         unit, values = section.titles[place].unit, section.column(place)
         return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
