@@ -1,4 +1,4 @@
-"""A channel of a test in time that counts the other way: the specimen then gives work away, or is pushed and pulls."""
+"""A channel of a test in time that counts the other way: a specimen that gives work away, or pulls when pushed."""
 
 from __future__ import annotations
 
@@ -46,9 +46,8 @@ def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
         turned, why = bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)), "force and displacement are opposed"
     if not turned:
         return {}
-    return {
-        NOTE: f"{why}, as if the force had the wrong sign: if one channel counts the other way, open 'FILE?{hint}'"
-    }
+    turn = f"if one channel counts the other way, open 'FILE?{hint}'"
+    return {NOTE: f"{why}, as if the force had the wrong sign: {turn}"}
 
 
 def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
