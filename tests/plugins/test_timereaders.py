@@ -201,3 +201,10 @@ def test_a_startup_of_shear_is_never_a_sweep(tmp_path, more):
 def test_a_real_startup_is_one():
     [test] = open_in_time(shared("..", "unseen", "My_dow150-160-01 shear.shear"))
     assert (test.kind, len(test)) == ("startup", 89)
+
+
+def test_a_ramp_that_is_said_to_take_no_time_is_heeded(tmp_path):
+    rows = "".join(f"{t},{1e-3 * t**0.3},10\n" for t in (0.05, 0.5, 2.0, 4.0, 8.0))
+    path = put(tmp_path, "time [s],strain [-],stress [Pa]\n" + rows)
+    [plain], [stepped] = open_in_time(path), open_in_time(f"{path}?ramp=0[s]")
+    assert (plain.rise, stepped.rise) == (0.05, 0.0)

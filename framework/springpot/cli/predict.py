@@ -120,14 +120,15 @@ def show(predicted: Prediction) -> None:
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
     band = f"{100.0 * predicted.level:g} % band"
-    headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
+    headers = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in given)]
     # The second band has a blank behind it, as two columns of one name would be one.
     headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} "]
     rows = []
     for i in range(len(predicted)):
         storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
         loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
-        places = [number(float(predicted.frequency[i])), *(number(float(column[i])) for column in given.values())]
+        rate = predicted.units.on_clock(float(predicted.frequency[i]))
+        places = [number(rate), *(number(float(column[i])) for column in given.values())]
         rows.append([*places, *storage, *loss])
     print(f"{predicted.model}\n")
     Table(headers, rows, frozenset(headers) - {band, f"{band} "}).show()
@@ -135,17 +136,22 @@ def show(predicted: Prediction) -> None:
         print(f"note        {note}")
 
 
+def _clock(predicted: Prediction) -> str:
+    """The title of the frequencies, which are told as they were asked for."""
+    return {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.units.clock]
+
+
 def table_text(predicted: Prediction) -> str:
     """A CSV table with units in its header, which opens again as a measurement."""
     unit = predicted.units.stiffness
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    names = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
+    names = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
     names += [f"{name} [{unit}]" for name in ("storage", "loss")]
-    names += [f"{part}_{end} [-]" for part in ("storage", "loss") for end in ("low", "high")]
+    names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     lines = [",".join(names)]
     for row in predicted.rows():
-        # The angular frequency beside the frequency would be one column too many.
-        kept = (row[0], *row[2:])
+        # The other of frequency and angular frequency would be one column too many.
+        kept = (row[predicted.units.clock == "rad/s"], *row[2:])
         # `repr` keeps every digit: the table opens again as the same numbers.
         lines.append(",".join(repr(cell) for cell in kept))
     return "\n".join(lines) + "\n"

@@ -285,14 +285,23 @@ def _asked(spec: str, temperature: float | None) -> Test:
 
 def _table_text(predicted: TestPrediction) -> str:
     """A CSV table with units in its header."""
-    clock = "time [s]"
+    from springpot.measurement import Units
+
+    clock, at = "time [s]", predicted.at
+    quantities = {predicted.quantity: slice(None)}
     if predicted.kind == "sweep":
-        clock = "frequency [Hz]"
-    unit = predicted.unit
-    names = [clock, f"value [{unit}]", f"low [{unit}]", f"high [{unit}]"]
-    columns = [predicted.at, predicted.value, predicted.low, predicted.high]
-    if predicted.judged:
-        names, columns = [*names, f"measured [{unit}]"], [*columns, predicted.measured]
+        # All of storage, then all of loss, at the same frequencies.
+        half = len(at) // 2
+        quantities = {"storage": slice(half), "loss": slice(half, None)}
+        clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.clock]
+        at = Units(clock=predicted.clock).on_clock(at[:half])
+    names, columns = [clock], [at]
+    for quantity, rows in quantities.items():
+        told = {"": predicted.value, "_low": predicted.low, "_high": predicted.high}
+        if predicted.judged:
+            told["_measured"] = predicted.measured
+        names += [f"{quantity}{end} [{predicted.unit}]" for end in told]
+        columns += [column[rows] for column in told.values()]
     lines = [",".join(names)]
     for row in zip(*(column.tolist() for column in columns), strict=True):
         # `repr` keeps every digit.

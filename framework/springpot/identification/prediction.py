@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,7 +146,13 @@ def predict(
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
         low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))
-    units, notes = fit.measurement.units, tuple(_notes(fit.measurement, rate, conditions))
+    units = fit.measurement.units
+    # Told in the frequencies in which it was asked.
+    if omega is not None:
+        units = replace(units, clock="rad/s")
+    elif frequency is not None:
+        units = replace(units, clock="Hz")
+    notes = tuple(_notes(fit.measurement, rate, conditions, units))
     return Prediction(fit.model.name, rate, value, low, high, conditions, units, level, notes)
 
 
@@ -278,12 +284,12 @@ def _spread(by_u: Real, covariance: Real, size: Real) -> Real:
     return np.where(open_ended, np.inf, np.sqrt(np.maximum(variance, 0.0)))
 
 
-def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real]) -> Iterator[str]:
+def _notes(data: Measurement, rate: Real, conditions: Mapping[str, Real], units: Units) -> Iterator[str]:
     # A band knows the uncertainty of the parameters only, and nothing of a model that fails out there.
     low, high = float(data.frequency.min()), float(data.frequency.max())
     asked = rate / (2.0 * np.pi)
     if np.any(asked < low / BEYOND) or np.any(asked > high * BEYOND):
-        span = f"{data.units.on_clock(low):.3g} to {data.units.at(high)}"
+        span = f"{units.on_clock(low):.3g} to {units.at(high)}"
         yield f"beyond the measured {span} the band holds only if the model does"
     for name, column in conditions.items():
         measured = data.conditions.get(name)

@@ -63,8 +63,8 @@ class Manner:
     ----------
     control : str, optional
         Which channel was imposed.
-    ramp : float
-        Seconds that a step took.
+    ramp : float, optional
+        Seconds that a step took; None where nobody says so.
     temperature : float, optional
         In degC.
     planned : bool
@@ -72,7 +72,7 @@ class Manner:
     """
 
     control: str | None = None
-    ramp: float = 0.0
+    ramp: float | None = None
     temperature: float | None = None
     planned: bool = False
 
@@ -290,10 +290,10 @@ def _test(section: Section, manner: Manner, name: str, path: Path, overruled: st
         return replace(test, provenance={**origin, **sign_note(test, f"force={opposite}{pulled.unit}")})
     if (place := _first(section, "relaxation")) is not None:
         unit, values = section.titles[place].unit, section.column(place)
-        return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
+        return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
     if (place := _first(section, "compliance")) is not None:
         unit, values = _inverse(section.titles[place].unit, path), section.column(place)
-        return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
+        return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
     if manner.planned and (alone := _alone(section)) is not None:
         unit = section.titles[alone].unit
         return TimeTest.planned(clock, section.column(alone), unit, temperature=temperature, name=name)
