@@ -190,7 +190,9 @@ def with_rows(named: str, chosen: str) -> str:
 
 def turned(provenance: Mapping[str, str]) -> str:
     """The data with one channel turned, where it seems to count the other way; empty for others."""
-    return provenance.get("note sign", "").partition(", open '")[2].removesuffix("'")
+    from shlex import split
+
+    return "".join(split(provenance.get("note sign", "").partition(", open ")[2]))
 
 
 @contextmanager

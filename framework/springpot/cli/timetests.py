@@ -265,6 +265,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     from dataclasses import replace
 
     from springpot.errors import DataError
+    from springpot.measurement.naming import with_part
     from springpot.registry import open_in_time
 
     # Behind the first question mark answers are parted by commas.
@@ -276,7 +277,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     if not in_time:
         return opened(spec)
     if len(in_time) > 1:
-        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
+        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}")
     if temperature is None:
         return in_time[0]
     # At one temperature: that which the file has from sample to sample would go before it.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .budget import within_budget
-from .naming import file_and_choice, is_file
+from .naming import file_and_choice, is_file, without_rows
 from .opening import read_head
 from .reader import Choice
 from .recognition import guarded, surest, to_type
@@ -54,6 +54,9 @@ def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeT
     DataError
         If the file holds tests in time that cannot be used, in one line.
     """
+    # Rows are chosen of sweeps: of a record they are no test.
+    if without_rows(str(spec)) != str(spec):
+        return ()
     name, choice = file_and_choice(str(spec))
     if not is_file(name) or Path(name).is_dir():
         return ()

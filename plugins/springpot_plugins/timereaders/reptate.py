@@ -1,7 +1,8 @@
 """RepTate's files of tests in time: keys in the first line, then two columns.
 
 ``.gt`` holds t and G(t); ``.shear`` has the key ``gdot`` and holds t and the growth of the viscosity, which times the
-rate is the stress of a startup, and perhaps further columns; ``.creep`` has the key ``stress`` and holds t and the strain. All in s, Pa and Pa s.
+rate is the stress of a startup, and perhaps further columns; ``.creep`` has the key ``stress`` and holds t and the
+strain. All in s, Pa and Pa s.
 """
 
 from __future__ import annotations

@@ -167,7 +167,7 @@ def _constant(
 ) -> tuple[float, str] | None:
     match = _CONSTANT.match(columns.get(name, ""))
     if match is None and name == "ramp" and name in columns:
-        raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write '{path}?ramp={example}'")
+        raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write 'FILE?ramp={example}'")
     if match is None:
         # A temperature may be said of a column too: "temperature=K".
         return None
@@ -233,8 +233,7 @@ def _place(section: Section, key: str, meaning: str, path: Path) -> int:
     if len(named) > 1:
         shown = " or ".join(f"{i + 1}, '{titles[i].text}'" for i in named[:4])
         raise DataError(
-            f"{path}: '{key:.40}' may be column {shown}; say which by its number: "
-            f"'{path}?{named[0] + 1}={meaning:.40}'"
+            f"{path}: '{key:.40}' may be column {shown}; say which by its number: 'FILE?{named[0] + 1}={meaning:.40}'"
         )
     return named[0]
 
@@ -347,7 +346,7 @@ def _require_units(section: Section, path: Path) -> None:
     spec = ",".join(f"{_called(section, i)}={EXAMPLES[section.titles[i].role]}" for i in places)
     raise DataError(
         f"{path}, column {names}: there is no unit; write {bare[0].text} [{EXAMPLES[bare[0].role]}], "
-        f"or say it by '{path}?{spec}'"
+        f"or say it by 'FILE?{spec}'"
     )
 
 
@@ -394,7 +393,7 @@ def _lacking(section: Section, path: Path) -> DataError:
             return DataError(f"{path}: {_instead(section, place, path)} (columns: {there})")
     return DataError(
         f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
-        f"the relaxation modulus: '{path}?2=relaxation[Pa]' (columns: {there})"
+        f"the relaxation modulus: 'FILE?2=relaxation[Pa]' (columns: {there})"
     )
 
 
@@ -417,7 +416,7 @@ def _instead(section: Section, place: int, path: Path) -> str:
             "first contact less each gap"
         )
     return (
-        f"{what}; if it counts from the first contact, '{path}?{place + 1}=displacement[{title.unit}]' opens it as a "
+        f"{what}; if it counts from the first contact, 'FILE?{place + 1}=displacement[{title.unit}]' opens it as a "
         "test in time, for small deformations"
     )
 
