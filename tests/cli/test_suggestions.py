@@ -62,9 +62,8 @@ def suggestions(*texts):
 
 def file_of(folder, title, words, name="gel 1's #2.csv"):
     """The same sweep for each word of a column."""
-    rows = [
-        f'{f!r},{100 + f!r},{10 + f!r},"{word.replace(chr(34), 2 * chr(34))}"' for word in words for f in FREQUENCY
-    ]
+    cells = ['"' + word.replace('"', '""') + '"' for word in words]
+    rows = [f"{f!r},{100 + f!r},{10 + f!r},{cell}" for cell in cells for f in FREQUENCY]
     path = folder / name
     path.write_text("\n".join([f"frequency [Hz],storage [Pa],loss [Pa],{title}", *rows]) + "\n")
     return path

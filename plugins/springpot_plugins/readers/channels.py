@@ -381,9 +381,8 @@ def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, mean
         raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
     if len(named) > 1:
         shown = " or ".join(f"{i + 1}, '{titles[i]}'" for i in named[:4])
-        raise DataError(
-            f"'{name:.40}' may be column {shown}; say which by its number: 'FILE?{named[0] + 1}={meaning:.40}'"
-        )
+        instead = f"write {named[0] + 1}={meaning:.40} or another number in its place"
+        raise DataError(f"'{name:.40}' may be column {shown}; {instead}")
     return named[0]
 
 
