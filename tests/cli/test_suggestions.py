@@ -27,17 +27,16 @@ class Reached(Exception):
 @pytest.fixture
 def understood(monkeypatch, springpot, tmp_path):
     """Run a suggestion as far as its computation; its complaint, or nothing."""
+    monkeypatch.chdir(tmp_path)
 
     def stop(*given, **named):
         raise Reached
 
-    for name in ("compare", "mastercurve", "diagnose", "discover", "identify"):
-        monkeypatch.setattr(f"springpot.api.{name}", stop)
-        if name not in ("mastercurve",):
-            monkeypatch.setattr(f"springpot.timetests.{name}", stop)
-    monkeypatch.chdir(tmp_path)
-
     def complaint(command):
+        monkeypatch.setattr("springpot.api.mastercurve", stop)
+        for name in ("compare", "diagnose", "discover", "identify"):
+            monkeypatch.setattr(f"springpot.api.{name}", stop)
+            monkeypatch.setattr(f"springpot.timetests.{name}", stop)
         words = ["maxwell" if word == "EXPR" else word for word in shlex.split(command)]
         answer = springpot(*words)
         if answer.code == 0 or "Reached" in answer.err:
@@ -107,6 +106,17 @@ def test_what_is_suggested_of_a_file_is_taken(springpot, understood, tmp_path, w
     path.write_text(FILES[what])
     said = [springpot(verb, path) for verb in ("inspect", "signals")]
     found = suggestions(*(text for answer in said for text in (answer.out, answer.err)))
+    assert [complaint for command in found if (complaint := understood(command))] == []
+
+
+@pytest.mark.parametrize("asked", ["identify", "diagnose", "compare", "discover --accept inertia"])
+def test_what_is_suggested_of_an_answer_is_taken(springpot, understood, damper, asked):
+    path = damper.rename(damper.with_name("Bob's #1 @ 20.csv"))
+    verb, *options = asked.split()
+    answer = springpot(verb, path, "--model", "kelvin", *options)
+    assert answer.code == 0, answer.err
+    found = suggestions(answer.out, answer.err)
+    assert found
     assert [complaint for command in found if (complaint := understood(command))] == []
 
 

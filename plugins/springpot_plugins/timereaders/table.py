@@ -232,9 +232,8 @@ def _place(section: Section, key: str, meaning: str, path: Path) -> int:
         raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
     if len(named) > 1:
         shown = " or ".join(f"{i + 1}, '{titles[i].text}'" for i in named[:4])
-        raise DataError(
-            f"{path}: '{key:.40}' may be column {shown}; say which by its number: 'FILE?{named[0] + 1}={meaning:.40}'"
-        )
+        instead = f"write {named[0] + 1}={meaning:.40} or another number in its place"
+        raise DataError(f"{path}: '{key:.40}' may be column {shown}; {instead}")
     return named[0]
 
 
