@@ -1,14 +1,43 @@
-"""Output files: written whole or not at all, so that a crash or a full disk never leaves half a result."""
+"""Output files: written whole or not at all, so that a crash or a full disk never leaves half a result.
+
+A link is followed, a device or pipe is written to, and no output replaces a file that the same run reads.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import stat
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from io import BytesIO
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO
 
 from springpot.errors import OutputError
+
+_INPUTS: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)
+"""Device and number of each file that this run reads; None where nobody runs a command."""
+
+
+@contextmanager
+def one_run() -> Iterator[None]:
+    """Let nothing that is written meanwhile replace what is named by `keep_input`."""
+    token = _INPUTS.set(set())
+    try:
+        yield
+    finally:
+        _INPUTS.reset(token)
+
+
+def keep_input(path: str | Path) -> None:
+    """Let no output of this run replace this file, if it is one."""
+    kept = _INPUTS.get()
+    found = _found(Path(path))
+    if kept is not None and found is not None and stat.S_ISREG(found.st_mode):
+        kept.add((found.st_dev, found.st_ino))
 
 
 def require_writable(path: str | Path) -> Path:
@@ -17,50 +46,51 @@ def require_writable(path: str | Path) -> Path:
     Raises
     ------
     OutputError
-        If its folder does not exist or is read-only, or the path is a folder.
+        If its folder does not exist or is read-only, the file is read-only or an input of this run, or the path is
+        a folder.
     """
     path = Path(path)
-    folder = path.parent
-    if path.is_dir():
+    target = _target(path)
+    folder = target.parent
+    if target.is_dir():
         raise OutputError(f"cannot write {path}: it is a folder, give a file name in it")
+    if _found(target) is None and target.is_symlink():
+        raise OutputError(f"cannot write {path}: it is a link to itself")
     if not folder.is_dir():
         raise OutputError(f"cannot write {path}: there is no folder {folder}, create it first")
-    if not os.access(folder, os.W_OK):
+    found = _found(target)
+    if found is not None and (found.st_dev, found.st_ino) in (_INPUTS.get() or ()):
+        raise OutputError(f"cannot write {path}: it is read by this very command; give another name")
+    if found is not None and not os.access(target, os.W_OK):
+        raise OutputError(f"cannot write {path}: no permission to write to it")
+    # Nothing is put beside a device.
+    if not _is_stream(target) and not os.access(folder, os.W_OK):
         raise OutputError(f"cannot write {path}: no permission to write in {folder}")
     return path
 
 
 def write_with(path: str | Path, fill: Callable[[IO[bytes]], object]) -> Path:
-    """Replace the file at `path` by what `fill` writes, in one step.
+    """Replace the file at `path` by what `fill` writes, in one step; a device or pipe gets it written.
 
     Parameters
     ----------
     path : str or Path
-        Where the file will be.
+        Where the file will be; where it is a link, what the link points to.
     fill : callable
         Writes into a binary stream.
 
     Raises
     ------
     OutputError
-        If the file cannot be written; what was there before stays.
+        If the file cannot be written, or this run reads it; what was there before stays.
     """
     path = require_writable(path)
+    target = _target(path)
     try:
-        # Beside the target: a rename is only one step within one file system.
-        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as draft:
-            try:
-                fill(draft)
-                draft.flush()
-                # Before the rename: or a crash could leave the new name on a file whose content never reached the
-                # disk.
-                os.fsync(draft.fileno())
-                os.chmod(draft.name, _mode(path))
-                os.replace(draft.name, path)
-            except BaseException:
-                # Whatever ended it, even Ctrl-C: no half draft stays beside the user's files.
-                Path(draft.name).unlink(missing_ok=True)
-                raise
+        if _is_stream(target):
+            _pour(target, fill)
+        else:
+            _replace(target, fill)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
     return path
@@ -69,6 +99,67 @@ def write_with(path: str | Path, fill: Callable[[IO[bytes]], object]) -> Path:
 def write_text(path: str | Path, text: str) -> Path:
     """Replace the file at `path` by `text` in UTF-8, in one step; see `write_with`."""
     return write_with(path, lambda stream: stream.write(text.encode()))
+
+
+def _replace(target: Path, fill: Callable[[IO[bytes]], object]) -> None:
+    # Beside the target: a rename is only one step within one file system.
+    with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as draft:
+        try:
+            fill(draft)
+            draft.flush()
+            # Before the rename: or a crash could leave the new name on a file whose content never reached the
+            # disk.
+            os.fsync(draft.fileno())
+            os.chmod(draft.name, _mode(target))
+            os.replace(draft.name, target)
+        except BaseException:
+            # Whatever ended it, even Ctrl-C: no half draft stays beside the user's files.
+            Path(draft.name).unlink(missing_ok=True)
+            raise
+
+
+def _pour(target: Path, fill: Callable[[IO[bytes]], object]) -> None:
+    # Whole first: formats such as PDF go back in what they have written, and a pipe cannot.
+    whole = BytesIO()
+    fill(whole)
+    if not _is_stdout(target):
+        target.write_bytes(whole.getvalue())
+        return
+    # Opened anew, a file would be written from its beginning, over what was printed.
+    sys.stdout.flush()
+    with os.fdopen(os.dup(1), "wb") as stream:
+        stream.write(whole.getvalue())
+
+
+def _target(path: Path) -> Path:
+    """Where the links end; a device or pipe by the name that was given."""
+    # What /dev/stdout points to has no name of its own where it is a pipe.
+    if _is_stream(path):
+        return path
+    return Path(os.path.realpath(path))
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether `path` is written to instead of replaced: no file or folder, or where the text of this run goes."""
+    found = _found(path)
+    if found is None or stat.S_ISDIR(found.st_mode):
+        return False
+    return not stat.S_ISREG(found.st_mode) or _is_stdout(path)
+
+
+def _is_stdout(path: Path) -> bool:
+    try:
+        return os.path.samestat(path.stat(), os.fstat(1))
+    # Nothing there, or standard output is closed.
+    except (OSError, ValueError):
+        return False
+
+
+def _found(path: Path) -> os.stat_result | None:
+    try:
+        return path.stat()
+    except (OSError, ValueError):
+        return None
 
 
 def _mode(path: Path) -> int:

@@ -6,6 +6,7 @@ a terminal moves its cursor, changes its title or takes commands; or signs that 
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Iterable, Iterator
@@ -27,6 +28,13 @@ def plain_json(text: str) -> str:
     return _COMMANDS.sub(lambda sign: f"\\u{ord(sign[0]):04x}", text)
 
 
+STDERR = 2
+
+
+class LostStream(OSError):
+    """What is printed goes nowhere, as on a disk that is full: no fault of who prints it."""
+
+
 class PlainStream:
     """A stream to a terminal or file that shows such signs; all else is left to the stream below.
 
@@ -41,7 +49,8 @@ class PlainStream:
 
     def write(self, text: str) -> int:
         """Write `text`, with its commands shown."""
-        self.below.write(plain(text))
+        with _lost(self.below):
+            self.below.write(plain(text))
         # The length of what was handed in: whoever asks wants to know whether all of it was written.
         return len(text)
 
@@ -50,8 +59,28 @@ class PlainStream:
         for line in lines:
             self.write(line)
 
+    def flush(self) -> None:
+        """Hand over what was written."""
+        with _lost(self.below):
+            self.below.flush()
+
     def __getattr__(self, name: str) -> Any:
         return getattr(self.below, name)
+
+
+@contextmanager
+def _lost(stream: TextIO) -> Iterator[None]:
+    """Tell a stream that cannot be written from whatever else goes wrong with files."""
+    try:
+        yield
+    # Nobody reads on, which is another thing and no loss.
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        if stream.fileno() != STDERR:
+            raise LostStream(error.errno, f"cannot write what is printed: {error.strerror or error}") from error
+        # Nobody can be told, and the answer goes elsewhere: what waits to be written is let go with it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), STDERR)
 
 
 def below(stream: TextIO) -> TextIO:

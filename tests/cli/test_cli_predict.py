@@ -30,6 +30,22 @@ def test_numbers_table_and_picture_agree(springpot, fit, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("asked", "title", "at"), [("--omega", "omega [rad/s]", 2.0), ("--frequency", "frequency [Hz]", 2.0)]
+)
+def test_an_answer_is_told_in_the_frequencies_that_were_asked(springpot, fit, tmp_path, asked, title, at):
+    table = tmp_path / "predicted.csv"
+    told = springpot("predict", fit, asked, "2,3000", "-o", table)
+    unit = title.partition("[")[2].rstrip("]")
+    assert title in told.out
+    other = {"rad/s": "Hz", "Hz": "rad/s"}[unit]
+    assert f" {other}" not in told.out.replace(title, "")
+    head, first, *_ = table.read_text().split("\n")
+    ends = [f"{part}_{end} [kN/m]" for part in ("storage", "loss") for end in ("low", "high")]
+    assert head.split(",") == [title, "storage [kN/m]", "loss [kN/m]", *ends, "measured [text]"]
+    assert float(first.split(",")[0]) == pytest.approx(at)
+
+
+@pytest.mark.parametrize(
     ("options", "says"),
     [
         ((), "--frequency (hz) or --omega"),

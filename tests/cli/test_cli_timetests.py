@@ -80,8 +80,13 @@ def test_predict_says_whether_it_holds(springpot, fit, crept, swept, tmp_path):
     told = springpot("predict", fit, "--history", crept, "-o", table, "--figure", picture)
     assert told.code == 0, told.err
     assert "the prediction of creep holds" in told.out
-    assert table.read_text().startswith("time [s],value [-],low [-],high [-],measured [-]")
+    assert table.read_text().startswith("time [s],strain [-],strain_low [-],strain_high [-],strain_measured [-]\n")
     assert picture.stat().st_size > 5_000
+    assert springpot("predict", fit, "--history", swept, "-o", table).code == 0
+    ends = ("", "_low", "_high", "_measured")
+    names = [f"{quantity}{end} [kPa]" for quantity in ("storage", "loss") for end in ends]
+    head = table.read_text().partition("\n")[0].split(",")
+    assert head[1:] == names
     answer = springpot("predict", fit, "--history", swept, "--json").json
     assert (answer["kind"], answer["verdict"]) == ("sweep", "holds")
 

@@ -149,3 +149,15 @@ def test_too_few_samples_are_told(count):
     ):
         with pytest.raises(DataError, match=f"{count} samples with all of their numbers are no test in time"):
             make()
+
+
+@pytest.mark.parametrize("clock", [[0.0, 0.01, 0.1, 1.0, 10.0], [0.01, 0.05, 0.1, 1.0, 10.0]])
+def test_a_step_of_which_the_ramp_is_said_to_take_no_time_is_a_step(clock):
+    strain = [1e-3 * (1.0 + 0.1 * i) for i in range(5)]
+    stress = [0.0 if t == 0.0 else 10.0 for t in clock]
+    plain = TimeTest.of_history(clock, strain, stress, "-", "Pa", control="force")
+    stepped = TimeTest.of_history(clock, strain, stress, "-", "Pa", control="force", rise=0.0)
+    assert (plain.rise, stepped.rise) == (0.01, 0.0)
+    assert stepped.kind == "creep"
+    when, sizes = stepped.loading.jumps
+    assert (when.tolist(), sizes.tolist()) == ([0.0], [10.0])

@@ -205,3 +205,26 @@ def test_a_title_tells_which_modulus_a_test_in_time_is_of(tmp_path, header: str,
     lines = [header, *(",".join(map(str, row)) for row in rows)]
     [test] = open_in_time(put(tmp_path, "\n".join(lines) + "\n"))
     assert test.units.modulus == letter
+
+
+@pytest.mark.parametrize("more", ["", " 0 0.1 200"], ids=["two columns", "more of the rheometer"])
+def test_a_startup_of_shear_is_never_a_sweep(tmp_path, more):
+    rows = "".join(f"{t:.2E} {800 * t**0.8:.6g}{more}\n" for t in np.geomspace(0.25, 180.0, 12))
+    path = put(tmp_path, f"gdot=0.1;T=160;\ntime\th\t\ns\tPa-s\t\n{rows}", "my 160-01 shear.shear")
+    [test] = open_in_time(path)
+    assert (test.kind, test.units.stiffness, test.temperature) == ("startup", "Pa", 160.0)
+    # The growth of the viscosity times the rate is the stress.
+    assert test.response[0] == pytest.approx(0.1 * 800 * 0.25**0.8, rel=1e-5)
+    assert test.loading.value[-1] == pytest.approx(0.1 * 180.0)
+
+
+def test_a_real_startup_is_one():
+    [test] = open_in_time(shared("..", "unseen", "My_dow150-160-01 shear.shear"))
+    assert (test.kind, len(test)) == ("startup", 89)
+
+
+def test_a_ramp_that_is_said_to_take_no_time_is_heeded(tmp_path):
+    rows = "".join(f"{t},{1e-3 * t**0.3},10\n" for t in (0.05, 0.5, 2.0, 4.0, 8.0))
+    path = put(tmp_path, "time [s],strain [-],stress [Pa]\n" + rows)
+    [plain], [stepped] = open_in_time(path), open_in_time(f"{path}?ramp=0[s]")
+    assert (plain.rise, stepped.rise) == (0.05, 0.0)

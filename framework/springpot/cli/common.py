@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, redirect_stdout
 from pathlib import Path
 from shutil import get_terminal_size
@@ -22,7 +22,27 @@ F = TypeVar("F", bound=Callable[..., Any])
 NARROWEST, USUAL, WIDEST = 60, 120, 140
 """Columns between which text is laid out: below, tables cannot be read; above, sentences cannot."""
 FILE = click.Path(path_type=Path)
+"""A file or folder that a command writes."""
 POSITIVE = click.IntRange(min=1)
+
+
+class _Input(click.Path):
+    """What a command reads, which no output of it replaces."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The value, after the file that it names has been remembered."""
+        from springpot.files import keep_input
+
+        text = str(value)
+        # A part, columns and rows may be chosen behind the name of a file, which may hold such marks itself.
+        for i in (*(i for i, sign in enumerate(text) if sign in "#?@"), len(text)):
+            keep_input(text[:i])
+        # Whether it can be a file is told by who reads it.
+        return self.coerce_path_result(value)
+
+
+DATA, INPUT = _Input(path_type=str), _Input(path_type=Path)
+"""What is read: data as a user names them, and any other file."""
 
 
 OUTPUT = "springpot.output"
@@ -53,7 +73,7 @@ def print_json(result: Any, indent: int | None = 2) -> None:
 
 def data_argument(command: F) -> F:
     """Add the argument DATA: a file or the name of a registered data set."""
-    return click.argument("data", metavar="DATA", shell_complete=completion.data)(command)
+    return click.argument("data", type=DATA, metavar="DATA", shell_complete=completion.data)(command)
 
 
 MODEL = "Model expression such as 'fractional-maxwell + inertia'; see 'springpot list models'."
@@ -166,6 +186,13 @@ def with_rows(named: str, chosen: str) -> str:
     if "@" in named and not is_file(named):
         return f"{named},{chosen}"
     return f"{named}@{chosen}"
+
+
+def turned(provenance: Mapping[str, str]) -> str:
+    """The data with one channel turned, where it seems to count the other way; empty for others."""
+    from shlex import split
+
+    return "".join(split(provenance.get("note sign", "").partition(", open ")[2]))
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import click
 
 from . import completion, timetests
 from .common import (
+    DATA,
     geometry_option,
     json_option,
     judged_option,
@@ -19,6 +20,7 @@ from .common import (
     print_json,
     quoted,
     seed_option,
+    turned,
     verbose_option,
     window,
     with_rows,
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @click.command("diagnose", epilog="Example: springpot diagnose damper.csv --model fractional-maxwell")
-@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.argument("data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @judged_option
 @known_options
 @seed_option
@@ -114,15 +116,18 @@ def _text(diagnosis: Diagnosis, measurement: Measurement, verbose: bool, named: 
 
     # At once: what is there stays, even where the rest is interrupted.
     print(diagnosis_text(diagnosis, measurement, window(), verbose), flush=True)
-    if command := _next_command(diagnosis, named, model):
+    if command := _next_command(diagnosis, named, model, turned(measurement.provenance)):
         print(f"\nnext: springpot {command}", flush=True)
 
 
-def _next_command(diagnosis: Diagnosis, named: str, model: str | None) -> str:
+def _next_command(diagnosis: Diagnosis, named: str, model: str | None, other_way: str = "") -> str:
     """The command that goes on from an answer; empty where only a measurement does."""
     judged = ""
     if model is not None:
         judged = f" --model {quoted(model)}"
+    # Before all else: of a force that counts the other way every other answer is wrong.
+    if other_way:
+        return f"diagnose {quoted(other_way)}{judged}"
     # Before any effect: what sets several tests apart is none, and would be mended by a wrong one.
     if diagnosis.one_test:
         return f"diagnose {quoted(with_rows(named, diagnosis.one_test))}{judged}"

@@ -11,7 +11,7 @@ import click
 
 from springpot.errors import SpringpotError
 from springpot.owners import blamed, described
-from springpot.plain import plain_streams
+from springpot.plain import LostStream, plain_streams
 
 # The last two as shells have them: 128 and the number of the signal.
 BAD_INPUT, FAULT, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
@@ -54,6 +54,10 @@ def _exit_code(action: Callable[[], int]) -> int:
         # The reader has gone; without this, Python complains when it flushes stdout on its way out.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return BROKEN_PIPE
+    except LostStream as error:
+        # What is still waiting to be written would fail again on the way out.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return _say(str(error.strerror), BAD_INPUT)
     # The last net: a user sees a line, never a traceback.
     except Exception as error:
         return _fault(error)

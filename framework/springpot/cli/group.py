@@ -71,6 +71,11 @@ class LazyGroup(click.Group):
 @click.version_option(__version__, prog_name="springpot", message="%(prog)s %(version)s")
 def springpot() -> None:
     """Identify viscoelastic models, find the missing physical effect, race optimisers fairly."""
+    # Not above: ``--help`` writes nothing.
+    from springpot.files import one_run
+
+    # Before the command's arguments are looked at, among which are its inputs.
+    click.get_current_context().with_resource(one_run())
 
 
 def run(arguments: list[str]) -> int:

@@ -13,6 +13,7 @@ from springpot.policy import INTERVALS
 
 from . import completion, timetests
 from .common import (
+    DATA,
     FILE,
     POSITIVE,
     emit,
@@ -44,7 +45,7 @@ OPTIMISER = (
 @click.command(
     "identify", epilog="Example: springpot identify damper.csv --model fractional-maxwell --figure fit.png"
 )
-@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
+@click.argument("data", type=DATA, nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @model_option
 @known_options
 @click.option("--start", multiple=True, metavar="NAME=VALUE", help="Where the native solver begins too.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import timetests
-from .common import FILE, emit, json_option
+from .common import DATA, FILE, INPUT, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.identification import Prediction
@@ -18,10 +18,12 @@ SPACED = 25
 
 
 @click.command("predict", epilog="Example: springpot predict fit.json --frequency 0.1..100 --temperature 35")
-@click.argument("fit", type=FILE, metavar="FIT.json")
+@click.argument("fit", type=INPUT, metavar="FIT.json")
 @click.option("--frequency", "-f", metavar="HZ", help="In Hz: numbers with commas, or a range such as 0.1..100.")
 @click.option("--omega", "-w", metavar="RAD/S", help="In rad/s instead.")
-@click.option("--history", metavar="FILE", help="A test in time, or a sweep, that is predicted and compared.")
+@click.option(
+    "--history", type=DATA, metavar="FILE", help="A test in time, or a sweep, that is predicted and compared."
+)
 @click.option("--temperature", "-t", type=float, metavar="DEGC", help="In degC, where the model depends on it.")
 @click.option("--amplitude", "-a", type=float, metavar="X", help="In the amplitude unit of the data.")
 @click.option("--level", type=click.FloatRange(0.0, 1.0, True, True), default=0.95, show_default=True)
@@ -47,14 +49,16 @@ def command(
     prediction holds; where only what is imposed is in FILE, the answer to it is given.
     """
     from springpot.errors import DataError
-    from springpot.files import write_text
+    from springpot.files import require_writable, write_text
     from springpot.identification import Identification
     from springpot.loading import load
     from springpot.report.canvas import check_figure_path
     from springpot.timetests import Known
 
+    # A path that cannot be written is told before anything is worked out.
+    if output is not None:
+        require_writable(output)
     if figure is not None:
-        # A path that cannot be written is told before anything is worked out.
         check_figure_path(figure)
     # Hz and rad/s have no common default: a wrong guess would be off by a factor of six, unseen.
     if [frequency, omega, history].count(None) != 2:
@@ -116,14 +120,15 @@ def show(predicted: Prediction) -> None:
     unit, given = predicted.units.stiffness, predicted.conditions
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
     band = f"{100.0 * predicted.level:g} % band"
-    headers = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in given)]
+    headers = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in given)]
     # The second band has a blank behind it, as two columns of one name would be one.
     headers += [f"storage [{unit}]", band, f"loss [{unit}]", f"{band} ", "measured"]
     rows = []
     for i in range(len(predicted)):
         storage = with_interval(predicted.storage[i], predicted.low.real[i], predicted.high.real[i])
         loss = with_interval(predicted.loss[i], predicted.low.imag[i], predicted.high.imag[i])
-        places = [number(float(predicted.frequency[i])), *(number(float(column[i])) for column in given.values())]
+        rate = predicted.units.on_clock(float(predicted.frequency[i]))
+        places = [number(rate), *(number(float(column[i])) for column in given.values())]
         rows.append([*places, *storage, *loss, timetests.WHERE[int(predicted.outside[i])]])
     print(f"{predicted.model}\n")
     table = Table(headers, rows, frozenset(headers) - {band, f"{band} ", "measured"})
@@ -134,18 +139,23 @@ def show(predicted: Prediction) -> None:
         print(f"note        {note}")
 
 
+def _clock(predicted: Prediction) -> str:
+    """The title of the frequencies, which are told as they were asked for."""
+    return {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.units.clock]
+
+
 def table_text(predicted: Prediction) -> str:
     """A CSV table with units in its header, which opens again as a measurement."""
     unit = predicted.units.stiffness
     units = {"temperature": "degC", "amplitude": predicted.units.amplitude}
-    names = ["frequency [Hz]", *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
+    names = [_clock(predicted), *(f"{name} [{units.get(name, '-')}]" for name in predicted.conditions)]
     names += [f"{name} [{unit}]" for name in ("storage", "loss")]
-    names += [f"{part}_{end} [-]" for part in ("storage", "loss") for end in ("low", "high")]
+    names += [f"{part}_{end} [{unit}]" for part in ("storage", "loss") for end in ("low", "high")]
     names.append("measured [text]")
     lines = [",".join(names)]
     for row, outside in zip(predicted.rows(), predicted.outside.tolist(), strict=True):
-        # The angular frequency beside the frequency would be one column too many.
-        kept = (row[0], *row[2:])
+        # The other of frequency and angular frequency would be one column too many.
+        kept = (row[predicted.units.clock == "rad/s"], *row[2:])
         # `repr` keeps every digit: the table opens again as the same numbers.
         lines.append(",".join([*map(repr, kept), timetests.WHERE[outside]]))
     return "\n".join(lines) + "\n"

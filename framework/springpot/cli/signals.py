@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import FILE, POSITIVE, emit, json_option, quoted
+from .common import DATA, FILE, POSITIVE, emit, json_option, quoted
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement
@@ -17,7 +17,7 @@ FREQUENCY = click.FloatRange(min=0.0, min_open=True)
 
 
 @click.command("signals", epilog="Example: springpot signals test-*.csv -o damper.csv")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=DATA, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="CSV", help="Write the measurement here.")
 @click.option("--frequency", type=FREQUENCY, metavar="HZ", help="Excitation frequency; estimated by default.")
 @click.option("--harmonics", type=POSITIVE, default=5, show_default=True, metavar="N", help="Harmonics to fit.")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .common import emit, note_to_stderr, opened, quoted, window
+from .common import emit, note_to_stderr, opened, quoted, turned, window
 
 if TYPE_CHECKING:
     from springpot.identification import Identification
@@ -118,7 +118,7 @@ def diagnose(
     from springpot.timetests import diagnose as diagnose_in_time
 
     diagnosis = diagnose_in_time(tests, model or any_material(), library_in_time())
-    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, data, named))
+    emit(diagnosis, as_json, lambda: _show_diagnosis(diagnosis, tests, data, named))
 
 
 def discover(
@@ -151,16 +151,31 @@ def discover(
         print(f"\nwritten: {figure}")
 
 
-def _show_diagnosis(diagnosis: TimeDiagnosis, data: Sequence[str], model: str | None) -> None:
+def _show_diagnosis(diagnosis: TimeDiagnosis, tests: Sequence[Test], data: Sequence[str], model: str | None) -> None:
     from springpot.report.fits import diagnosed_in_time_text
 
     print(diagnosed_in_time_text(diagnosis, window()))
-    if diagnosis.missing:
-        judged = ""
-        if model is not None:
-            judged = f" --model {quoted(model)}"
+    judged = ""
+    if model is not None:
+        judged = f" --model {quoted(model)}"
+    # Before all else: of a force that counts the other way every other answer is wrong.
+    right_way = _turned(tests, data)
+    if right_way != list(data):
+        print(f"\nnext: springpot diagnose {' '.join(map(quoted, right_way))}{judged}")
+    elif diagnosis.missing:
         named = " ".join(map(quoted, data))
         print(f"\nnext: springpot discover {named}{judged} --accept {quoted(diagnosis.missing[0])}")
+
+
+def _turned(tests: Sequence[Test], data: Sequence[str]) -> list[str]:
+    """The data, each with its force turned where that seems to count the other way."""
+    from springpot.measurement.naming import file_and_choice
+
+    others = [other for test in tests if (other := turned(test.provenance))]
+    return [
+        next((other for other in others if file_and_choice(other)[0] == file_and_choice(spec)[0]), spec)
+        for spec in data
+    ]
 
 
 def described(tests: Sequence[TimeTest]) -> dict[str, Any]:
@@ -253,6 +268,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     from dataclasses import replace
 
     from springpot.errors import DataError
+    from springpot.measurement.naming import with_part
     from springpot.registry import open_in_time
 
     # Behind the first question mark answers are parted by commas.
@@ -264,7 +280,7 @@ def _asked(spec: str, temperature: float | None) -> Test:
     if not in_time:
         return opened(spec)
     if len(in_time) > 1:
-        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {spec}#1")
+        raise DataError(f"{spec}: {len(in_time)} tests; choose one by '#', such as {quoted(with_part(spec, 1))}")
     if temperature is None:
         return in_time[0]
     # At one temperature: that which the file has from sample to sample would go before it.
@@ -273,16 +289,26 @@ def _asked(spec: str, temperature: float | None) -> Test:
 
 def _table_text(predicted: TestPrediction) -> str:
     """A CSV table with units in its header."""
-    clock = "time [s]"
+    from springpot.measurement import Units
+
+    clock, at = "time [s]", predicted.at
+    quantities = {predicted.quantity: slice(None)}
     if predicted.kind == "sweep":
-        clock = "frequency [Hz]"
-    unit = predicted.unit
-    names = [clock, f"value [{unit}]", f"low [{unit}]", f"high [{unit}]"]
-    columns = [predicted.at, predicted.value, predicted.low, predicted.high]
-    if predicted.judged:
-        names, columns = [*names, f"measured [{unit}]"], [*columns, predicted.measured]
+        # All of storage, then all of loss, at the same frequencies.
+        half = len(at) // 2
+        quantities = {"storage": slice(half), "loss": slice(half, None)}
+        clock = {"Hz": "frequency [Hz]", "rad/s": "omega [rad/s]"}[predicted.clock]
+        at = Units(clock=predicted.clock).on_clock(at[:half])
+    names, columns = [clock], [at]
+    for quantity, rows in quantities.items():
+        told = {"": predicted.value, "_low": predicted.low, "_high": predicted.high}
+        if predicted.judged:
+            told["_measured"] = predicted.measured
+        names += [f"{quantity}{end} [{predicted.unit}]" for end in told]
+        columns += [column[rows] for column in told.values()]
     lines = [",".join([*names, "measured [text]"])]
-    for *row, outside in zip(*(column.tolist() for column in (*columns, predicted.outside)), strict=True):
+    places = [WHERE[outside] for outside in predicted.outside[: len(at)].tolist()]
+    for *row, place in zip(*(column.tolist() for column in columns), places, strict=True):
         # `repr` keeps every digit.
-        lines.append(",".join([*map(repr, row), WHERE[outside]]))
+        lines.append(",".join([*map(repr, row), place]))
     return "\n".join(lines) + "\n"

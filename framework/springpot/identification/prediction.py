@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -162,8 +162,14 @@ def predict(
     reach = Uncertainty(fit, known.absolute, level).quantile * sd
     with np.errstate(invalid="ignore"):
         low, high = (value.real + s * reach.real + 1j * (value.imag + s * reach.imag) for s in (-1.0, 1.0))
+    units = fit.measurement.units
+    # Told in the frequencies in which it was asked.
+    if omega is not None:
+        units = replace(units, clock="rad/s")
+    elif frequency is not None:
+        units = replace(units, clock="Hz")
     covered = Covered.of([fit.measurement])
-    return Prediction(fit.model.name, rate, value, low, high, conditions, fit.measurement.units, level, covered)
+    return Prediction(fit.model.name, rate, value, low, high, conditions, units, level, covered)
 
 
 def _rate(data: Measurement, frequency: ArrayLike | None, omega: ArrayLike | None) -> Real:

@@ -130,9 +130,12 @@ def _at_levels(value: Real) -> float:
     return float(np.mean((np.abs(size - level) <= STEADY * largest) | (size <= STEADY * largest)))
 
 
-def from_rest(clock: Real, imposed: Real, rise: float) -> Loading:
-    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing."""
-    if rise > 0.0:
+def from_rest(clock: Real, imposed: Real, rise: float | None) -> Loading:
+    """The record as a loading; what is there already at a first sample after t = 0 began at t = 0 from nothing.
+
+    With a rise it led from there to what the record holds afterwards; a rise of nothing is a step.
+    """
+    if rise is not None:
         later = clock > rise
         # Where the record ends within the rise, its last value is the best there is for where the rise led.
         reached = imposed[-1:]

@@ -444,4 +444,6 @@ def _of_rows(provenance: Mapping[str, str], stiffness: Complex) -> dict[str, str
         kept.pop("note storage", None)
     if np.all(stiffness.imag >= 0.0):
         kept.pop("note loss", None)
+    if 2 * np.sum((stiffness.real < 0.0) & (stiffness.imag < 0.0)) <= len(stiffness):
+        kept.pop("note sign", None)
     return kept

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from itertools import islice, pairwise
 from pathlib import Path
+from shlex import quote
 
 from springpot.errors import DataError
 
@@ -37,6 +38,20 @@ def is_file(text: str) -> bool:
         return text not in ("", ".", "..") and Path(text).exists()
     except (OSError, ValueError):
         return False
+
+
+def in_quotes(text: str) -> str:
+    """An argument in a sentence, in quotes as a shell takes it; a name may hold an apostrophe itself.
+
+    Examples
+    --------
+    >>> from springpot.measurement.naming import in_quotes
+    >>> print(in_quotes("gel.csv?storage=Pa"), in_quotes("Bob's.csv"))
+    'gel.csv?storage=Pa' 'Bob'"'"'s.csv'
+    """
+    if "'" in text:
+        return quote(text)
+    return f"'{text}'"
 
 
 def short(text: str) -> str:
@@ -73,6 +88,26 @@ def file_and_choice(text: str) -> tuple[str, Choice]:
     if not part.strip():
         raise DataError(f"'{short(text)}': give the number or name of a part after '#', such as FILE#2")
     return stem, Choice(part.strip(), columns)
+
+
+def without_rows(text: str) -> str:
+    """What a user names, without the choice of rows behind it, in which any word of a file may stand.
+
+    A file whose own name holds ``@`` goes first.
+    """
+    if is_file(text):
+        return text
+    stems = (text[:i] for i, sign in enumerate(text) if sign == "@")
+    return next((stem for stem in stems if names_file(stem)), text)
+
+
+def names_file(text: str) -> bool:
+    """Whether a file is named, with what is said of its parts and columns."""
+    try:
+        return is_file(file_and_choice(text)[0])
+    # What follows a mark is no choice of columns, and so a part of some other name.
+    except DataError:
+        return False
 
 
 def with_part(text: str, number: int) -> str:
@@ -115,7 +150,7 @@ def temperature_offer(path: Path) -> dict[str, str]:
     if stated is None:
         return {}
     text, number, unit = stated
-    offer = f"'{path}?temperature={number}[{unit}]'"
+    offer = in_quotes(f"{path}?temperature={number}[{unit}]")
     return {"note temperature": f"no temperature in the file; if '{text}' in its name is one, open {offer}"}
 
 

@@ -14,15 +14,16 @@ from pathlib import Path
 from typing import TypeVar
 
 from springpot.errors import DataError
+from springpot.files import keep_input
 from springpot.owners import owned
 
 from .budget import require_regular, within_budget
 from .catalogue import DataSet
 from .from_signals import measurement_from_signals
 from .measurement import Measurement
-from .naming import LISTED, file_and_choice, is_file, short, temperature_offer
+from .naming import LISTED, file_and_choice, in_quotes, is_file, names_file, short, temperature_offer, without_rows
 from .reader import Choice, Part, Reader
-from .recognition import guarded, surest
+from .recognition import guarded, surest, to_type
 from .selection import conditions, select
 from .signals import Signals
 
@@ -54,6 +55,11 @@ def open_measurement(spec: str | Path, datasets: Iterable[DataSet], readers: Ite
     if is_file(text):
         return _read(Path(text), Choice(), readers)
     # A file may have an @ in its name: only what is no file is taken apart.
+    stem = without_rows(text)
+    if stem != text:
+        return select(_named(stem, datasets, readers), conditions(text[len(stem) + 1 :], short(text)))
+    if names_file(text):
+        return _named(text, datasets, readers)
     name, at, wanted = text.rpartition("@")
     # A value may hold one too, as in binder=PG 64-22 @ 58: what follows it is then no condition.
     while "@" in name and "=" not in wanted:
@@ -138,6 +144,8 @@ def read_head(path: Path) -> bytes:
         raise DataError(f"{short(str(path))}: cannot be read: {reason}") from None
     if not head:
         raise DataError(f"{path}: the file is empty")
+    # Of a data set the command line knows only the name.
+    keep_input(path)
     return head
 
 
@@ -182,8 +190,7 @@ def _read(path: Path, choice: Choice, readers: Iterable[Reader]) -> Measurement:
         provenance = dict(measurement.provenance)
         for key, text in provenance.items():
             if key.startswith("note "):
-                # A reader does not know under which name the user opened the file.
-                provenance[key] = text.replace("'FILE", f"'{path}")
+                provenance[key] = to_type(path, text, choice)
         # A number in the file's name is only offered: what the file itself says comes first.
         if "temperature" not in measurement.conditions:
             provenance |= temperature_offer(path)
@@ -201,15 +208,10 @@ def parts_of(spec: str | Path, readers: Iterable[Reader]) -> tuple[Part, ...]:
     DataError
         If the file cannot be read.
     """
-    text = str(spec)
-    # A file may have an @ in its name: the whole text goes first.
-    for name in (text, text.rpartition("@")[0]):
-        if not name:
-            continue
-        path = file_and_choice(name)[0]
-        if is_file(path):
-            return _parts(Path(path), list(readers))
-    return ()
+    path = file_and_choice(without_rows(str(spec)))[0]
+    if not is_file(path):
+        return ()
+    return _parts(Path(path), list(readers))
 
 
 def _parts(path: Path, readers: list[Reader]) -> tuple[Part, ...]:
@@ -222,7 +224,7 @@ def _parts_by(reader: Reader, path: Path) -> tuple[Part, ...]:
         return ()
     listed = guarded(reader, path, lambda: list_parts(path))
     # A reader does not know under which name the user opened the file.
-    return tuple(replace(part, says=part.says.replace("'FILE", f"'{path}")) for part in listed)
+    return tuple(replace(part, says=to_type(path, part.says, Choice())) for part in listed)
 
 
 def signals_to_measurement(
@@ -260,10 +262,10 @@ def signals_to_measurement(
     )
     provenance = dict(measurement.provenance)
     for path in paths:
-        file = file_and_choice(str(path))[0]
+        file, choice = file_and_choice(str(path))
         key = f"note {Path(file).stem}"
         if key in provenance:
-            provenance[key] = provenance[key].replace("'FILE", f"'{file}")
+            provenance[key] = to_type(Path(file), provenance[key], choice)
     return replace(measurement, provenance=provenance)
 
 
@@ -280,9 +282,9 @@ def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:
         reader = pick_reader(path, [each for each in readers if each.signals is not None])
     load = reader.signals
     if load is None:
-        advice = (
-            f"if they are, say which by name or number: '{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]'"
+        advice = "if they are, say which by name or number: " + in_quotes(
+            f"{path}?NAME=time[s],NAME=displacement[mm],NAME=force[N]"
         )
-        otherwise = f"otherwise 'springpot inspect {path}' shows what it holds"
+        otherwise = f"otherwise springpot inspect {in_quotes(str(path))} shows what it holds"
         raise DataError(f"{path}: these are no signals against time (read as {reader.name}); {advice}; {otherwise}")
     return guarded(reader, path, lambda: load(path, choice), choice)

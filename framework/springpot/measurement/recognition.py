@@ -10,12 +10,13 @@ from typing import Protocol, TypeVar
 from springpot.errors import DataError, SpringpotError
 from springpot.owners import described, owned, owner_of
 
+from .naming import in_quotes
 from .question import OpenQuestion
 from .reader import Choice
 
 T = TypeVar("T")
 
-_HINT = re.compile(r"'FILE\?([^'?]*)'")
+_HINT = re.compile(r"'FILE([#?@]?)([^']*)'")
 """What an error offers to type."""
 
 
@@ -86,15 +87,28 @@ def guarded(reader: Recognising, path: Path, action: Callable[[], T], choice: Ch
 def _about(path: Path, message: str, choice: Choice) -> str:
     """An error as a user sees it: which file, and what to type instead of ``FILE``."""
     if str(path) in message:
-        return message
+        return to_type(path, message, choice)
     for own in (path.name, path.stem):
         # Signals and measurements name themselves; once is enough.
         message = message.removeprefix(f"{own}: ")
     sign = ": "
     if message.startswith(("line ", "column ")):
         sign = ", "
-    hinted = _HINT.sub(lambda hint: f"'FILE{said_with(choice, hint[1])}'", message).replace("'FILE", f"'{path}")
-    return f"{path}{sign}{hinted}"
+    return f"{path}{sign}{to_type(path, message, choice)}"
+
+
+def to_type(path: Path, text: str, choice: Choice) -> str:
+    """What a reader says, with what to type as a user has to: the file's name, and what was said of it before.
+
+    Readers and whoever judges a file do not know under which name it was opened, and write ``FILE``.
+    """
+
+    def typed(hint: re.Match[str]) -> str:
+        if hint[1] == "?":
+            return in_quotes(f"{path}{said_with(choice, hint[2])}")
+        return in_quotes(f"{path}{hint[1]}{hint[2]}")
+
+    return _HINT.sub(typed, text)
 
 
 def said_with(choice: Choice, answers: str) -> str:

@@ -149,6 +149,8 @@ def _matching_words(measured: Rows, key: str, value: str) -> NDArray[np.bool_]:
     within = [word for word in known if low in word.lower()]
     # The surest first: a word that is written out means itself, though it may begin another one.
     matches = exact or begins or within
+    if not value:
+        matches = exact
     if len(matches) != 1:
         reason = f"no {key} '{value}'"
         if matches:

@@ -40,7 +40,8 @@ def conditions(text: str, where: str) -> dict[str, str]:
     # A comma that no further condition follows belongs to a value, which may be anybody's words.
     for part in re.split(r",(?=[^,=]*=)", text):
         key, equals, value = (piece.strip() for piece in part.partition("="))
-        if not (key and equals and value):
+        # A value may be empty, as a remark is that was not written.
+        if not (key and equals):
             raise DataError(f"'{where}': write conditions as {EXAMPLE}")
         wanted[key] = value
     return wanted

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .budget import within_budget
-from .naming import file_and_choice, is_file
+from .naming import file_and_choice, is_file, without_rows
 from .opening import read_head
 from .reader import Choice
-from .recognition import guarded, surest
+from .recognition import guarded, surest, to_type
 from .timetest import TimeTest
 
 SURE = 0.5
@@ -54,6 +54,9 @@ def open_in_time(spec: str | Path, readers: Iterable[TimeReader]) -> tuple[TimeT
     DataError
         If the file holds tests in time that cannot be used, in one line.
     """
+    # Rows are chosen of sweeps: of a record they are no test.
+    if without_rows(str(spec)) != str(spec):
+        return ()
     name, choice = file_and_choice(str(spec))
     if not is_file(name) or Path(name).is_dir():
         return ()
@@ -66,4 +69,11 @@ def _read(path: Path, choice: Choice, readers: Sequence[TimeReader]) -> tuple[Ti
     # No error: whatever is no test in time may be a sweep, and is opened as one.
     if best is None or sure < SURE:
         return ()
-    return guarded(best, path, lambda: tuple(best.read(path, choice)), choice)
+    tests = guarded(best, path, lambda: tuple(best.read(path, choice)), choice)
+    return tuple(_told(test, path, choice) for test in tests)
+
+
+def _told(test: TimeTest, path: Path, choice: Choice) -> TimeTest:
+    """The test with what is told of it as a user types it."""
+    origin = {key: to_type(path, text, choice) for key, text in test.provenance.items()}
+    return replace(test, provenance=origin)

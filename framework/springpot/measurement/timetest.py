@@ -222,7 +222,7 @@ class TimeTest:
         force_unit: str,
         *,
         control: str | None = None,
-        rise: float = 0.0,
+        rise: float | None = None,
         temperature: float | ArrayLike | None = None,
         name: str = "history",
         provenance: Mapping[str, str] | None = None,
@@ -238,8 +238,8 @@ class TimeTest:
             Their units.
         control : {"displacement", "force"}, optional
             Which of the two was imposed; by default the one that is held, or else the displacement.
-        rise : float
-            Seconds that the load took from nothing to where the record begins, if that is known.
+        rise : float, optional
+            Seconds that the load took from nothing to what was held, if that is known; 0 for a step.
         temperature : float or array_like, shape (n,), optional
             In degC; one for each sample where it moved.
         name, provenance
@@ -295,7 +295,7 @@ class TimeTest:
         _require_samples(len(clock), name)
         _require_numbers(clock, course, name, control)
         # The same reading of a history as for a measured one, so that both are predicted alike.
-        loading = from_rest(clock, course, 0.0)
+        loading = from_rest(clock, course, None)
         return cls(
             clock,
             0.0 * clock,

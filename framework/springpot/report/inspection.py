@@ -5,6 +5,7 @@ Made of the dictionaries that ``springpot inspect --json`` prints, told in the w
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from shlex import quote
 from typing import Any
@@ -179,8 +180,9 @@ def next_step(result: dict[str, Any], spec: str) -> str:
     """The command to go on with: choose a part, then one curve of several temperatures, then a model."""
     together = result["provenance"].get("note together", "")
     # Several tests in one file come first: whatever else is done with them together is wrong.
-    if "choose one by '" in together:
-        chosen = together.partition("choose one by '")[2].partition("'")[0]
+    # What is chosen may hold an apostrophe itself: it ends where the sentence goes on.
+    if offered := re.search(r"choose one by '(.*?)'(?=; |$)", together):
+        chosen = offered[1]
         # Only the first condition of a selection begins with @; a further one follows a comma.
         if "@" in spec:
             chosen = chosen.replace("@", ",", 1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springpot.measurement import Measurement, TimeTest, material_of
+from springpot.measurement import Measurement, TimeTest, Units, material_of
 from springpot.rheology import Real
 from springpot.timetests import Test, TestPrediction, TimeIdentification, recorded
 from springpot.timetests.parts import InTimePart, parts_of_specimen
@@ -23,6 +23,8 @@ SMOOTH = 300
 """Points of a drawn curve."""
 DRAWN = 2000
 """Samples that are drawn of a test: more make a picture large and no clearer."""
+CLOCKS = {"Hz": "f [Hz]", "rad/s": "ω [rad/s]"}
+"""Titles of an axis of frequencies."""
 DECADE = 10.0
 """Values that differ by more than this are drawn on a logarithmic axis."""
 
@@ -81,7 +83,7 @@ def _draw_test(row: Sequence[Axes], part: InTimePart, fits: Sequence[TimeIdentif
             logarithmic(axes, "x")
             if test.response.min() > 0.0 and test.response.max() > DECADE * test.response.min():
                 logarithmic(axes, "y")
-    row[0].set_ylabel(f"{test.answered} [{test.response_unit}]")
+    row[0].set_ylabel(f"{test.words[1]} [{test.response_unit}]")
     row[0].set_title(f"{test.name}: {test.kind}")
     row[0].legend()
     # Two standard deviations of the noise.
@@ -116,17 +118,18 @@ def _curve_times(test: TimeTest) -> tuple[Real, Real]:
 def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIdentification]) -> None:
     # A line through points in any order would go to and fro.
     order = np.argsort(sweep.omega)
-    unit = sweep.units.stiffness
+    unit, clock = sweep.units.stiffness, CLOCKS[sweep.units.clock]
+    rate = sweep.units.on_clock(sweep.frequency)
     # A sweep has nothing of what a test in time did: only the material is drawn.
     computed = []
     for fit in fits:
         material = material_of(fit.model)
         computed.append(material.stiffness(fit.theta[: len(material.parameters)], sweep.points))
-    for axes, name, of in ((row[0], "storage", np.real), (row[1], "loss", np.imag)):
-        axes.plot(sweep.frequency, of(sweep.stiffness), ".", color=QUIET, label="measured")
+    for axes, name, of in ((row[0], sweep.units.storage, np.real), (row[1], sweep.units.loss, np.imag)):
+        axes.plot(rate, of(sweep.stiffness), ".", color=QUIET, label="measured")
         for colour, fit, k in zip(COLOURS, fits, computed, strict=False):
-            axes.plot(sweep.frequency[order], of(k)[order], color=colour, label=fit.model.name)
-        axes.set(xlabel="f [Hz]", ylabel=f"{name} [{unit}]")
+            axes.plot(rate[order], of(k)[order], color=colour, label=fit.model.name)
+        axes.set(xlabel=clock, ylabel=f"{name} [{unit}]")
         logarithmic(axes, "x")
         if np.all(of(sweep.stiffness) > 0.0):
             logarithmic(axes, "y")
@@ -134,8 +137,8 @@ def _draw_sweep(row: Sequence[Axes], sweep: Measurement, fits: Sequence[TimeIden
     row[0].legend()
     for colour, k in zip(_colours_of_residuals(fits), computed, strict=False):
         missed = 100.0 * np.abs(k - sweep.stiffness) / sweep.magnitude
-        row[2].plot(sweep.frequency, missed, ".", color=colour)
-    row[2].set(xlabel="f [Hz]", ylabel="error [% of |K|]")
+        row[2].plot(rate, missed, ".", color=colour)
+    row[2].set(xlabel=clock, ylabel="error [% of |K|]")
     row[2].axhline(0.0, color=INK, lw=0.5)
     logarithmic(row[2], "x")
 
@@ -162,12 +165,12 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
             half = len(predicted.at) // 2
             for axes, name, rows in zip(row, ("storage", "loss"), (slice(half), slice(half, None)), strict=True):
                 _draw_predicted(axes, predicted, rows)
-                axes.set(xlabel="f [Hz]", ylabel=f"{name} [{predicted.unit}]")
+                axes.set(xlabel=CLOCKS[predicted.clock], ylabel=f"{name} [{predicted.unit}]")
                 logarithmic(axes, "x")
         else:
             for axes in row:
                 _draw_predicted(axes, predicted, slice(None))
-                axes.set(xlabel="t [s]", ylabel=f"[{predicted.unit}]")
+                axes.set(xlabel="t [s]", ylabel=f"{predicted.quantity} [{predicted.unit}]")
             if predicted.at[0] > 0.0:
                 logarithmic(row[0], "x")
         row[0].set_title(f"{predicted.test}: {predicted.verdict}")
@@ -179,8 +182,11 @@ def figure_prediction(predicted: TestPrediction, path: str | Path | None = None)
 
 def _draw_predicted(axes: Axes, predicted: TestPrediction, rows: slice) -> None:
     order = np.argsort(predicted.at[rows])
-    at = predicted.at[rows][order]
+    told = predicted.at
+    if predicted.kind == "sweep":
+        told = Units(clock=predicted.clock).on_clock(told)
+    at = told[rows][order]
     if predicted.judged:
-        axes.plot(predicted.at[rows], predicted.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
+        axes.plot(told[rows], predicted.measured[rows], ".", color=QUIET, ms=2.5, label="measured")
     axes.fill_between(at, predicted.low[rows][order], predicted.high[rows][order], color=COLOURS[0], alpha=0.2, lw=0)
     axes.plot(at, predicted.value[rows][order], color=COLOURS[0], label=f"{predicted.model}, predicted")

@@ -81,7 +81,9 @@ class Continuum(Node):
         """K of one material at very many frequencies, as where a shift is tried at hundreds of settings."""
         from scipy.interpolate import CubicHermiteSpline  # a third of a second that `springpot --help` is spared
 
-        low, high = float(np.min(log_omega)), float(np.max(log_omega))
+        low = float(np.min(log_omega))
+        # A time sweep has but one frequency, and a curve two nodes.
+        high = max(float(np.max(log_omega)), low + SPACING)
         x = np.linspace(low, high, 2 + int((high - low) / SPACING))
         basis, slopes = self._basis(x, True)
         return np.asarray(CubicHermiteSpline(x, theta @ basis, theta @ slopes)(log_omega), dtype=np.complex128)

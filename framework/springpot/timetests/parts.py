@@ -276,4 +276,6 @@ def _in_units(sweep: Measurement, units: Units) -> Measurement:
     sd = sweep.sd
     if sd is not None:
         sd = sd * stiffer
-    return replace(sweep, stiffness=sweep.stiffness * stiffer, sd=sd, conditions=conditions, units=units)
+    # Frequencies are told as the sweep's own file tells them.
+    told = replace(units, clock=sweep.units.clock, letter=sweep.units.letter)
+    return replace(sweep, stiffness=sweep.stiffness * stiffer, sd=sd, conditions=conditions, units=told)

@@ -213,6 +213,10 @@ class TestPrediction:
         Which samples lie outside of what the fitted tests saw.
     notes : tuple of str
         What else one should know.
+    quantity : str
+        What the value is: force or displacement, stress or strain; of a sweep storage and then loss.
+    clock : {"Hz", "rad/s"}
+        In which frequencies of a sweep are told.
     """
 
     __test__ = False  # pytest takes it for a test otherwise
@@ -234,6 +238,8 @@ class TestPrediction:
     outside: NDArray[np.bool_]
     notes: tuple[str, ...] = ()
     judged: bool = True
+    quantity: str = "value"
+    clock: str = "Hz"
 
     @property
     def verdict(self) -> str:
@@ -268,13 +274,14 @@ class TestPrediction:
             return f"the fit hardly says anything of {self.test}: {size}{beyond}"
         if self.holds:
             return f"the prediction of {self.test} holds: {size}{beyond}"
-        way, unit = "too little", "s"
+        way = "too little"
         if self.bias > 0:
             way = "too much"
+        worst = self.at[int(np.argmax(np.abs(self.value - self.measured)))]
+        place = f"{worst:.3g} s"
         if self.kind == "sweep":
-            unit = "Hz"
-        worst = int(np.argmax(np.abs(self.value - self.measured)))
-        mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {self.at[worst]:.3g} {unit}"
+            place = Units(clock=self.clock).at(worst)
+        mean = f"{100 * abs(self.bias):.2g} % {way} on average, worst at {place}"
         return f"the prediction of {self.test} does not hold: {size}; {mean}{beyond}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -353,9 +360,11 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
     if isinstance(test, TimeTest):
         compared = _in_time(test, known, theta)
         kind, unit, judged = test.kind, test.response_unit, test.measured
+        quantity, clock = test.words[1], "Hz"
     else:
         compared = _at_frequencies(test, known, theta)
         kind, unit, judged = "sweep", test.units.stiffness, True
+        quantity, clock = "storage and loss", test.units.clock
     # Relative to the signal, so that tests in different units and of different kinds are judged alike.
     share = (compared.value - compared.measured) / compared.size
     reach = _reach(compared.by_theta, covariance)
@@ -388,6 +397,8 @@ def predict_test(known: Known | TimeIdentification | Identification, test: Test)
         ~inside,
         tuple(filter(None, [remark])),
         judged,
+        quantity,
+        clock,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -346,15 +346,7 @@ def _which(channel: str, titles: Sequence[str], free: Sequence[int]) -> Question
 
 def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning: str) -> list[str]:
     """Put what a user says of one column into the layout; notes of what the file itself says otherwise."""
-    tests: tuple[Callable[[int, str], bool], ...] = (
-        lambda i, title: name == str(i + 1) or name == title,
-        lambda i, title: fold(name) == fold(channel_of(title)[2]),
-        lambda i, title: name in layout and layout[name].column == i,
-        lambda i, title: channel_of(title)[0] == channel_of(name)[0] is not None,
-    )
-    column = _first_passing(tests, titles)
-    if column is None:
-        raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
+    column = _column(layout, titles, name, meaning)
     channel, unit, _ = channel_of(meaning)
     if channel is not None:
         before = layout.get(channel)
@@ -369,13 +361,29 @@ def _apply(layout: dict[str, _Place], titles: Sequence[str], name: str, meaning:
     return _overruled(channel, before, layout[channel], titles)
 
 
-def _first_passing(tests: Iterable[Callable[[int, str], bool]], titles: Sequence[str]) -> int | None:
-    """Column that passes the earliest of the tests: an exact name in any place goes before a mere likeness."""
-    for is_meant in tests:
-        for i, title in enumerate(titles):
-            if is_meant(i, title):
-                return i
-    return None
+def _column(layout: Mapping[str, _Place], titles: Sequence[str], name: str, meaning: str) -> int:
+    """The column that a user calls by number, title or channel.
+
+    Of several it is the one that would be taken without the hint, which says more of it and never another.
+    """
+    taken = {place.column for place in layout.values()}
+    tests: tuple[Callable[[int, str], bool], ...] = (
+        lambda i, title: name == str(i + 1) or name == title,
+        lambda i, title: name in layout and layout[name].column == i,
+        lambda i, title: fold(name) == fold(channel_of(title)[2]),
+        lambda i, title: channel_of(title)[0] == channel_of(name)[0] is not None,
+    )
+    # An exact name in any place goes before a mere likeness.
+    passing = ([i for i, title in enumerate(titles) if is_meant(i, title)] for is_meant in tests)
+    named = next((places for places in passing if places), [])
+    named = [i for i in named if i in taken] or named
+    if not named:
+        raise DataError(f"no column '{name:.40}' (there are: {', '.join(titles[:12])})")
+    if len(named) > 1:
+        shown = " or ".join(f"{i + 1}, '{titles[i]}'" for i in named[:4])
+        instead = f"write {named[0] + 1}={meaning:.40} or another number in its place"
+        raise DataError(f"'{name:.40}' may be column {shown}; {instead}")
+    return named[0]
 
 
 def _overruled(channel: str, before: _Place | None, now: _Place, titles: Sequence[str]) -> list[str]:

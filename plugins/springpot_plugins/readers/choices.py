@@ -20,9 +20,10 @@ from springpot.measurement import (
 from .blocks import ANGLE, FREQUENCY
 from .curve_names import logarithm
 from .flags import IGNORE, STATUS
-from .names import FREQUENCIES, ROLES, fold, role_of
+from .names import FREQUENCIES, ROLES, fold, rank, role_of
 from .proposals import proposal, stated_unit, usual_unit
-from .titles import UNITS, USUAL, Heading, heading, is_unit
+from .titles import UNITS, USUAL, Heading, apart_from_sign, heading, is_unit
+from .written import OPPOSITE
 
 LOG, CURVES = "log", "curves"
 WHOLE = frozenset((LOG, CURVES))
@@ -135,9 +136,18 @@ def _place(headings: Sequence[Heading], name: str, role: str | None) -> int:
     ):
         places = [i for i, heading in enumerate(headings) if test(heading)]
         if places:
-            return places[0]
+            # Of several the one that would be taken without the hint: that says more of it, and never another.
+            return min(places, key=lambda i: doubt(headings[i]))
     shown = ", ".join(heading.title or str(i) for i, heading in enumerate(headings[:12], 1))
     raise DataError(f"no column '{name:.40}' (there are: {shown}, or numbers 1 to {len(headings)})")
+
+
+def doubt(heading_: Heading) -> tuple[bool, int]:
+    """How unsure it is that a column is the one meant: least for a known name with a unit of its quantity."""
+    units = UNITS.get(str(heading_.role))
+    # A sensor in volts stands beside the calibrated one.
+    foreign = bool(units) and heading_.unit is not None and normal_unit(heading_.unit) not in (units or ())
+    return foreign, rank(heading_.name)
 
 
 def _meant(heading_: Heading, meaning: str) -> Heading:
@@ -150,6 +160,8 @@ def _meant(heading_: Heading, meaning: str) -> Heading:
         name, unit = match[1].strip(), match[2]
     elif is_unit(meaning) and meaning not in ROLES:
         return replace(heading_, unit=meaning, written=base or heading_.written)
+    elif is_unit(apart_from_sign(meaning)[1]) and not heading_.written:
+        return replace(heading_, unit=apart_from_sign(meaning)[1], written=OPPOSITE)
     role = _role(name)
     if role is None and name not in ("ignore", "none"):
         roles = "omega, frequency, storage, loss, magnitude, phase, loss_factor, temperature, amplitude, repeat"

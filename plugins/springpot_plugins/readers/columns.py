@@ -221,8 +221,9 @@ def _in_si(unit: str) -> float:
     return MODULUS_UNITS[known_unit(unit, MODULUS_UNITS, "")]
 
 
+SIGN = "note sign"
 NOTES_OF_VALUES = frozenset(
-    {"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED}
+    {"note storage", "note loss", "note together", "note temperature", AGAIN, EXCHANGED, SIGN}
     | {COLUMN_OF_AMPLITUDE, COLUMN_OF_TEMPERATURE}
 )
 """Notes that are made of the values and the file's name whenever a file is opened, and are not written into one."""
@@ -274,6 +275,27 @@ def _negative_loss(loss: Real, units: Units) -> str:
     if 2 * count > len(loss):
         return f"{note}; check the sign of the force or of the phase"
     return f"{note}; noise, or the instrument at its limit"
+
+
+def sign_note(measured: Measurement, own: Mapping[str, Column]) -> dict[str, str]:
+    """What to tell of a sweep in which force and displacement count in opposite directions.
+
+    Parameters
+    ----------
+    measured : Measurement
+        The sweep.
+    own : mapping of str to Column
+        The file's own columns by role: only what it holds itself can be turned by a hint.
+    """
+    # Either alone has other causes: a mass takes the storage away, a phase of the other sign the loss.
+    both = (measured.storage < 0.0) & (measured.loss < 0.0)
+    if not own.keys() >= {"storage", "loss"} or 2 * both.sum() <= len(measured):
+        return {}
+    hint = ",".join(f"{role}=-{own[role].unit}" for role in ("storage", "loss"))
+    return {
+        SIGN: "storage and loss are negative, as if the force had the wrong sign: "
+        f"if one channel counts the other way, open 'FILE?{hint}'"
+    }
 
 
 def _complex(real: Real, imaginary: Real) -> Complex:

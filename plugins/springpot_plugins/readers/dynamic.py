@@ -15,14 +15,14 @@ from springpot.measurement import Choice, Measurement, OpenQuestion, Part, Reade
 from springpot.rheology import Real
 
 from .blocks import Block, is_dynamic, lacking
-from .choices import CURVES, ask_base, ask_meaning, ask_units, with_choice
+from .choices import CURVES, ask_base, ask_meaning, ask_units, doubt, with_choice
 from .cleaning import bare_name, cleaned, is_blank, rows_of, with_unit_of_cells
-from .columns import measurement_of
+from .columns import measurement_of, sign_note
 from .derived import COMPLIANCES, VISCOSITIES, with_moduli
 from .flags import STATUS, flags_in, raw_phase_note
 from .grid import is_number
 from .joining import joined, require_one_kind
-from .names import FREQUENCIES, rank
+from .names import FREQUENCIES
 from .proposals import condition_name, offers, unit_proposal
 from .swing import SWINGING, counts_whole_swing, halved, unit_of_amplitude
 from .table import Column
@@ -283,11 +283,13 @@ def _measurement(block: Block, choice: Choice, provenance: Mapping[str, str], fu
     others = [c for c in columns if c.title not in used and c.name not in _REPEATED and _is_kept(c, further)]
     # Gaps before sums: what is not there in a row gives no modulus there.
     roles, others, notes = cleaned(roles, others)
+    own = dict(roles)
     roles = with_moduli(roles)
     flags = flags_in(_named(others, STATUS), *_moduli(roles), chosen.keeps_flagged)
     roles = {role: rows_of(column, flags.keep) for role, column in roles.items()}
     others = [rows_of(column, flags.keep) for column in others if column.name != STATUS]
     measured = measurement_of(roles, others, block.name or "part", dict(provenance))
+    notes |= sign_note(measured, own)
     notes |= flags.notes | raw_phase_note(_named(others, "raw_phase"), measured.frequency)
     for each in chosen.headings:
         if each.role in SWINGING and counts_whole_swing(each):
@@ -378,7 +380,7 @@ def _roles(columns: Sequence[Column]) -> dict[str, Column]:
         if column.name not in _MEANT or is_blank(column):
             continue
         before = roles.get(column.name)
-        if before is None or rank(bare_name(column)) < rank(bare_name(before)):
+        if before is None or _doubt(column) < _doubt(before):
             roles[column.name] = column
     if "omega" in roles and "frequency" in roles:
         # They say the same; an omega in another unit than rad/s is the doubtful one.
@@ -395,6 +397,10 @@ def _roles(columns: Sequence[Column]) -> dict[str, Column]:
         there = ", ".join(f"'{column.title}'" for column in roles.values()) or "no known column"
         raise DataError(f"found {there}; {lacking({str(role) for role in roles})}")
     return roles
+
+
+def _doubt(column: Column) -> tuple[bool, int]:
+    return doubt(Heading(column.title, bare_name(column), column.name, column.unit))
 
 
 def _is_kept(column: Column, further: bool) -> bool:

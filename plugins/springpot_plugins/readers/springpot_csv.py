@@ -31,7 +31,7 @@ from springpot.measurement import (
 )
 
 from .cleaning import cleaned
-from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of
+from .columns import NOTES_OF_VALUES, ROLES, TEXT, assign, measurement_of, sign_note
 from .generic import read as read_any
 from .grid import MISSING, shortest
 from .proposals import offers
@@ -90,6 +90,8 @@ def parse(text: str, name: str) -> Measurement:
     comments = {key: unguarded_line(value) for key, value in table.comments.items()}
     provenance = {key: value for key, value in comments.items() if key not in ("name", _TWICE, _TOLD)}
     measurement = measurement_of(roles, others, comments.get("name", name), {**provenance, **notes})
+    told = {**measurement.provenance, **sign_note(measurement, roles)}
+    measurement = replace(measurement, provenance=told)
     if _TOLD in comments:
         measurement = replace(measurement, units=_told(measurement.units, comments[_TOLD]))
     # A file that springpot wrote of repeated frequencies says so, since it must be readable again.

@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.errors import DataError
 from springpot.measurement import Choice, Reader, Signals, TimeReader, TimeTest
+from springpot.measurement.sign import sign_note
 
 from ..readers.grid import is_number
 from ..readers.reptate import first_line
@@ -59,7 +60,7 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
         name=path.stem,
         provenance={"file": path.name, **signals.provenance},
     )
-    return [test]
+    return [replace(test, provenance={**test.provenance, **sign_note(test, f"force=-{signals.force_unit}")})]
 
 
 def _signals(reader: Reader, path: Path, choice: Choice) -> Signals:

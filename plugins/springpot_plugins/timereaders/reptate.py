@@ -1,7 +1,8 @@
 """RepTate's files of tests in time: keys in the first line, then two columns.
 
 ``.gt`` holds t and G(t); ``.shear`` has the key ``gdot`` and holds t and the growth of the viscosity, which times the
-rate is the stress of a startup; ``.creep`` has the key ``stress`` and holds t and the strain. All in s, Pa and Pa s.
+rate is the stress of a startup, and perhaps further columns; ``.creep`` has the key ``stress`` and holds t and the
+strain. All in s, Pa and Pa s.
 """
 
 from __future__ import annotations
@@ -24,14 +25,15 @@ STEPS = {"gt", "g(t)"}
 
 
 def recognises(head: bytes) -> float:
-    """High for a first line of keys above two columns of numbers."""
+    """High for a first line of keys above two columns of numbers, or with the rate of a startup."""
     text = head_text(head)
     keys = first_line(text)
     if not keys or keys.keys() & CLOCKS:
         return 0.0
     widths = {len(line.split()) for line in text.split("\n")[1:40] if _is_row(line)}
-    # A sweep of RepTate has the same first line above three columns.
-    return 0.96 * (widths == {2})
+    # A sweep of RepTate has the same first line above three columns, but nothing that is sheared at one rate; what
+    # stands behind the first two columns of a startup is the rheometer's.
+    return 0.96 * (widths == {2} or ("gdot" in keys and bool(widths) and min(widths) >= 2))
 
 
 def read(path: Path, choice: Choice) -> list[TimeTest]:

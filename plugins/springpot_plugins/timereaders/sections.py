@@ -193,7 +193,7 @@ def cells_of(line: str, separator: str) -> list[str]:
 def title_of(text: str, unit: str = "") -> Title:
     """Role and unit of a title, such as ``time [s]`` or ``Ch 1 Kraft`` above ``kN``."""
     bare = _CHANNEL.sub("", " ".join(text.lstrip("#% ").split()))
-    stem, own_unit = _apart(bare)
+    stem, own_unit = apart(bare)
     named = heading(bare)
     for role, names in (("relaxation", RELAXATION), ("compliance", COMPLIANCE)):
         if fold(bare) in names:
@@ -212,7 +212,7 @@ def title_of(text: str, unit: str = "") -> Title:
     return Title(text, known.get(role, ""), _tidied(unit or own_unit))
 
 
-def _apart(title: str) -> tuple[str, str]:
+def apart(title: str) -> tuple[str, str]:
     """Name and unit of ``relaxation [kPa]``, ``Nachgiebigkeit / 1/Pa`` or ``compliance in 1/Pa``."""
     match = _BRACKETED.match(title) or _AFTER.match(title)
     if not match or not match[1]:

@@ -10,7 +10,7 @@ counts the other way ``FILE?force=-N``.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,16 +29,18 @@ from springpot.measurement import (
     temperature_in_celsius,
 )
 from springpot.measurement.from_signals import stiffness_unit
+from springpot.measurement.sign import sign_note
 from springpot.measurement.timetest import CONTROLS
 from springpot.rheology import Real
 
 from ..readers.blocks import blocks_of
+from ..readers.channels import UNITS
 from ..readers.grid import Grid, grid_of, head_grid
 from ..readers.moduli import letter_of
-from ..readers.names import role_of
+from ..readers.names import fold, role_of
 from ..readers.text import head_text, text_of
 from ..readers.titles import apart_from_sign, heading, is_unit
-from .sections import Section, Title, sections_of, title_of
+from .sections import Section, Title, apart, sections_of, title_of
 
 EXAMPLES = {"time": "s", "relaxation": "Pa", "compliance": "1/Pa", "displacement": "mm", "force": "N"}
 """What to write in a hint."""
@@ -64,8 +66,8 @@ class Manner:
     ----------
     control : str, optional
         Which channel was imposed.
-    ramp : float
-        Seconds that a step took.
+    ramp : float, optional
+        Seconds that a step took; None where nobody says so.
     temperature : float, optional
         In degC.
     planned : bool
@@ -73,7 +75,7 @@ class Manner:
     """
 
     control: str | None = None
-    ramp: float = 0.0
+    ramp: float | None = None
     temperature: float | None = None
     planned: bool = False
 
@@ -122,7 +124,7 @@ def read(path: Path, choice: Choice) -> list[TimeTest]:
             name = f"{path.stem}#{number}"
         try:
             told = _told(section, columns, path)
-            test = _test(told, manner, name, path)
+            test = _test(told, manner, name, path, _overruled(section, told))
             titles = [title.text for title in told.titles if title.role in ANSWERS]
             tests.append(replace(test, letter=letter_of(titles, test.units.is_modulus)))
         except DataError as error:
@@ -170,7 +172,7 @@ def _constant(
 ) -> tuple[float, str] | None:
     match = _CONSTANT.match(columns.get(name, ""))
     if match is None and name == "ramp" and name in columns:
-        raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write '{path}?ramp={example}'")
+        raise DataError(f"{path}: '{columns[name]:.20}' is no ramp: write 'FILE?ramp={example}'")
     if match is None:
         # A temperature may be said of a column too: "temperature=K".
         return None
@@ -181,39 +183,88 @@ def _constant(
 def _told(section: Section, columns: dict[str, str], path: Path) -> Section:
     """The section with the units and meanings that a user gives."""
     titles = list(section.titles)
-    for key, meaning in columns.items():
-        place = _place(titles, key)
-        if place is None:
-            shown = ", ".join(title.text for title in titles[:12])
-            raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
-        match = _MEANING.match(meaning)
-        sign, unit = apart_from_sign(meaning)
-        if match is None and is_unit(unit):
-            titles[place] = replace(titles[place], unit=normal_unit(unit), sign=sign)
-            continue
-        made = title_of(meaning)
-        if not made.role:
-            raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}")
-        for i, title in enumerate(titles):
-            if title.role == made.role:
-                # Of two columns that seem to be one thing, the one that was named is meant.
-                titles[i] = replace(title, role="")
-        titles[place] = Title(titles[place].text, made.role, made.unit or titles[place].unit)
+    # Before any hint is heeded: none changes which column another means.
+    places = [_place(section, key, meaning, path) for key, meaning in columns.items()]
+    for place, meaning in zip(places, columns.values(), strict=True):
+        titles[place] = _with_meaning(titles[place], meaning, path)
+    meant = {titles[place].role for place in places}
+    for i, title in enumerate(titles):
+        if title.role in meant and i not in places:
+            # Of two columns that seem to be one thing, the one that was named is meant.
+            titles[i] = replace(title, role="")
     return replace(section, titles=tuple(titles))
 
 
-def _place(titles: Sequence[Title], key: str) -> int | None:
+def _with_meaning(title: Title, meaning: str, path: Path) -> Title:
+    """A column with the unit or meaning that a user gives."""
+    sign, unit = apart_from_sign(meaning)
+    if _MEANING.match(meaning) is None and is_unit(unit):
+        return replace(title, unit=normal_unit(unit), sign=sign)
+    made = title_of(meaning)
+    if not made.role:
+        raise DataError(f"{path}: '{meaning:.40}' is neither a unit nor one of {', '.join(EXAMPLES)}")
+    sign, unit = apart_from_sign(made.unit or title.unit)
+    return Title(title.text, made.role, normal_unit(unit), sign)
+
+
+def _place(section: Section, key: str, meaning: str, path: Path) -> int:
+    """Where the column is that a user calls by number, title or role.
+
+    Of several it is the one that would be taken without the hint, which says more of it and never another.
+    """
+    titles = section.titles
     if key.isdigit() and 1 <= int(key) <= len(titles):
         return int(key) - 1
-    # A title as it stands before any that means the same.
-    role = title_of(key).role
-    exact = [i for i, title in enumerate(titles) if title.text.casefold() == key.casefold()]
-    alike = [i for i, title in enumerate(titles) if role and title.role == role]
-    return next(iter([*exact, *alike]), None)
+    # A title as it stands, then without its unit, before any that means the same.
+    tests: tuple[Callable[[Title], bool], ...] = (
+        lambda title: title.text.casefold() == key.casefold(),
+        lambda title: fold(apart(title.text)[0]) == fold(key),
+        lambda title: title.role == title_of(key).role != "",
+    )
+    passing = ([i for i, title in enumerate(titles) if test(title)] for test in tests)
+    named = next((places for places in passing if places), [])
+    role = ""
+    if named:
+        role = titles[named[0]].role
+    taken = _taken(section, role)
+    if taken in named:
+        return taken
+    # A sensor in volts beside the calibrated one is not meant by its quantity.
+    able = [i for i in named if not titles[i].unit or titles[i].unit in UNITS.get(role, ())]
+    named = able or named
+    if not named:
+        shown = ", ".join(title.text for title in titles[:12])
+        raise DataError(f"{path}: no column '{key:.40}' (there are: {shown})")
+    if len(named) > 1:
+        shown = " or ".join(f"{i + 1}, '{titles[i].text}'" for i in named[:4])
+        instead = f"write {named[0] + 1}={meaning:.40} or another number in its place"
+        raise DataError(f"{path}: '{key:.40}' may be column {shown}; {instead}")
+    return named[0]
 
 
-def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
+def _taken(section: Section, role: str) -> int | None:
+    """The column that is taken for this where a user says nothing."""
+    if role not in ("displacement", "force"):
+        return _first(section, role)
+    pair = _pair(section)
+    if pair is None:
+        return None
+    return pair[role == "force"]
+
+
+def _overruled(section: Section, told: Section) -> str:
+    """What the file says otherwise than the user."""
+    notes = []
+    for before, after in zip(section.titles, told.titles, strict=True):
+        if before.unit and after.role and after.unit != before.unit:
+            notes.append(f"'{before.text}' is in {after.unit} as you said; the file says {before.unit}")
+    return "; ".join(notes)
+
+
+def _test(section: Section, manner: Manner, name: str, path: Path, overruled: str) -> TimeTest:
     origin = {"file": path.name}
+    if overruled:
+        origin["note columns"] = overruled
     if section.name:
         origin["part"] = section.name
     _require_units(section, path)
@@ -227,7 +278,7 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
     # The record before a modulus that was computed from it: it has the real ramp.
     if pair is not None:
         moved, pulled = (section.titles[place] for place in pair)
-        return TimeTest.of_history(
+        test = TimeTest.of_history(
             clock,
             section.column(pair[0]),
             section.column(pair[1]),
@@ -237,12 +288,15 @@ def _test(section: Section, manner: Manner, name: str, path: Path) -> TimeTest:
             rise=manner.ramp,
             **common,  # type: ignore[arg-type]
         )
+        # The other way than it counts now.
+        opposite = "-" * (pulled.sign > 0.0)
+        return replace(test, provenance={**origin, **sign_note(test, f"force={opposite}{pulled.unit}")})
     if (place := _first(section, "relaxation")) is not None:
         unit, values = section.titles[place].unit, section.column(place)
-        return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
+        return TimeTest.of_relaxation(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
     if (place := _first(section, "compliance")) is not None:
         unit, values = _inverse(section.titles[place].unit, path), section.column(place)
-        return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp, **common)  # type: ignore[arg-type]
+        return TimeTest.of_compliance(clock, values, unit, rise=manner.ramp or 0.0, **common)  # type: ignore[arg-type]
     if manner.planned and (alone := _alone(section)) is not None:
         unit = section.titles[alone].unit
         return TimeTest.planned(clock, section.column(alone), unit, temperature=temperature, name=name)
@@ -288,15 +342,24 @@ def _require_units(section: Section, path: Path) -> None:
     if _pair(section) is None:
         # Displacement and force are of no use beside a modulus, unless their units make one.
         wanted |= section.roles & {"relaxation", "compliance"} or set(EXAMPLES)
-    bare = [title for title in section.titles if title.role in wanted and not title.unit]
-    if not bare:
+    places = [i for i, title in enumerate(section.titles) if title.role in wanted and not title.unit]
+    if not places:
         return
+    bare = [section.titles[i] for i in places]
     names = ", ".join(f"'{title.text}'" for title in bare)
-    spec = ",".join(f"{title.role}={EXAMPLES[title.role]}" for title in bare)
+    spec = ",".join(f"{_called(section, i)}={EXAMPLES[section.titles[i].role]}" for i in places)
     raise DataError(
         f"{path}, column {names}: there is no unit; write {bare[0].text} [{EXAMPLES[bare[0].role]}], "
-        f"or say it by '{path}?{spec}'"
+        f"or say it by 'FILE?{spec}'"
     )
+
+
+def _called(section: Section, place: int) -> str:
+    """The word by which a hint means this column: its number where others have its role."""
+    role = section.titles[place].role
+    if sum(title.role == role for title in section.titles) == 1:
+        return role
+    return str(place + 1)
 
 
 def _pair(section: Section) -> tuple[int, int] | None:
@@ -334,7 +397,7 @@ def _lacking(section: Section, path: Path) -> DataError:
             return DataError(f"{path}: {_instead(section, place, path)} (columns: {there})")
     return DataError(
         f"{path}: a {has} without a {lacks} is no test; add {lacks} [{EXAMPLES[lacks]}], or say which column is "
-        f"the relaxation modulus: '{path}?2=relaxation[Pa]' (columns: {there})"
+        f"the relaxation modulus: 'FILE?2=relaxation[Pa]' (columns: {there})"
     )
 
 
@@ -357,7 +420,7 @@ def _instead(section: Section, place: int, path: Path) -> str:
             "first contact less each gap"
         )
     return (
-        f"{what}; if it counts from the first contact, '{path}?{place + 1}=displacement[{title.unit}]' opens it as a "
+        f"{what}; if it counts from the first contact, 'FILE?{place + 1}=displacement[{title.unit}]' opens it as a "
         "test in time, for small deformations"
     )
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import FILE, emit, json_option
+from springpot.cli.common import DATA, FILE, emit, json_option
 
 FORMATS = ("ioh", "coco", "csv", "parquet")
 
 
 @click.command("export", epilog="Example: springpot export race --format ioh -o for-iohanalyzer")
-@click.argument("study", metavar="STUDY")
+@click.argument("study", type=DATA, metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), required=True, help="For which tool.")
 @click.option("-o", "--output", "folder", type=FILE, metavar="DIR", help="Folder; by default beside the results.")
 @click.option(

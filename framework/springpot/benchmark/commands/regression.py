@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.cli.common import FILE, POSITIVE, F, emit, json_option
+from springpot.cli.common import FILE, INPUT, POSITIVE, F, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark.gate.regression import Gate
@@ -21,7 +21,7 @@ def _shared(command: F) -> F:
         click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default."),
         click.option("--out", type=FILE, default=out, show_default=True, metavar="DIR", help=text),
         click.option("--baseline", type=FILE, metavar="FILE", help="By default OUT/NAME/baseline.json."),
-        click.argument("studies", nargs=-1, type=FILE, metavar="[STUDY.py|STORE]..."),
+        click.argument("studies", nargs=-1, type=INPUT, metavar="[STUDY.py|STORE]..."),
     ):
         command = add(command)
     return command
@@ -41,8 +41,12 @@ def _update(studies: tuple[Path, ...], baseline: Path | None, out: Path, workers
     Without arguments, every study that has a baseline.
     """
     from springpot.benchmark.gate.regression import known_scripts, update
+    from springpot.files import require_writable
 
     _require_one(studies, baseline)
+    # Told before the studies are run; a new one may lie in a folder that is yet to be made.
+    if baseline is not None and baseline.exists():
+        require_writable(baseline)
     files = [update(study, baseline, out, workers) for study in studies or known_scripts(out)]
     emit({"schema": "springpot.files/1", "files": files}, as_json, lambda: print(*files, sep="\n"))
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import FILE, POSITIVE, emit, json_option, own_stdout
+from springpot.cli.common import FILE, INPUT, POSITIVE, emit, json_option, own_stdout
 
 
 @click.command("run", epilog="Example: springpot run race.py --workers 2")
-@click.argument("study", type=FILE, metavar="STUDY.py")
+@click.argument("study", type=INPUT, metavar="STUDY.py")
 @click.option("--workers", type=POSITIVE, metavar="N", help="Processes; one for each core by default.")
 @click.option("--engine", metavar="NAME", help="local (default), serial or dask:ADDRESS.")
 @click.option("--budget", type=POSITIVE, metavar="N", help="Evaluations of each trial, instead of the study's.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import FILE, emit, json_option
+from springpot.cli.common import DATA, FILE, emit, json_option
 
 if TYPE_CHECKING:
     from springpot.benchmark import Table
@@ -16,7 +16,7 @@ FORMATS = ("md", "csv", "latex", "html")
 
 
 @click.command("tables", epilog="Example: springpot tables race --format latex --table summary")
-@click.argument("study", metavar="STUDY")
+@click.argument("study", type=DATA, metavar="STUDY")
 @click.option("--format", "kind", type=click.Choice(FORMATS), default="md", show_default=True)
 @click.option("--table", "wanted", metavar="NAME", help="Only this table, such as summary; all by default.")
 @click.option("--write", is_flag=True, help="Write files beside the study's results instead of printing.")

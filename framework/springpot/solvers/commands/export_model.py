@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-from springpot.cli.common import FILE, POSITIVE, emit, json_option, note_to_stderr
+from springpot.cli.common import DATA, FILE, POSITIVE, emit, json_option, note_to_stderr
 
 EXAMPLE = "Example: springpot export-model fit.json --to opensees --band 1Hz:48Hz --tolerance 0.5%"
 
 
 @click.command("export-model", epilog=EXAMPLE)
-@click.argument("source", metavar="FIT.json|MODEL")
+@click.argument("source", type=DATA, metavar="FIT.json|MODEL")
 @click.option("--to", "format_name", metavar="FORMAT", required=True, help="See 'springpot list writers'.")
 @click.option("--band", metavar="LOW:HIGH", required=True, help="Frequencies such as 1Hz:48Hz or 6rad/s:300rad/s.")
 @click.option("--tolerance", metavar="X%", help="Largest error of K on the band; 0.5% by default.")
@@ -37,9 +37,12 @@ def command(
     refused, for they do not belong to the specimen: leave them out with --without.
     """
     from springpot.errors import OptionError
-    from springpot.files import write_text, write_with
+    from springpot.files import require_writable, write_text, write_with
     from springpot.solvers.exporting import exported
 
+    # A path that cannot be written is told before anything is worked out.
+    if output is not None:
+        require_writable(output)
     handed = exported(source, format_name, tolerance=tolerance, **options)
     data = handed.data
     if data is not None:

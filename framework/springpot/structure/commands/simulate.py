@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.cli.common import FILE, emit, json_option
+from springpot.cli.common import DATA, FILE, INPUT, emit, json_option
 from springpot.cli.predict import numbers
 
 if TYPE_CHECKING:
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 @click.command("simulate", epilog="Example: springpot simulate frame.toml --record artificial:3.0 --figure drift.png")
-@click.argument("structure", type=FILE, metavar="STRUCTURE.toml")
-@click.option("--record", metavar="FILE", help="CSV of time and acceleration, or artificial:PEAK.")
+@click.argument("structure", type=INPUT, metavar="STRUCTURE.toml")
+@click.option("--record", type=DATA, metavar="FILE", help="CSV of time and acceleration, or artificial:PEAK.")
 @click.option("--frequency", "-f", metavar="HZ", help="Steady state instead: numbers with commas, or 0.5..10.")
 @click.option("--draws", type=click.IntRange(min=0), default=40, show_default=True, help="Of uncertain parameters.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all random numbers.")

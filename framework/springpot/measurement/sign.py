@@ -1,0 +1,76 @@
+"""A channel of a test in time that counts the other way: a specimen that gives work away, or pulls when pushed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from springpot.policy import SIGNALS
+from springpot.rheology import Real
+
+from .timetest import TimeTest
+
+NOTE = "note sign"
+"""Where the doubt is kept among what is told of a test."""
+_LIKENESS = 0.98
+"""Largest correlation of neighbouring residuals that is believed: beyond, a record would be worth no sample."""
+
+
+def sign_note(test: TimeTest, hint: str) -> dict[str, str]:
+    """What to tell of a test in which force and displacement count in opposite directions; nothing of another.
+
+    Parameters
+    ----------
+    test : TimeTest
+        Of any kind.
+    hint : str
+        What to say behind the file's name to turn one channel, such as ``force=-N``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from springpot.measurement import TimeTest
+    >>> from springpot.measurement.sign import sign_note
+    >>> t = np.linspace(0.0, 1.0, 200)
+    >>> test = TimeTest.of_history(t, np.sin(20 * t), -3.0 * np.sin(20 * t + 0.4), "mm", "N")
+    >>> sign_note(test, "force=-N")["note sign"][:45]
+    'the specimen gives work away, as if the force'
+    """
+    moved = np.interp(test.time, test.loading.time, test.loading.value)
+    pulled = test.response
+    if test.control == "force":
+        moved, pulled = pulled, moved
+    if test.kind == "history":
+        turned, why = _gives_work(test.time, moved, pulled), "the specimen gives work away"
+    else:
+        # No cycle, over which work is counted: a push is answered by a push.
+        turned, why = bool(2 * np.sum(moved * pulled < 0.0) > len(pulled)), "force and displacement are opposed"
+    if not turned:
+        return {}
+    turn = f"if one channel counts the other way, open 'FILE?{hint}'"
+    return {NOTE: f"{why}, as if the force had the wrong sign: {turn}"}
+
+
+def _gives_work(time: Real, moved: Real, pulled: Real) -> bool:
+    """Whether the force goes against the velocity beyond doubt, and with the displacement not beyond doubt.
+
+    Above a resonance the storage is negative, and with a late channel the loss; with the wrong sign no part is left.
+    """
+    if np.any(np.diff(time) <= 0.0):
+        return False
+    columns = np.stack([np.ones_like(moved), moved, np.gradient(moved, time)], axis=1)
+    size = np.abs(columns).max(axis=0)
+    if not np.all(size > 0.0):
+        return False
+    amounts, _, rank, _ = np.linalg.lstsq(columns / size, pulled, rcond=None)
+    if rank < columns.shape[1]:
+        return False
+    rest = pulled - (columns / size) @ amounts
+    power = float(np.mean(rest**2))
+    likeness = 0.0
+    if power > 0.0:
+        # What is left of a record is alike from sample to sample, so that it holds fewer than it seems.
+        likeness = float(np.clip(np.mean(rest[1:] * rest[:-1]) / power, 0.0, _LIKENESS))
+    inverse = np.linalg.inv((columns / size).T @ (columns / size))
+    sd = np.sqrt(np.diag(inverse) * power * (1.0 + likeness) / (1.0 - likeness))
+    stiffness, damping = amounts[1:] / np.maximum(sd[1:], np.finfo(float).tiny)
+    return bool(damping < -SIGNALS.negative and stiffness < SIGNALS.negative)

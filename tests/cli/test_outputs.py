@@ -1,0 +1,69 @@
+"""Where what a command writes goes: never over what it reads, and never a fault where it cannot be kept."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from springpot.errors import OutputError
+from springpot.files import one_run, require_writable
+from springpot.registry import open_measurement
+
+TRIVIAL = "frequency [Hz],storage [kN/m],loss [kN/m]\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "signals {f} -o {f}",
+        "signals {f}?force=N -o {f}",
+        "mastercurve {f} -o {f}",
+        "mastercurve {f}#1 --figure {f}",
+        "predict {f} --frequency 1 -o {f}",
+        "predict other.json --history {f} -o {f}",
+        "predict {f} --frequency 1 --figure {f}",
+        "export-model {f} --to opensees --band 1Hz:2Hz -o {f}",
+        "identify {f} other.csv --joint --model maxwell --figure {f}",
+        "compare {f}@temperature=20 --figure {f}",
+        "discover {f} --auto --figure {f}",
+        "discover {f} --auto --report {f}",
+        "simulate {f} --record artificial --figure {f}",
+        "simulate other.toml --record {f} --figure {f}",
+        "regression update {f} --baseline {f}",
+    ],
+)
+def test_no_output_replaces_what_the_command_reads(springpot, write, arguments):
+    suffix = ".html" if "--report" in arguments else ".svg"
+    path = write(TRIVIAL, f"d{suffix}")
+    answer = springpot(*arguments.format(f=path).split())
+    assert answer.is_one_line("cannot write", "read by this very command")
+    assert path.read_text() == TRIVIAL
+
+
+def test_what_a_data_set_was_read_from_is_an_input_too(damper):
+    with one_run():
+        open_measurement(damper)
+        with pytest.raises(OutputError, match="read by this very command"):
+            require_writable(damper)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+@pytest.mark.parametrize("arguments", ["list models", "list models --json", "list --help"])
+def test_a_full_disk_behind_standard_output_is_no_fault(arguments):
+    with open("/dev/full", "w") as full:
+        program = [sys.executable, "-m", "springpot", *arguments.split()]
+        ended = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, text=True)
+    said = "springpot: cannot write what is printed: No space left on device\n"
+    assert (ended.returncode, ended.stderr) == (2, said)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+def test_a_full_disk_behind_standard_error_costs_no_answer():
+    with open("/dev/full", "w") as full:
+        program = [sys.executable, "-m", "springpot", "list", "writers"]
+        ended = subprocess.run(program, stdout=subprocess.PIPE, stderr=full, text=True)
+        refused = subprocess.run([*program[:-1], "nothing"], stderr=full)
+    assert ended.returncode == 0
+    assert "abaqus" in ended.stdout
+    assert refused.returncode == 2

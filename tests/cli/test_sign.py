@@ -1,0 +1,62 @@
+"""A force that counts the other way is told by every command that opens it, with the command that turns it."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+TIME = np.linspace(0.0, 4.0, 401)
+MOVED = np.sin(2.0 * np.pi * TIME)
+
+
+def record(write, force, name="rig.csv"):
+    rows = (f"{t!r},{x!r},{f!r}" for t, x, f in zip(TIME.tolist(), MOVED.tolist(), force.tolist(), strict=True))
+    return write("\n".join(["time [s],displacement [mm],force [N]", *rows]) + "\n", name)
+
+
+def test_a_record_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(springpot, write, rng):
+    force = -3.0 * np.sin(2.0 * np.pi * TIME + 0.4) + 0.01 * rng.normal(size=len(TIME))
+    path = record(write, force, "my rig.csv")
+    answer = springpot("diagnose", path, "--model", "kelvin")
+    assert "the specimen gives work away, as if the force had the wrong sign" in answer.err
+    command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
+    assert command == ["diagnose", f"{path}?force=-N", "--model", "kelvin"]
+    turned = springpot(*command)
+    assert turned.code == 0
+    assert "wrong sign" not in turned.err
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        3.0 * np.sin(2.0 * np.pi * TIME + 0.4),
+        3.0 * np.sin(2.0 * np.pi * TIME + 2.7),  # above a resonance
+        3.0 * np.sin(2.0 * np.pi * TIME - 0.05),  # a force that is read late
+        1.0 + 0.5 * np.sign(np.cos(2.0 * np.pi * TIME)),  # friction under a preload
+    ],
+)
+def test_no_other_record_is_doubted(springpot, write, force):
+    answer = springpot("inspect", record(write, force))
+    assert "wrong sign" not in answer.out
+
+
+def test_a_step_that_is_answered_the_other_way_is_told(springpot, write):
+    rows = "".join(f"{0.1 * i},1,{-5 * (i + 1) ** -0.2}\n" for i in range(30))
+    path = write("time [s],displacement [mm],force [N]\n0,0,0\n" + rows)
+    answer = springpot("inspect", path)
+    assert "force and displacement are opposed" in answer.out
+
+
+# The best model of such data has no stiffness at all, and the warnings that makes are another matter.
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_sweep_of_a_force_that_counts_the_other_way_is_diagnosed_the_other_way_next(springpot, damper):
+    lines = damper.read_text().splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    damper.write_text("\n".join([lines[0], *(f"{f},-{k},-{c}" for f, k, c in rows)]) + "\n")
+    answer = springpot("diagnose", damper, "--model", "maxwell")
+    assert answer.code == 0, answer.err
+    assert "storage and loss are negative, as if the force had the wrong sign" in answer.err
+    command = shlex.split(re.search(r"^next: springpot (.*)$", answer.out, re.MULTILINE)[1])
+    assert command[:2] == ["diagnose", f"{damper}?storage=-kN/m,loss=-kN/m"]
+    assert "wrong sign" not in springpot("inspect", command[1]).out

@@ -1,0 +1,99 @@
+"""A hint says more of a column, and never changes which one is meant."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.errors import DataError
+from springpot.registry import open_in_time, open_measurement, signals_to_measurement
+
+UNSEEN = Path(os.environ.get("SPRINGPOT_DATA") or Path(__file__).parents[4] / "shared" / "data").parent / "unseen"
+CLOCK = np.linspace(0.0, 4.0, 801)
+MOVED = np.sin(2.0 * np.pi * CLOCK)
+PULLED = -3.0 * np.sin(2.0 * np.pi * CLOCK + 0.4)
+VOLTS = 0.01 * PULLED
+SWEEP = np.geomspace(1.0, 100.0, 8)
+
+
+def rig(folder, titles, *columns):
+    path = folder / "rig.csv"
+    rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([titles, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def forces(path, hint):
+    """Largest force of the record, and storage of step one of the paper, with this hint."""
+    [test] = open_in_time(f"{path}?{hint}")
+    return float(test.response.max()), signals_to_measurement([f"{path}?{hint}"]).storage[0]
+
+
+@pytest.mark.parametrize("key", ["force", "Force", "load", "F"])
+@pytest.mark.parametrize(
+    "titles",
+    ["Force (V),Force (N),Displacement (mm)", "Load (V),Force (N),Displacement (mm)", "Force/V,F [N],x [mm]"],
+)
+def test_a_hint_of_a_force_means_the_column_that_is_taken_without_it(tmp_path, titles, key):
+    path = rig(tmp_path, f"time [s],{titles}", CLOCK, VOLTS, PULLED, MOVED)
+    if key.lower() == "load" and "Load" in titles:
+        pytest.skip("names the other column")
+    [plain] = open_in_time(path)
+    stiffness = signals_to_measurement([path]).storage[0]
+    largest, turned = forces(path, f"{key}=-N")
+    assert largest == pytest.approx(-plain.response.min())
+    assert turned == pytest.approx(-stiffness)
+
+
+def test_a_hint_of_a_displacement_means_the_column_that_is_taken_without_it(tmp_path):
+    titles = "time [s],Displacement (V),Displacement (mm),Force (N)"
+    path = rig(tmp_path, titles, CLOCK, 0.1 * MOVED, MOVED, PULLED)
+    [plain], [turned] = open_in_time(path), open_in_time(f"{path}?displacement=-mm")
+    assert turned.loading.value == pytest.approx(-plain.loading.value)
+    assert signals_to_measurement([f"{path}?displacement=-mm"]).storage[0] == pytest.approx(
+        -signals_to_measurement([path]).storage[0]
+    )
+
+
+@pytest.mark.parametrize(("hint", "factor"), [("3=-N", -1.0), ("Force (N)=-N", -1.0), ("3=force[-N]", -1.0)])
+def test_a_number_or_title_names_its_own_column(tmp_path, hint, factor):
+    path = rig(tmp_path, "time [s],F1 [N],Force (N),Displacement (mm)", CLOCK, VOLTS, PULLED, MOVED)
+    largest, _ = forces(path, hint)
+    assert largest == pytest.approx((factor * PULLED).max(), rel=1e-6)
+
+
+def test_an_ambiguous_hint_asks_in_one_line(tmp_path):
+    path = rig(tmp_path, "time [s],Force,Load,Displacement (mm)", CLOCK, VOLTS, PULLED, MOVED)
+    with pytest.raises(DataError) as asked:
+        open_in_time(f"{path}?effort=N")
+    assert "column 2, 'Force' or 3, 'Load'" in str(asked.value)
+    assert "write 2=N or another number in its place" in str(asked.value)
+    assert "\n" not in str(asked.value)
+    # What is asked for leads on when it is typed as it stands.
+    [test] = open_in_time(f"{path}?3=N")
+    assert test.response.max() == pytest.approx(PULLED.max(), rel=1e-6)
+
+
+@pytest.mark.parametrize("role", ["storage", "loss"])
+def test_a_hint_of_a_modulus_means_the_calibrated_column(tmp_path, role):
+    storage, loss = 100.0 + SWEEP, 20.0 * SWEEP**0.3
+    titles = "frequency [Hz],Storage modulus (V),Storage modulus (Pa),Loss modulus (V),Loss modulus (Pa)"
+    path = rig(tmp_path, titles, SWEEP, 1e-3 * storage, storage, 1e-3 * loss, loss)
+    plain, hinted = open_measurement(path), open_measurement(f"{path}?{role}=Pa")
+    np.testing.assert_allclose(plain.storage, storage, rtol=1e-8)
+    assert (hinted.stiffness == plain.stiffness).all()
+
+
+def test_the_unit_that_the_file_says_otherwise_is_noted_of_a_test_in_time(tmp_path):
+    path = rig(tmp_path, "time [s],Force (N),Displacement (mm)", CLOCK, PULLED, MOVED)
+    [test] = open_in_time(f"{path}?force=-kN")
+    assert test.provenance["note columns"] == "'Force (N)' is in kN as you said; the file says N"
+
+
+def test_a_turned_sign_of_a_real_record_keeps_its_size():
+    [path] = UNSEEN.glob("extract_t1_1*") if UNSEEN.is_dir() else [None]
+    if path is None:
+        pytest.skip("no shared records")
+    [plain], [turned] = open_in_time(path), open_in_time(f"{path}?force=-N")
+    assert turned.response == pytest.approx(-plain.response)

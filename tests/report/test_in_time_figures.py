@@ -1,0 +1,30 @@
+"""Pictures of tests in time: every axis names its own quantity, and frequencies are those of the data."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from springpot.measurement import Measurement, TimeTest
+from springpot.registry import parse_model
+from springpot.timetests import identify
+
+
+def test_every_axis_names_what_it_shows():
+    pytest.importorskip("matplotlib")
+    from springpot.report.timetests import figure_tests
+
+    model, t, omega = parse_model("maxwell"), np.geomspace(0.1, 10.0, 20), np.geomspace(0.1, 10.0, 8)
+    theta = model.theta(k=2.0, c=3.0)
+    sweep = Measurement(omega=omega, stiffness=model.stiffness(theta, omega))
+    sweep = replace(sweep, units=replace(sweep.units, stiffness="kPa", amplitude="-", clock="rad/s"))
+    tests = [
+        TimeTest.of_relaxation(t, model.relaxation(theta, t), "kPa"),
+        TimeTest.of_compliance(t, model.creep(theta, t), "kPa"),
+        sweep,
+    ]
+    axes = figure_tests(identify(tests, model), tests).axes
+    labels = [one.get_ylabel() for one in axes]
+    assert labels[0::3] == ["stress [kPa]", "strain [-]", "storage modulus [kPa]"]
+    assert labels[7] == "loss modulus [kPa]"
+    assert [one.get_xlabel() for one in axes[6:]] == ["ω [rad/s]"] * 3
