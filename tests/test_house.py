@@ -20,6 +20,7 @@ PLUGINS = ROOT / "plugins" / "springpot_plugins"
 
 FLOORS = {
     "plain": -1,
+    "limits": -1,
     "errors": 0,
     "distributions": 0,
     "nonnegative": 0,
@@ -28,6 +29,7 @@ FLOORS = {
     "markup": 0,
     "processes": 0,
     "files": 1,
+    "inputs": 1,
     "rheology": 1,
     "measurement": 2,
     "identification": 3,

@@ -1,9 +1,10 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
+from springpot.inputs import bytes_of, json_of, toml_of
 from springpot.rheology import HELD, KELVIN
 
 from . import geometry
-from .budget import Budget, budget_of, within_budget
+from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .from_signals import measurement_from_signals
@@ -96,6 +97,9 @@ __all__ = [
     "LENGTH_UNITS",
     "Loading",
     "MODULUS_UNITS",
+    "MOST_CELLS",
+    "MOST_COLUMNS",
+    "MOST_TABLES",
     "Measurement",
     "Moduli",
     "Noise",
@@ -128,6 +132,7 @@ __all__ = [
     "at_least_rounding",
     "average_repeats",
     "budget_of",
+    "bytes_of",
     "checked_noise",
     "conditions",
     "geometry",
@@ -136,6 +141,7 @@ __all__ = [
     "harmonics_of",
     "independent",
     "joined",
+    "json_of",
     "known_unit",
     "largest_test",
     "measurement_from_signals",
@@ -166,6 +172,7 @@ __all__ = [
     "open_in_time",
     "thinned",
     "through",
+    "toml_of",
     "unguarded",
     "unguarded_line",
     "with_noise",

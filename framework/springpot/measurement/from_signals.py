@@ -8,9 +8,9 @@ from pathlib import PurePath
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.limits import uncounted
 from springpot.policy import SIGNALS
 
-from .budget import uncounted
 from .measurement import Measurement
 from .record import Signals
 from .signals import Harmonics, harmonics_of

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from springpot.errors import DataError
+from springpot.inputs import require_regular
 
-from .budget import require_regular, within_budget
+from .budget import within_budget
 from .catalogue import DataSet
 from .from_signals import measurement_from_signals
 from .measurement import Measurement
