@@ -9,6 +9,7 @@ import json
 import re
 import stat
 import tomllib
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ LARGEST_TOML = 1 << 18
 """Bytes of a description that somebody wrote by hand; its reader is a slow one."""
 MOST_CONTAINERS = 1_000_000
 """Lists and objects of a file of JSON: each takes thirty times the memory of its brackets."""
+_MOST_DIGITS = 300
+"""Of a whole number: a float holds 308."""
 _DEEP_KEY = re.compile(r"""(?:\.\s*(?:[\w-]+|"[^"\n]*"|'[^'\n]*')\s*){50}""")
 """A dotted name of more than fifty parts: the memory of Python's reader grows with the square of their number."""
 
@@ -88,24 +91,46 @@ def text_in(path: Path, most: int = LARGEST) -> str:
         raise DataError(f"{path} is no text in UTF-8 (byte {error.start}); save it as such") from None
 
 
-def json_of(text: str | bytes) -> Any:
+def json_of(text: str, finite: bool = False) -> Any:
     """What a text of JSON holds.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    finite : bool
+        Whether all numbers must be such as a float holds, as in all that springpot writes; a program of an instrument
+        may write NaN.
 
     Raises
     ------
     ValueError
         If it is none, too deeply nested, or of too many parts.
     """
-    if isinstance(text, bytes):
-        text = text.decode("utf-8-sig")
     # Counted before anything is made of them; those within words count as well, which no answer has a million of.
     if text.count("[") + text.count("{") > MOST_CONTAINERS:
         raise ValueError(f"more than {MOST_CONTAINERS} lists and objects")
     try:
+        if finite:
+            return json.loads(text, parse_float=_finite, parse_int=_whole, parse_constant=_finite)
         return json.loads(text)
     # Nested brackets are read by recursion.
     except RecursionError:
         raise ValueError("nested too deeply") from None
+
+
+def _finite(word: str) -> float:
+    value = float(word)
+    if not isfinite(value):
+        raise ValueError(f"{word:.20} is no finite number")
+    return value
+
+
+def _whole(word: str) -> int:
+    # What no float can hold would be a fault wherever it is used as one; Python reads no longer words at all.
+    if len(word) > _MOST_DIGITS:
+        raise ValueError(f"{word:.20}... is no number that can be used")
+    return int(word)
 
 
 def toml_of(text: str) -> dict[str, Any]:
@@ -114,12 +139,12 @@ def toml_of(text: str) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        If it is none, or too deeply nested.
+        If it is none, too deeply nested, or a number in it is not finite.
     """
     if _DEEP_KEY.search(text):
         raise ValueError("nested too deeply")
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text, parse_float=_finite)
     # Nested brackets are read by recursion.
     except RecursionError:
         raise ValueError("nested too deeply") from None
