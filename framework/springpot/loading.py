@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from springpot.diagnosis import Candidate, Diagnosis, NextExperiment
 from springpot.drawing import draw
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
 from springpot.inputs import json_of, text_in
@@ -186,8 +186,10 @@ def load(path: str | Path) -> Loaded:
         raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
     try:
         return _KNOWN[schema](answer)
+    except (DataError, ModelError) as error:
+        raise type(error)(f"{path}: {error}") from None
     # A file that was cut off or edited by hand fails anywhere: to its user these are one fault.
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise DataError(
             f"{path} is damaged or of an older version ({type(error).__name__}: {error}): {AGAIN}"
         ) from None

@@ -20,6 +20,8 @@ from springpot.structure import Damper, Frame, Record, artificial
 ACCELERATIONS = {"m/s^2": 1.0, "m/s2": 1.0, "g": 9.80665, "cm/s^2": 0.01, "gal": 0.01, "mm/s^2": 1e-3}
 MOST_STOREYS = 300
 """The tallest buildings have half as many; the work grows with their cube."""
+HEAVIEST = 1e15
+"""Of kg of a floor, or N/m of a storey: more than a mountain has."""
 STEEPEST = 89.9
 """Degrees against the floor: an upright damper would feel no drift."""
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
@@ -76,8 +78,7 @@ def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Re
     # One number stands for all storeys.
     if not isinstance(value, list):
         value = [value] * storeys
-    # Each is above zero, which the frame tells.
-    return np.array([_number(each, name) for each in value[: MOST_STOREYS + 1]])
+    return np.array([_number(each, name, 0.0, HEAVIEST) for each in value[: MOST_STOREYS + 1]])
 
 
 def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:

@@ -7,7 +7,7 @@ from . import geometry
 from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
-from .from_signals import measurement_from_signals
+from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .imposed import Loading
@@ -103,6 +103,7 @@ __all__ = [
     "Measurement",
     "Moduli",
     "Noise",
+    "OneTest",
     "OpenQuestion",
     "PRESSURE_UNITS",
     "Part",
@@ -145,6 +146,7 @@ __all__ = [
     "known_unit",
     "largest_test",
     "measurement_from_signals",
+    "measurement_of_tests",
     "misspelt",
     "near_units",
     "moved_along",

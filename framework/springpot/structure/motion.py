@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.rheology import Real
 
 from .beside import Beside, forces
@@ -26,6 +26,8 @@ BEYOND = 30.0
 FINE = 120.0
 """Steps in the shortest period of the frame where something is not linear: the motion is then within 0.5 % of that of
 an adaptive integrator, with stops as stiff as the storey; the error falls with the square of their number."""
+MOST_STEPS = 1_000_000
+"""Of a record in short steps, which take some minutes: a minute of shaking and a period of 7 ms."""
 EVEN = 1e-3
 """Relative scatter of the steps of a record that is taken for even: of times with four digits."""
 
@@ -241,7 +243,15 @@ def _straight(record: Record, matrix: Real, load: Real) -> Real:
 def _stepped(frame: Frame, record: Record, matrix: Real, load: Real, besides: dict[int, Beside]) -> tuple[Real, Real]:
     """States (t, m), and forces (t, d) of what is not linear, which are constant within each of many short steps."""
     # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
-    parts = int(np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi)))
+    wanted = np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi))
+    # Also where it is no number, as of a frame that is far too stiff for one.
+    if not wanted * len(record.acceleration) <= MOST_STEPS:
+        period = 2.0 * np.pi / frame.natural[0][-1]
+        raise ModelError(
+            f"the shortest period of the frame is {period:.3g} s: friction, a slider or a stop in a damper takes "
+            f"more than {MOST_STEPS} steps of the record; check masses and stiffnesses, or give a shorter record"
+        )
+    parts = int(wanted)
     fine = record.finer(parts)
     n, a = len(frame), fine.acceleration
     rows = frame.drifts[[frame.dampers[i].storey - 1 for i in besides]]
