@@ -16,6 +16,7 @@ from springpot.inputs import text_in, toml_in
 from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
 from springpot.rheology import KELVIN, Real
 from springpot.structure import Damper, Frame, Record, artificial
+from springpot.structure.motion import STRONGEST
 
 ACCELERATIONS = {"m/s^2": 1.0, "m/s2": 1.0, "g": 9.80665, "cm/s^2": 0.01, "gal": 0.01, "mm/s^2": 1e-3}
 MOST_STOREYS = 300
@@ -191,7 +192,7 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if spec == "artificial" or spec.startswith("artificial:"):
         _, _, peak = spec.partition(":")
         try:
-            return artificial(rng, peak=_number(float(peak or 3.0), "the peak", 0.0))
+            return artificial(rng, peak=_number(float(peak or 3.0), "the peak", 0.0, STRONGEST))
         except (ValueError, DataError):
             raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2") from None
     path = Path(spec)

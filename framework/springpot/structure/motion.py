@@ -28,6 +28,8 @@ FINE = 120.0
 an adaptive integrator, with stops as stiff as the storey; the error falls with the square of their number."""
 MOST_STEPS = 1_000_000
 """Of a record in short steps, which take some minutes: a minute of shaking and a period of 7 ms."""
+STRONGEST = 1e6
+"""Acceleration of the ground in m/s^2: far above a shock table's."""
 EVEN = 1e-3
 """Relative scatter of the steps of a record that is taken for even: of times with four digits."""
 
@@ -74,7 +76,7 @@ class Record:
         Raises
         ------
         DataError
-            If the steps are not even, or a sample is no number.
+            If the steps are not even, or a sample is no number or far too large.
         """
         time, acceleration = np.asarray(time, dtype=float), np.asarray(acceleration, dtype=float)
         if len(time) < 2 or time.shape != acceleration.shape:
@@ -82,6 +84,11 @@ class Record:
         if not (np.all(np.isfinite(time)) and np.all(np.isfinite(acceleration))):
             bad = int(np.flatnonzero(~np.isfinite(time + acceleration))[0])
             raise DataError(f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it")
+        if (strong := np.flatnonzero(np.abs(acceleration) > STRONGEST)).size:
+            raise DataError(
+                f"{name}: sample {strong[0] + 1} is {acceleration[strong[0]]:g} m/s^2, which no ground does: "
+                "mend it, or the unit"
+            )
         steps = np.diff(time)
         if not np.all(steps > 0.0):
             back = int(np.flatnonzero(steps <= 0.0)[0])
