@@ -26,7 +26,7 @@ def test_help_loads_no_library_and_no_room():
     heavy = {"numpy", "scipy", "pluggy", "rich", "matplotlib", "importlib.metadata"}
     assert not heavy & loaded
     assert {name for name in loaded if name.startswith("springpot.")} == {
-        f"springpot.{name}" for name in ("cli", "cli.faults", "cli.group", "cli.table", "errors", "plain")
+        f"springpot.{name}" for name in ("cli", "cli.faults", "cli.group", "cli.table", "errors", "limits", "plain")
     }
 
 
