@@ -21,6 +21,7 @@ PLUGINS = ROOT / "plugins" / "springpot_plugins"
 FLOORS = {
     "lazy": -1,
     "plain": -1,
+    "limits": -1,
     "errors": 0,
     "distributions": 0,
     "owners": 0,
@@ -31,6 +32,7 @@ FLOORS = {
     "surroundings": 0,
     "processes": 1,
     "files": 1,
+    "inputs": 1,
     "rheology": 1,
     "measurement": 2,
     "identification": 3,

@@ -6,7 +6,6 @@ holds what they say, not the fits behind it, and so do `KeptLadder` and `KeptCom
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf
@@ -15,9 +14,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from springpot.diagnosis import Candidate, Diagnosis, NextExperiment
 from springpot.drawing import draw
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.identification import Identification, Objective, default_objective
 from springpot.identification.kept import fit_of, measurement_of, uncertainty_of
+from springpot.inputs import json_of, text_in
 from springpot.misfit.error import Error
 from springpot.misfit.values import Value
 from springpot.misfit.where import Where
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-LARGEST = 100_000_000
-"""Bytes of a file: a fit to a million points, beyond what is read from a table in one piece."""
 SHOWN = 3
 """Models of a comparison that its line names."""
 AGAIN = "give the output of a command of springpot with --json"
@@ -188,8 +186,10 @@ def load(path: str | Path) -> Loaded:
         raise DataError(f"{path} holds no answer that can be loaded ({schema or 'no schema'}): {AGAIN}")
     try:
         return _KNOWN[schema](answer)
+    except (DataError, ModelError) as error:
+        raise type(error)(f"{path}: {error}") from None
     # A file that was cut off or edited by hand fails anywhere: to its user these are one fault.
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise DataError(
             f"{path} is damaged or of an older version ({type(error).__name__}: {error}): {AGAIN}"
         ) from None
@@ -197,15 +197,10 @@ def load(path: str | Path) -> Loaded:
 
 def _read(path: Path) -> Any:
     try:
-        # Before it is read: a wrong file may be larger than the memory.
-        if path.stat().st_size > LARGEST:
-            raise DataError(f"{path} is too large for an answer of springpot")
-        return json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
-    # Nested brackets are read by recursion.
-    except (ValueError, RecursionError):
-        raise DataError(f"{path} is no JSON: {AGAIN}; data are opened by springpot.read") from None
+        return json_of(text_in(path), finite=True)
+    except ValueError as error:
+        why = getattr(error, "msg", error)
+        raise DataError(f"{path} is no JSON ({why}): {AGAIN}; data are opened by springpot.read") from None
 
 
 def _fit(answer: dict[str, Any]) -> Identification:

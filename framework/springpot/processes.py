@@ -18,6 +18,8 @@ from select import select
 from time import monotonic
 from typing import Any, NoReturn
 
+from springpot.limits import address_space
+
 from .surroundings import surroundings
 
 CHILDREN = Path("/proc/thread-self/children")
@@ -28,13 +30,12 @@ TIMERS = (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF)
 
 def limit_memory(mebibytes: int) -> None:
     """Let the address space grow by so much and no more, where the system tells its present size."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-    except OSError:
+    had = address_space()
+    if had is None:
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     # On top of what is mapped now: libraries take three times as many addresses as memory, before any trial.
-    wanted = pages * resource.getpagesize() + mebibytes * 2**20
+    wanted = had + mebibytes * 2**20
     # A negative one says that there is no limit yet.
     if hard >= 0:
         wanted = min(wanted, hard)

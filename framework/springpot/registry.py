@@ -17,7 +17,7 @@ import springpot.hooks as hooks  # not from the package, whose table of names le
 from springpot.errors import ModelError, OutputError, PluginError, SpringpotError
 from springpot.files import write_text
 from springpot.identification import Optimiser
-from springpot.measurement import Measurement, Part, Timed, TimeEffect, TimeTest, grown, opening
+from springpot.measurement import Measurement, OneTest, Part, Timed, TimeEffect, TimeTest, grown, opening
 from springpot.measurement import open_in_time as in_time_by
 from springpot.owners import use_owners
 from springpot.rheology import Effect, Model
@@ -472,6 +472,24 @@ def signals_to_measurement(
     return opening.signals_to_measurement(
         paths, plugins().items("reader"), omega=omega, n_harmonics=n_harmonics, window=window, name=name
     )
+
+
+def evaluated_signals(
+    path: str | Path,
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+) -> OneTest:
+    """What one file of displacement and force against time comes to: a row for `measurement_of_tests`.
+
+    Raises
+    ------
+    DataError
+        If the file holds no time signals or cannot be evaluated.
+    """
+    readers = plugins().items("reader")
+    return opening.evaluated_in(path, readers, omega=omega, n_harmonics=n_harmonics, window=window)
 
 
 def write_measurement(measurement: Measurement, path: str | Path) -> Path:

@@ -28,7 +28,8 @@ def test_help_loads_no_library_and_no_room():
     own = {name for name in loaded if name.startswith("springpot.")}
     tables = {name for name in own if name.endswith(".commands")}
     assert own - tables - {name.removesuffix(".commands") for name in tables} == {
-        f"springpot.{name}" for name in ("cli", "cli.faults", "cli.group", "cli.table", "errors", "lazy", "plain")
+        f"springpot.{name}"
+        for name in ("cli", "cli.faults", "cli.group", "cli.table", "errors", "lazy", "limits", "plain")
     }
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from time import process_time
 
 from springpot.errors import DataError
+from springpot.limits import own_process
 from springpot.measurement import budget_of, open_measurement, parts_of, within_budget
 from springpot_plugins.readers import springpot_readers
 
@@ -47,13 +48,14 @@ class Cost:
 
 
 def cost_of(path: Path, action=None) -> Cost:
-    """Open a file, or do something else with it within its budget."""
+    """Open a file, or do something else with it, within its budget as the command line does."""
     budget = budget_of(path)
     _forget_peak()
     before, reserved, start = _status("VmHWM"), _status("VmData") - _status("RssAnon"), process_time()
     said = fault = ""
     try:
-        _ = open_measurement(path, (), READERS) if action is None else within_budget(path, action)
+        with own_process():
+            _ = open_measurement(path, (), READERS) if action is None else within_budget(path, action)
     except DataError as error:
         said = str(error)
         fault = "more than one line" if "\n" in said else "" if path.name in said else "the file is not named"

@@ -1,16 +1,29 @@
-"""The one rule for readers: whatever a reader does, it ends in time and in its memory, and leaves nothing behind."""
+"""The one rule for readers: in springpot's own process whatever a reader does ends in time and in its memory.
+
+In a user's own Python nothing is limited or left behind: see test_reading_in_python.
+"""
 
 import re
+import signal
 import sys
 import threading
 import time
 
 import pytest
 
+from springpot import limits
 from springpot.errors import DataError
+from springpot.limits import own_process, uncounted
 from springpot.measurement import Reader, budget, budget_of, open_measurement, within_budget
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits the memory of a process")
+
+
+@pytest.fixture(autouse=True)
+def own():
+    """As in the command line, and in a worker of the page."""
+    with own_process():
+        yield
 
 
 @pytest.fixture
@@ -92,22 +105,12 @@ def test_of_what_a_finaliser_loses_only_other_faults_are_told(path, monkeypatch)
     assert told == [ValueError]
 
 
-@pytest.mark.usefixtures("short")
-def test_so_it_is_in_any_thread(path):
-    said = []
-
-    def work():
-        try:
-            within_budget(path, for_ever)
-        except DataError as error:
-            said.append(str(error))
-
-    threads = [threading.Thread(target=work) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(said) == 2
+def test_another_thread_hears_no_signals_and_simply_reads(path):
+    read = []
+    thread = threading.Thread(target=lambda: read.append(within_budget(path, path.read_text)))
+    thread.start()
+    thread.join()
+    assert read == ["anything"]
 
 
 def test_a_plugin_that_never_ends_is_ended_too(path, short):
@@ -121,7 +124,8 @@ def test_a_plugin_that_never_ends_is_ended_too(path, short):
 
 def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypatch):
     monkeypatch.setattr(budget, "SECONDS", 0.02)
-    monkeypatch.setattr(budget, "_TICK", 0.001)
+    monkeypatch.setattr(limits, "_TICK", 0.001)
+    handler = signal.getsignal(signal.SIGPROF)
     ended = 0
     for i in range(30):
         last = time.thread_time() + 0.02 + (i - 10) * 1e-3
@@ -132,8 +136,8 @@ def test_what_ends_about_when_its_time_does_leaves_nothing_behind(path, monkeypa
         for _ in range(1000):  # where a word that came too late would be heard
             pass
     assert 0 < ended < 30
-    time.sleep(0.05)
-    assert "springpot-reading" not in {thread.name for thread in threading.enumerate()}
+    assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
+    assert signal.getsignal(signal.SIGPROF) is handler
 
 
 @LINUX
@@ -170,21 +174,21 @@ def test_what_springpot_makes_of_the_data_is_not_counted_against_the_reader(path
             pass
 
     def reads_and_lets_work():
-        with budget.uncounted():
+        with uncounted():
             spend(0.3)
         return "done"
 
     assert within_budget(path, reads_and_lets_work) == "done"
     with pytest.raises(DataError, match="processor time"):
         within_budget(path, lambda: (reads_and_lets_work(), spend(0.3)))
-    with budget.uncounted():
+    with uncounted():
         spend(0.0)
 
 
 def test_no_word_is_heard_after_the_end_however_slowly_a_reader_unwinds(path, monkeypatch):
     """A word that is said while another is being heard escaped, once, into what came after the reading."""
     monkeypatch.setattr(budget, "SECONDS", 0.003)
-    monkeypatch.setattr(budget, "_TICK", 0.0005)
+    monkeypatch.setattr(limits, "_TICK", 0.0005)
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-4)
 

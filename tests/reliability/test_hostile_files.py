@@ -1,4 +1,6 @@
-"""Every file that once took the machine is refused in one line, or read, within the budget of its size."""
+"""Every file that once took the machine is refused in one line, or read: within the budget of its size in springpot's
+own process, and by bounded sizes in anybody else's.
+"""
 
 import hostile
 import pytest
@@ -33,6 +35,30 @@ def test_a_hostile_file_takes_no_more_than_its_budget(make, tmp_path):
     assert not listed.fault
     if make.__name__ not in READ:
         assert opened.said
+
+
+@pytest.mark.parametrize("name", ["many_columns_of_a_table", "small_tables", "many_steps", "many_intervals"])
+def test_in_a_users_own_python_sizes_are_bounded(name, tmp_path, monkeypatch):
+    """The files that took longest; fewer tables than in earnest, so that the test is quick."""
+    monkeypatch.setattr("springpot_plugins.readers.blocks.MOST_TABLES", 100)
+    path = getattr(hostile, name)(tmp_path, 0.02)
+    with pytest.raises(DataError, match=r"save those that matter alone") as refused:
+        open_measurement(path, (), READERS)
+    assert str(path) in str(refused.value)
+
+
+def test_a_workbook_has_no_more_cells_than_are_read_of_all_sheets(tmp_path, monkeypatch):
+    monkeypatch.setattr("springpot_plugins.readers.grid.MOST_CELLS", 10_000)
+    path = hostile.dense_workbook(tmp_path, 0.008)
+    with pytest.raises(DataError, match="more than 10000 cells"):
+        open_measurement(path, (), READERS)
+
+
+def test_a_text_is_no_longer_than_is_read_in_one_piece(tmp_path, monkeypatch):
+    path = hostile.many_rows(tmp_path, 0.001)
+    monkeypatch.setattr("springpot.inputs.bytes_of.__defaults__", (1 << 10,))
+    with pytest.raises(DataError, match=r"rows\.csv is too large: at most 1 KiB"):
+        open_measurement(path, (), READERS)
 
 
 @pytest.mark.parametrize("make", [hostile.fifo, hostile.device, hostile.linked_device], ids=lambda m: m.__name__)

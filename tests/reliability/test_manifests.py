@@ -24,7 +24,7 @@ TABLE = "f,Ks,Kl,what\n1,2,3,lane a\n2,3,4,lane b\n"
 NESTED = "x = " + "[" * 5000 + "]" * 5000
 HOSTILE = {
     "nested": (NESTED, "nested too deeply"),
-    "nested-tables": ("[" + ".".join("a" * 8000) + "]", "one of the two"),
+    "nested-tables": ("[" + ".".join("a" * 8000) + "]", "nested too deeply"),
     "huge-size": (f"size = {'9' * 400}{GOOD}", "size is the number of rows"),
     "huge-number": (f"size = {'9' * 5000}{GOOD}", "."),
     "huge-condition": (f'{GOOD}\n[conditions]\n"amplitude [mm]" = {"9" * 400}', "finite numbers"),

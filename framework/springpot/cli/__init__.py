@@ -42,6 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     ctrl_c = CtrlC()
     signal.signal(signal.SIGINT, ctrl_c)
     try:
+        from springpot.limits import own_process
+
         from .faults import exit_code
         from .group import run
     except BaseException:
@@ -51,7 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     if arguments is None:
         arguments = sys.argv[1:]
     given = list(arguments)
-    _leave(exit_code(lambda: run(given)))
+    with own_process():
+        code = exit_code(lambda: run(given))
+    _leave(code)
 
 
 def _leave(code: int) -> NoReturn:

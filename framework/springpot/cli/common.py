@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stdout
+from functools import partial
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from . import completion
+from .faults import BAD_INPUT, FAULT, exit_code
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement
@@ -125,6 +127,37 @@ def opened(data: str, geometry: str | None = None, quiet: bool = False) -> Measu
     return through(measured, interface)
 
 
+def of_each(data: Sequence[str], answer: Callable[[str], object]) -> int:
+    """Answer each of many files; one that cannot be used is told in its line, and stops none of the others.
+
+    Parameters
+    ----------
+    data : sequence of str
+        As the user named them.
+    answer : callable
+        Answers one of them.
+
+    Returns
+    -------
+    int
+        The worst exit code: 2 where one could not be used. Once interrupted, or where nobody reads on, the rest is
+        not wanted either, and the code is that.
+    """
+    worst = 0
+    for i, name in enumerate(data):
+        code = exit_code(partial(_answered, answer, name))
+        if code not in (0, BAD_INPUT, FAULT):
+            print(f"interrupted: {i} of {len(data)} are done", file=sys.stderr)
+            return code
+        worst = max(worst, code)
+    return worst
+
+
+def _answered(answer: Callable[[str], object], name: str) -> int:
+    answer(name)
+    return 0
+
+
 def note_to_stderr(name: str, note: str) -> None:
     """What is doubted of data, broken at words where people read it; in a file or pipe one line each."""
     from springpot.report.text import wrapped
@@ -220,7 +253,7 @@ def own_stdout(quiet: bool = False) -> Iterator[None]:
         os.close(other)
 
 
-def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:
+def emit(result: Any, as_json: bool, show: Callable[[], None], line: bool = False) -> None:
     """Print `result` as JSON, or let `show` print it as text.
 
     Parameters
@@ -231,8 +264,12 @@ def emit(result: Any, as_json: bool, show: Callable[[], None]) -> None:
         The value of ``--json``.
     show : callable
         Prints the same for people.
+    line : bool
+        Whether it is one of several answers, each of which is a line, as programs read a stream of them.
     """
-    if as_json:
+    if as_json and line:
+        print_json(result, indent=None)
+    elif as_json:
         print_json(result)
     else:
         show()

@@ -16,6 +16,7 @@ from .common import (
     judged_option,
     known_from,
     known_options,
+    of_each,
     opened,
     print_json,
     quoted,
@@ -25,7 +26,6 @@ from .common import (
     window,
     with_rows,
 )
-from .faults import BAD_INPUT, FAULT, exit_code
 from .waiting import Waiting
 
 if TYPE_CHECKING:
@@ -71,35 +71,29 @@ def command(
     if expression is not None:
         judged = for_sweeps(expression)
     arguments = {"model": judged, "seed": seed or 0, **known_from(options)}
-    worst = 0
-    for i, name in enumerate(data):
-        if i and not as_json:
+
+    def answer(name: str) -> None:
+        if name != data[0] and not as_json:
             print()
-        # Opened within `exit_code`: data that cannot be used end their own answer, not the others'.
-        opener = partial(opened, name, geometry)
         shown: Shown = partial(_text, verbose=verbose, named=name, model=model)
         if as_json:
             shown = partial(_json, line=len(data) > 1)
-        code = exit_code(partial(_answer, opener, arguments, shown))
-        # Interrupted, or nobody reads on: the next answer is not wanted either.
-        if code not in (0, BAD_INPUT, FAULT):
-            return code
-        worst = max(worst, code)
-    return worst
+        # Opened here: data that cannot be used end their own answer, not the others'.
+        _answer(opened(name, geometry), arguments, shown)
+
+    return of_each(data, answer)
 
 
 Shown = Callable[["Diagnosis", "Measurement"], None]
 
 
-def _answer(opener: Callable[[], Measurement], arguments: dict[str, Any], shown: Shown) -> int:
+def _answer(measurement: Measurement, arguments: dict[str, Any], shown: Shown) -> None:
     from springpot.api import diagnose
     from springpot.diagnosis import within
 
-    measurement = opener()
     with Waiting() as waiting:
         diagnosis = diagnose(measurement, **arguments, progress=within(measurement.name, waiting.told))
     shown(diagnosis, measurement)
-    return 0
 
 
 def _json(diagnosis: Diagnosis, measurement: Measurement, line: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from .common import (
     known_from,
     known_options,
     model_option,
+    of_each,
     opened,
     print_json,
     quoted,
@@ -29,7 +29,6 @@ from .common import (
     verbose_option,
     window,
 )
-from .faults import BAD_INPUT, FAULT, exit_code
 from .waiting import Waiting
 
 if TYPE_CHECKING:
@@ -160,21 +159,14 @@ def _each(
     from springpot.report.fits import many_csv, many_text
 
     fits: list[Identification] = []
-    worst = 0
-    for name in data:
-        # Bound now: a closure would see the last name of the loop.
-        def answer(name: str = name) -> int:
-            fits.append(_fitted(opened(name, geometry), model, arguments))
-            # With --json each is printed when it is there; a table needs all of them for its widths.
-            if as_json:
-                print_json(fits[-1], indent=None)
-            return 0
 
-        code = exit_code(answer)
-        worst = max(worst, code)
-        if code not in (0, BAD_INPUT, FAULT):
-            print(f"interrupted: {len(fits)} of {len(data)} are done", file=sys.stderr)
-            break
+    def answer(name: str) -> None:
+        fits.append(_fitted(opened(name, geometry), model, arguments))
+        # With --json each is printed when it is there; a table needs all of them for its widths.
+        if as_json:
+            print_json(fits[-1], indent=None)
+
+    worst = of_each(data, answer)
     if fits and as_csv:
         print(many_csv(fits), end="")
     elif fits and not as_json:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import timetests
-from .common import data_argument, emit, geometry_option, json_option, opened, window
+from . import completion, timetests
+from .common import emit, geometry_option, json_option, of_each, opened, window
 
 if TYPE_CHECKING:
     from springpot.measurement import Measurement, Part
@@ -17,22 +17,33 @@ if TYPE_CHECKING:
 
 
 @click.command("inspect", epilog="Example: springpot inspect damper.csv")
-@data_argument
+@click.argument("data", nargs=-1, required=True, metavar="DATA...", shell_complete=completion.data)
 @geometry_option
 @json_option
-def command(data: str, geometry: str | None, as_json: bool) -> None:
+def command(data: tuple[str, ...], geometry: str | None, as_json: bool) -> int:
     """Show what DATA, a file or a registered data set, holds.
 
-    Of a file with several steps, sweeps or sheets all that are dynamic tests open together; FILE#2 opens one of them.
+    Each of several gets its own answer, with --json a line; one that cannot be used is named on stderr. Of a file
+    with several steps, sweeps or sheets all that are dynamic tests open together; FILE#2 opens one of them.
     What a file leaves open is said by FILE?frequency=Hz, in quotes for some shells.
     """
+
+    def answer(name: str) -> None:
+        if name != data[0] and not as_json:
+            print()
+        _inspect(name, geometry, as_json, line=len(data) > 1)
+
+    return of_each(data, answer)
+
+
+def _inspect(data: str, geometry: str | None, as_json: bool, line: bool) -> None:
     from springpot.errors import DataError
     from springpot.registry import open_in_time, parts_of
     from springpot.report.inspection import inspected_text, parts_text
 
     # First: a reader of sweeps would ask what a column of time is.
     if in_time := open_in_time(data):
-        timetests.inspect(in_time, data, as_json)
+        timetests.inspect(in_time, data, as_json, line)
         return
     # Listed before the data are opened: where that fails, they show what could be opened instead.
     parts = parts_of(data)
@@ -44,7 +55,7 @@ def command(data: str, geometry: str | None, as_json: bool) -> None:
             print(parts_text(_listed(parts), window()), end="\n\n")
         raise DataError(str(error)) from None
     result = described(measured, parts)
-    emit(result, as_json, lambda: print(inspected_text(result, measured.units, data, window())))
+    emit(result, as_json, lambda: print(inspected_text(result, measured.units, data, window())), line)
 
 
 def described(measurement: Measurement, parts: Sequence[Part] = ()) -> dict[str, Any]:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .common import DATA, FILE, POSITIVE, emit, json_option, quoted
+from .common import DATA, FILE, POSITIVE, emit, json_option, of_each, quoted
 
 if TYPE_CHECKING:
-    from springpot.measurement import Measurement
+    from springpot.measurement import Measurement, OneTest
 
 FREQUENCY = click.FloatRange(min=0.0, min_open=True)
 
@@ -32,13 +32,14 @@ def command(
     harmonics: int,
     window: tuple[float, float] | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Storage and loss stiffness with standard deviations from displacement and force against time.
 
-    Each FILE holds one test at one frequency and gives one row.
+    Each FILE holds one test at one frequency and gives one row. One that cannot be used is named on stderr.
     """
     from springpot.files import require_writable
-    from springpot.registry import signals_to_measurement, write_measurement
+    from springpot.measurement import measurement_of_tests
+    from springpot.registry import evaluated_signals, write_measurement
 
     if output is not None:
         # A path that cannot be written is told before long records are read.
@@ -46,11 +47,20 @@ def command(
     omega = None
     if frequency is not None:
         omega = 2.0 * pi * frequency
-    measured = signals_to_measurement(files, omega=omega, n_harmonics=harmonics, window=window)
+    tests: list[OneTest] = []
+
+    def evaluate(name: str) -> None:
+        tests.append(evaluated_signals(name, omega=omega, n_harmonics=harmonics, window=window))
+
+    worst = of_each(files, evaluate)
+    if not tests:
+        return worst
+    measured = measurement_of_tests(tests)
     if output is not None:
         write_measurement(measured, output)
     result = described(measured, files, output)
     emit(result, as_json, lambda: _show(result))
+    return worst
 
 
 def described(measured: Measurement, files: tuple[str, ...], output: Path | None) -> dict[str, Any]:

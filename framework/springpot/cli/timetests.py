@@ -30,13 +30,23 @@ def named_tests(data: Sequence[str], geometry: str | None) -> list[Test] | None:
     SpringpotError
         If one of them cannot be opened, or a geometry is given, which is for sweeps.
     """
-    from springpot.errors import OptionError
+    from springpot.errors import DataError, OptionError
     from springpot.registry import open_in_time
 
     # All are opened before anything is decided: one test in time makes the sweeps beside it part of a joint fit.
-    of_each = [open_in_time(spec) for spec in data]
-    if not any(of_each):
+    of_each: list[tuple[TimeTest, ...]] = []
+    unusable: list[DataError] = []
+    for spec in data:
+        try:
+            of_each.append(open_in_time(spec))
+        except DataError as error:
+            unusable.append(error)
+    if not any(of_each) and (of_each or len(data) > 1):
+        # Each gets an answer of its own, or its line: it is opened for that again.
         return None
+    if unusable:
+        # A joint answer without one of its tests would be another one.
+        raise unusable[0]
     if geometry is not None:
         raise OptionError("--geometry is for sweeps: convert tests in time to stress and strain in their file")
     tests: list[Test] = []
@@ -229,12 +239,12 @@ def _described(test: TimeTest) -> dict[str, Any]:
     }
 
 
-def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool) -> None:
+def inspect(tests: Sequence[TimeTest], spec: str, as_json: bool, line: bool) -> None:
     """``springpot inspect`` of tests in time."""
     from springpot.report.inspection import in_time_text
 
     result = described(tests)
-    emit(result, as_json, lambda: print(in_time_text(result, tests, spec, window())))
+    emit(result, as_json, lambda: print(in_time_text(result, tests, spec, window())), line)
 
 
 def predict(

@@ -131,6 +131,8 @@ def fit_of(kept: dict[str, Any], model: Model, objective: Objective, cost: float
     model = model.holding(kept["held"], bounds).bound_to(data.points)
     # Strictly: of a model that has changed since the numbers may mean something else, and it is refused.
     theta = model.vector(dict(zip(model.names, kept["theta"], strict=True)))
+    if not all(p.lower <= value <= p.upper for p, value in zip(model.parameters, theta.tolist(), strict=True)):
+        raise ValueError(f"theta {theta.tolist()} is not within the bounds of {model.name}")
     return Fit(model, data, objective, theta, cost, evaluations, bool(kept["converged"]))
 
 

@@ -1,13 +1,14 @@
 """Measurement: dynamic test data and their units, time signals, noise, geometries."""
 
+from springpot.inputs import bytes_of, json_of, toml_of
 from springpot.rheology import HELD, KELVIN
 
 from . import geometry
-from .budget import Budget, budget_of, within_budget
+from .budget import MOST_CELLS, MOST_COLUMNS, MOST_TABLES, Budget, budget_of, within_budget
 from .catalogue import DataSet
 from .cells import guarded, guarded_line, unguarded, unguarded_line
 from .covered import RATE, Covered
-from .from_signals import measurement_from_signals
+from .from_signals import OneTest, measurement_from_signals, measurement_of_tests
 from .geometry import Geometry
 from .geometry_text import parse_geometry
 from .imposed import Loading
@@ -100,9 +101,13 @@ __all__ = [
     "LENGTH_UNITS",
     "Loading",
     "MODULUS_UNITS",
+    "MOST_CELLS",
+    "MOST_COLUMNS",
+    "MOST_TABLES",
     "Measurement",
     "Moduli",
     "Noise",
+    "OneTest",
     "OpenQuestion",
     "PRESSURE_UNITS",
     "Part",
@@ -132,6 +137,7 @@ __all__ = [
     "at_least_rounding",
     "average_repeats",
     "budget_of",
+    "bytes_of",
     "checked_noise",
     "conditions",
     "geometry",
@@ -140,9 +146,11 @@ __all__ = [
     "harmonics_of",
     "independent",
     "joined",
+    "json_of",
     "known_unit",
     "largest_test",
     "measurement_from_signals",
+    "measurement_of_tests",
     "misspelt",
     "near_units",
     "moved_along",
@@ -171,6 +179,7 @@ __all__ = [
     "open_in_time",
     "thinned",
     "through",
+    "toml_of",
     "unguarded",
     "unguarded_line",
     "with_noise",

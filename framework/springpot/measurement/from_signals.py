@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import PurePath
 
 import numpy as np
 
 from springpot.errors import DataError
+from springpot.limits import uncounted
 from springpot.policy import SIGNALS
 
-from .budget import uncounted
 from .measurement import Measurement
 from .record import Signals
 from .signals import Harmonics, harmonics_of
@@ -81,25 +82,69 @@ def measurement_from_signals(
     >>> measurement_from_signals(tests).omega.round(6)
     array([ 6., 12.])
     """
+    evaluated = (one_test(test, omega=omega, n_harmonics=n_harmonics, window=window) for test in tests)
+    return measurement_of_tests(evaluated, name, provenance)
+
+
+@dataclass(frozen=True, eq=False)
+class OneTest:
+    """What the signals of one test come to, without the signals.
+
+    Parameters
+    ----------
+    row : Harmonics
+        Its row of a measurement.
+    name : str
+        What it is called there.
+    units : tuple of str
+        Of displacement and force.
+    notes : tuple of str
+        What its reader and its harmonics remark.
+    """
+
+    row: Harmonics
+    name: str
+    units: tuple[str, str]
+    notes: tuple[str, ...]
+
+
+def one_test(
+    test: Signals, *, omega: float | None = None, n_harmonics: int = 5, window: tuple[float, float] | None = None
+) -> OneTest:
+    """The harmonics of one test; parameters as in `harmonics_of`."""
+    # Signals may be read while a reader's time runs: the fit is not its work.
+    with uncounted():
+        row = harmonics_of(
+            test.time,
+            test.displacement,
+            test.force,
+            omega=omega,
+            n_harmonics=n_harmonics,
+            window=window,
+            name=test.name,
+        )
+    remarks = [value for key, value in test.provenance.items() if key.startswith("note ")]
+    notes = (*remarks, *row.notes, *_doubts_of_sign(row, test.force_unit))
+    return OneTest(row, PurePath(test.name).stem, (test.displacement_unit, test.force_unit), notes)
+
+
+def measurement_of_tests(
+    tests: Iterable[OneTest], name: str | None = None, provenance: Mapping[str, str] | None = None
+) -> Measurement:
+    """One measurement with a row for each test; see `measurement_from_signals`.
+
+    Raises
+    ------
+    DataError
+        If there are none, or their units differ.
+    """
     rows, names, units, origin = [], [], [], dict(provenance or {})
     for test in tests:
-        # Signals are read as they are asked for, while a reader's time runs: the fit is not its work.
-        with uncounted():
-            row = harmonics_of(
-                test.time,
-                test.displacement,
-                test.force,
-                omega=omega,
-                n_harmonics=n_harmonics,
-                window=window,
-                name=test.name,
-            )
-        rows.append(row)
-        names.append(PurePath(test.name).stem)
-        units.append((test.displacement_unit, test.force_unit))
-        remarks = [value for key, value in test.provenance.items() if key.startswith("note ")]
-        if notes := [*remarks, *row.notes, *_doubts_of_sign(row, test.force_unit)]:
-            origin[f"note {names[-1]}"] = "; ".join(notes)
+        rows.append(test.row)
+        names.append(test.name)
+        units.append(test.units)
+        if test.notes:
+            origin[f"note {test.name}"] = "; ".join(test.notes)
     if not rows:
         raise DataError("no signals given: name at least one file")
     # Amplitudes of one column must have one unit; which one the user wants cannot be guessed.

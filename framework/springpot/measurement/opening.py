@@ -15,11 +15,12 @@ from typing import TypeVar
 
 from springpot.errors import DataError
 from springpot.files import keep_input
+from springpot.inputs import require_regular
 from springpot.owners import owned
 
-from .budget import require_regular, within_budget
+from .budget import within_budget
 from .catalogue import DataSet
-from .from_signals import measurement_from_signals
+from .from_signals import OneTest, measurement_of_tests, one_test
 from .measurement import Measurement
 from .naming import LISTED, file_and_choice, in_quotes, is_file, names_file, short, temperature_offer, without_rows
 from .reader import Choice, Part, Reader
@@ -253,26 +254,30 @@ def signals_to_measurement(
         If a file holds no time signals or cannot be evaluated.
     """
     known = list(readers)
-    measurement = measurement_from_signals(
-        (_signals(str(path), known) for path in paths),
-        omega=omega,
-        n_harmonics=n_harmonics,
-        window=window,
-        name=name,
-    )
-    provenance = dict(measurement.provenance)
-    for path in paths:
-        file, choice = file_and_choice(str(path))
-        key = f"note {Path(file).stem}"
-        if key in provenance:
-            provenance[key] = to_type(Path(file), provenance[key], choice)
-    return replace(measurement, provenance=provenance)
+    evaluated = (evaluated_in(path, known, omega=omega, n_harmonics=n_harmonics, window=window) for path in paths)
+    return measurement_of_tests(evaluated, name)
 
 
-def _signals(text: str, readers: list[Reader]) -> Signals:
-    name, choice = file_and_choice(text)
+def evaluated_in(
+    spec: str | Path,
+    readers: Iterable[Reader],
+    *,
+    omega: float | None = None,
+    n_harmonics: int = 5,
+    window: tuple[float, float] | None = None,
+) -> OneTest:
+    """What the time signals of one file come to: a row of a measurement.
+
+    Raises
+    ------
+    DataError
+        If the file holds no time signals or cannot be evaluated.
+    """
+    name, choice = file_and_choice(str(spec))
     path = Path(name)
-    return within_budget(path, lambda: _signals_by(path, choice, readers))
+    signals = within_budget(path, lambda: _signals_by(path, choice, list(readers)))
+    test = one_test(signals, omega=omega, n_harmonics=n_harmonics, window=window)
+    return replace(test, notes=tuple(to_type(path, note, choice) for note in test.notes))
 
 
 def _signals_by(path: Path, choice: Choice, readers: list[Reader]) -> Signals:

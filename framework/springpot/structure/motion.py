@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from springpot.errors import DataError
+from springpot.errors import DataError, ModelError
 from springpot.rheology import Real
 
 from .beside import Beside, forces
@@ -29,6 +29,10 @@ BEYOND = 30.0
 FINE = 120.0
 """Steps in the shortest period of the frame where something is not linear: the motion is then within 0.5 % of that of
 an adaptive integrator, with stops as stiff as the storey; the error falls with the square of their number."""
+MOST_STEPS = 1_000_000
+"""Of a record in short steps, which take some minutes: a minute of shaking and a period of 7 ms."""
+STRONGEST = 1e6
+"""Acceleration of the ground in m/s^2: far above a shock table's."""
 EVEN = 1e-3
 """Relative scatter of the steps of a record that is taken for even: of times with four digits."""
 
@@ -75,7 +79,7 @@ class Record:
         Raises
         ------
         DataError
-            If the steps are not even, or a sample is no number.
+            If the steps are not even, or a sample is no number or far too large.
         """
         time, acceleration = np.asarray(time, dtype=float), np.asarray(acceleration, dtype=float)
         if len(time) < 2 or time.shape != acceleration.shape:
@@ -83,6 +87,11 @@ class Record:
         if not (np.all(np.isfinite(time)) and np.all(np.isfinite(acceleration))):
             bad = int(np.flatnonzero(~np.isfinite(time + acceleration))[0])
             raise DataError(f"{name}: sample {bad + 1} is no number: leave the record whole, or mend it")
+        if (strong := np.flatnonzero(np.abs(acceleration) > STRONGEST)).size:
+            raise DataError(
+                f"{name}: sample {strong[0] + 1} is {acceleration[strong[0]]:g} m/s^2, which no ground does: "
+                "mend it, or the unit"
+            )
         steps = np.diff(time)
         if not np.all(steps > 0.0):
             back = int(np.flatnonzero(steps <= 0.0)[0])
@@ -272,7 +281,15 @@ def _stepped(
     The peaks are those of the short steps: with so many of them, a sample misses one by 1 - cos(pi / 120) = 3e-4.
     """
     # By the shortest period: the highest mode is the one that a jump of a force sets ringing.
-    parts = int(np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi)))
+    wanted = np.ceil(record.step * FINE * frame.natural[0][-1] / (2.0 * np.pi))
+    # Also where it is no number, as of a frame that is far too stiff for one.
+    if not wanted * len(record.acceleration) <= MOST_STEPS:
+        period = 2.0 * np.pi / frame.natural[0][-1]
+        raise ModelError(
+            f"the shortest period of the frame is {period:.3g} s: friction, a slider or a stop in a damper takes "
+            f"more than {MOST_STEPS} steps of the record; check masses and stiffnesses, or give a shorter record"
+        )
+    parts = int(wanted)
     fine = record.finer(parts)
     n, a = len(frame), fine.acceleration
     rows = frame.drifts[[frame.dampers[i].storey - 1 for i in besides]]

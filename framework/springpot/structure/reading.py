@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,19 @@ import numpy as np
 from springpot.errors import DataError, ModelError, SpringpotError
 from springpot.identification.prediction import require_known
 from springpot.identified import fitted, lesser, stated
+from springpot.inputs import text_in, toml_in
 from springpot.measurement import AMPLITUDE_UNITS, STIFFNESS_UNITS
-from springpot.rheology import Real
+from springpot.rheology import KELVIN, Real
 from springpot.structure import Damper, Frame, Record, artificial
+from springpot.structure.motion import STRONGEST
 
-LARGEST = 1_000_000
-"""Bytes of a description: it has some hundred."""
-LONGEST = 100_000_000
-"""Bytes of a record."""
 ACCELERATIONS = {"m/s^2": 1.0, "m/s2": 1.0, "g": 9.80665, "cm/s^2": 0.01, "gal": 0.01, "mm/s^2": 1e-3}
+MOST_STOREYS = 300
+"""The tallest buildings have half as many; the work grows with their cube."""
+HEAVIEST = 1e15
+"""Of kg of a floor, or N/m of a storey: more than a mountain has."""
+STEEPEST = 89.9
+"""Degrees against the floor: an upright damper would feel no drift."""
 FRAME_KEYS = {"mass", "stiffness", "damping", "storeys"}
 DAMPER_KEYS = {"fit", "model", "parameters", "unit", "storey", "count", "slope", "temperature", "without"}
 
@@ -42,7 +47,7 @@ def read_structure(path: str | Path) -> Frame:
         If it cannot be read, or something in it is unknown, missing or does not fit, in one line.
     """
     path = Path(path)
-    whole = _toml(path)
+    whole = toml_in(path)
     frame = whole.get("structure")
     if not isinstance(frame, dict):
         raise DataError(f"{path}: there is no [structure] with mass, stiffness and damping")
@@ -51,29 +56,16 @@ def read_structure(path: str | Path) -> Frame:
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise DataError(f"{path}: each damper is a [[damper]]")
     try:
-        storeys = int(frame.get("storeys", 1))
+        storeys = _count(frame.get("storeys", 1), "storeys", MOST_STOREYS)
         mass = _column(frame, "mass", storeys, path)
         stiffness = _column(frame, "stiffness", storeys, path)
         dampers = tuple(_damper(entry, path, i) for i, entry in enumerate(entries, 1))
-        return Frame(mass, stiffness, float(frame.get("damping", 0.0)), dampers)
-    except ModelError as error:
-        raise ModelError(f"{path}: {error}") from None
-    # TOML gives what was written, a word or a list too where a number belongs.
-    except (TypeError, ValueError) as error:
-        raise DataError(f"{path}: something is no number: {error}") from None
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    try:
-        # Before it is read: a wrong file may be larger than the memory.
-        if path.stat().st_size > LARGEST:
-            raise DataError(f"{path} is too large for the description of a structure")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
-    # Nested brackets are read by recursion.
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"{path} is no TOML: {error}") from None
+        return Frame(mass, stiffness, _number(frame.get("damping", 0.0), "damping"), dampers)
+    except (DataError, ModelError) as error:
+        # Which of the dampers it is they say themselves; the file once.
+        if str(path) in str(error):
+            raise
+        raise type(error)(f"{path}: {error}") from None
 
 
 def _only(given: Mapping[str, Any], known: set[str], path: Path, where: str) -> None:
@@ -84,11 +76,11 @@ def _only(given: Mapping[str, Any], known: set[str], path: Path, where: str) -> 
 def _column(frame: Mapping[str, Any], name: str, storeys: int, path: Path) -> Real:
     if name not in frame:
         raise DataError(f"{path}: [structure] has no {name}")
-    value = np.atleast_1d(np.asarray(frame[name], dtype=float))
+    value = frame[name]
     # One number stands for all storeys.
-    if len(value) == 1:
-        return np.full(storeys, value[0])
-    return value
+    if not isinstance(value, list):
+        value = [value] * storeys
+    return np.array([_number(each, name, 0.0, HEAVIEST) for each in value[: MOST_STOREYS + 1]])
 
 
 def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
@@ -101,22 +93,24 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
         # A path is meant from the description, wherever the command is run.
         known = fitted(path.parent / str(entry["fit"]))
     else:
-        values = _flat(dict(entry.get("parameters", {})))
+        values = _flat(entry.get("parameters", {}), where)
         known = stated(str(entry["model"]), values, str(entry.get("unit", "")), f"{where} of {path}")
     without = entry.get("without", [])
     # A single name need not stand in a list.
     if isinstance(without, str):
         without = [without]
+    if not isinstance(without, list):
+        raise DataError(f"{where}: without is a list of names of effects")
     known = lesser(known, map(str, without))
     if known.units.stiffness not in STIFFNESS_UNITS:
         raise ModelError(
             f"a damper has a stiffness, and {known.model.name} is in {known.units.stiffness}: "
             "identify it with the --geometry of the damper"
         )
-    cosine = abs(float(np.cos(np.radians(float(entry.get("slope", 0.0))))))
+    cosine = float(np.cos(np.radians(_number(entry.get("slope", 0.0), f"{where}: slope", -STEEPEST, STEEPEST))))
     temperature = None
     if "temperature" in entry:
-        temperature = float(entry["temperature"])
+        temperature = _number(entry["temperature"], f"{where}: temperature", -KELVIN)
         # As in a prediction: one that nothing depends on would be passed over without a word.
         try:
             require_known(known.model, known.covered, "temperature", np.array([temperature]))
@@ -131,8 +125,8 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     return Damper(
         known.model,
         known.theta,
-        int(entry.get("storey", 1)),
-        float(entry.get("count", 1)),
+        _count(entry.get("storey", 1), f"{where}: storey", MOST_STOREYS),
+        _number(entry.get("count", 1), f"{where}: count", 0.0),
         covariance,
         temperature,
         known.reference,
@@ -142,15 +136,52 @@ def _damper(entry: Mapping[str, Any], path: Path, number: int) -> Damper:
     )
 
 
-def _flat(parameters: Mapping[str, Any]) -> dict[str, float]:
+def _flat(parameters: object, where: str) -> dict[str, float]:
     """Parameters by name; TOML reads ``inertia.m = 0.6`` without quotes as a table of its own."""
+    if not isinstance(parameters, dict):
+        raise DataError(f"{where}: parameters are names with numbers, {{ k = 4e5, alpha = 0.5 }}")
     values: dict[str, float] = {}
     for name, value in parameters.items():
         if isinstance(value, dict):
-            values |= {f"{name}.{own}": float(each) for own, each in value.items()}
+            values |= {f"{name}.{own}": _number(each, f"{where}: {name}.{own}") for own, each in value.items()}
         else:
-            values[name] = float(value)
+            values[name] = _number(value, f"{where}: {name}")
     return values
+
+
+def _number(value: object, what: str, above: float = -inf, below: float = inf) -> float:
+    """A finite number between two ends, neither of which it may be.
+
+    Raises
+    ------
+    DataError
+        If it is none; TOML gives what was written, a word or a list too where a number belongs.
+    """
+    wanted = "a finite number"
+    if above > -inf:
+        wanted += f" above {above:g}"
+    if below < inf:
+        wanted += f" and below {below:g}"
+    # True is a number to Python, and to nobody else.
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        # A whole number may have more digits than a float holds.
+        with suppress(OverflowError):
+            if isfinite(value) and above < value < below:
+                return float(value)
+    raise DataError(f"{what}: {value!r:.40} is no number that it can be; give {wanted}")
+
+
+def _count(value: object, what: str, most: int) -> int:
+    """A whole number from one on.
+
+    Raises
+    ------
+    DataError
+        If it is none, or too large.
+    """
+    if isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= most:
+        return value
+    raise DataError(f"{what}: {value!r:.40} is no number that it can be; give a whole one from 1 to {most}")
 
 
 def read_record(spec: str, rng: np.random.Generator) -> Record:
@@ -166,21 +197,11 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if spec == "artificial" or spec.startswith("artificial:"):
         _, _, peak = spec.partition(":")
         try:
-            return artificial(rng, peak=float(peak or 3.0))
-        except ValueError:
-            raise DataError(f"'{spec}': write artificial:3.0 with the peak in m/s^2") from None
+            return artificial(rng, peak=_number(float(peak or 3.0), "the peak", 0.0, STRONGEST))
+        except (ValueError, DataError):
+            raise DataError(f"'{spec:.60}': write artificial:3.0 with the peak in m/s^2") from None
     path = Path(spec)
-    try:
-        # Before it is read, as above.
-        if path.stat().st_size > LONGEST:
-            raise DataError(f"{path} is too large for a record: {LONGEST >> 20} MiB at most")
-        # Spreadsheets put a byte order mark before the first title.
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise DataError(f"{path} is no text in UTF-8") from None
-    rows = [line for line in lines if line.strip() and not line.startswith("#")]
+    rows = [line for line in text_in(path).splitlines() if line.strip() and not line.startswith("#")]
     header = ""
     if rows:
         header = rows[0]

@@ -35,6 +35,8 @@ from .sizes import rms
 SCHEMA = "springpot.prediction-in-time/1"
 ENDLESS = 1e12
 """Variance of a search coordinate that the data do not determine: a million natural sizes."""
+MOST_POINTS = 2**53
+"""Samples of all tests together: what a float counts exactly."""
 VAGUE = 0.5
 """Expected error from which a fit says nothing of a test: it may be off by its own size."""
 NEAR = 2.0
@@ -119,10 +121,16 @@ class Known:
             model = replace(model, material=Continuum(tuple(map(float, kept["rates"]))))
             count = len(model.parameters)
         points = sum(int(test["points"]) for test in answer["tests"])
+        theta = np.array(kept["theta"], dtype=float)[:count]
+        covariance = np.array(kept["covariance"], dtype=float)[:count, :count]
+        # A file may have been changed by hand: numbers that cannot be would fail anywhere.
+        within = all(p.lower <= value <= p.upper for p, value in zip(model.parameters, theta.tolist(), strict=True))
+        if not within or covariance.shape != (count, count) or not 0 < points < MOST_POINTS:
+            raise ValueError(f"theta, covariance or points cannot be those of {model.name}")
         return cls(
             model,
-            np.array(kept["theta"], dtype=float)[:count],
-            np.array(kept["covariance"], dtype=float)[:count, :count],
+            theta,
+            covariance,
             Units(**kept["units"]),
             float(kept["reference"]),
             float(answer["relative_rms"]),

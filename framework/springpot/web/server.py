@@ -15,6 +15,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from springpot.errors import DataError
+from springpot.inputs import json_of
 
 from .desk import Desk, Line
 from .guard import App, Message, Receive, Refusal, Send
@@ -162,11 +163,10 @@ class Server:
     async def _ask(self, request: Request) -> Response:
         task = request.path_params["task"]
         try:
-            given = json.loads(await _body_of(request))
+            given = json_of((await _body_of(request)).decode())
             if not isinstance(given, dict):
                 raise ValueError
-        # Brackets alone may be nested deeper than Python goes.
-        except (ValueError, RecursionError):
+        except ValueError:
             raise DataError("the request is no JSON object") from None
         if task == "race":
             asked = {"name": str(given.get("name", ""))[:200], "report": given.get("report") is True}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from springpot.errors import DataError
+from springpot.inputs import json_of
 
 from .datatext import safe_name
 from .state import State, digest_of
@@ -38,7 +38,7 @@ def session_of(content: bytes) -> dict[str, Any]:
         If it is none, or holds what a page would not have written.
     """
     try:
-        given = json.loads(content)
+        given = json_of(content.decode("utf-8-sig"), finite=True)
         if given["schema"] != SCHEMA:
             raise ValueError(f"its schema is {str(given['schema'])[:40]!r}, not {SCHEMA}")
         data = given["data"]

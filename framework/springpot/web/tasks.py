@@ -15,6 +15,7 @@ import numpy as np
 from springpot.api import compare, identify, mastercurve
 from springpot.diagnosis import Ladder
 from springpot.errors import DataError, SpringpotError
+from springpot.inputs import bytes_of
 from springpot.measurement import Measurement, OpenQuestion, Part, parts_as_opened
 from springpot.measurement.runs import runs_of
 from springpot.owners import blamed, described
@@ -136,7 +137,7 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
     path = Path(spec)
     # Before it is opened as data: some tables are JSON too.
     if path.suffix == ".json" and path.is_file() and _opens_a_session(path):
-        content = base64.b64encode(path.read_bytes()).decode()
+        content = base64.b64encode(bytes_of(path)).decode()
         return understand(told, path.name, content)
     try:
         return _understood(opened(spec), _relative(spec), parts_of(spec))
@@ -144,7 +145,7 @@ def begin(told: Told, spec: str, model: str = "") -> dict[str, Any]:
         # Something is said behind its name already: the page cannot say more.
         if not path.is_file():
             raise
-        content = base64.b64encode(path.read_bytes()).decode()
+        content = base64.b64encode(bytes_of(path)).decode()
         return {"question": _asked(error) | {"name": path.name, "content": content}}
 
 

@@ -18,6 +18,7 @@ def main() -> None:
     # What foreign code prints is no answer.
     os.dup2(2, 1)
 
+    from springpot.limits import own_process
     from springpot.registry import plugins
     from springpot.report.jsontext import to_json
 
@@ -31,9 +32,10 @@ def main() -> None:
     # Before the first task comes: what it needs is imported while nobody waits.
     plugins()
     say({"ready": True})
-    for line in sys.stdin:
-        asked = json.loads(line)
-        say(perform(asked["task"], asked["arguments"], lambda stage: say({"stage": stage})))
+    with own_process():
+        for line in sys.stdin:
+            asked = json.loads(line)
+            say(perform(asked["task"], asked["arguments"], lambda stage: say({"stage": stage})))
 
 
 if __name__ == "__main__":

@@ -38,7 +38,6 @@ Without [columns], and where a downloaded file has another name than `file`, the
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -46,7 +45,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, DataSet, Measurement, Reader, open_measurement
+from springpot.measurement import Choice, DataSet, Measurement, Reader, open_measurement, toml_of
 
 from ..readers import springpot_readers
 from ..readers.columns import ROLES, measurement_of
@@ -250,9 +249,7 @@ def read_manifest(text: str, folder: Path, path: str) -> Manifest:
     if len(text) > LARGEST:
         raise DataError(f"{path}: a manifest of more than {LARGEST >> 10} KiB")
     try:
-        values = tomllib.loads(text)
-    except RecursionError:
-        raise DataError(f"{path}: nested too deeply") from None
+        values = toml_of(text)
     except ValueError as error:
         raise DataError(f"{path}: {error}") from None
     columns = values.pop("columns", {})

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from springpot.errors import DataError
+from springpot.measurement import MOST_TABLES
 
 from .grid import COMMENT, MISSING, Grid, holds_number
 from .headings import beside, headings_of, is_remark, named_above, uncommented, units_in, unquoted
@@ -160,6 +161,7 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
     above: list[list[str]] = []
     i, rows, tried = 0, grid.rows, 0
     while i < len(rows):
+        require_tables(len(blocks))
         words = not any(map(holds_number, rows[i][:_WIDEST]))
         start = None
         if words:
@@ -195,6 +197,18 @@ def blocks_of(grid: Grid, strict: bool = False, stacked: bool = False) -> tuple[
         blocks.append(Block(_name(above), headings, cells, grid.lines[start:stop], above))
         above, i, tried = [], stop, 0
     return blocks, above
+
+
+def require_tables(count: int) -> None:
+    """Refuse more tables below one another than anybody chooses from.
+
+    Raises
+    ------
+    DataError
+        With what to do.
+    """
+    if count > MOST_TABLES:
+        raise DataError(f"more than {MOST_TABLES} tables below one another; save those that matter alone")
 
 
 def _goes_on(blocks: Sequence[Block], rows: Sequence[Sequence[str]], i: int, above: Sequence[list[str]]) -> bool:

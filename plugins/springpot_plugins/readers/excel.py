@@ -17,7 +17,7 @@ from .channels import found_in
 from .conditions_above import with_conditions_above
 from .curve_names import CurveName, curve_in_cell
 from .dynamic import measurement_from, parts_from
-from .grid import LONGEST_CELL, Grid, grid_of_sheet
+from .grid import LONGEST_CELL, Grid, Unpacked, grid_of_sheet
 from .header_facts import facts_of, pairs_in
 from .old_excel import MOST_SHEETS, SIGNATURE, sheets_of
 from .rearranged import needs_rearranging, rearranged
@@ -99,10 +99,11 @@ def _sheets(path: Path) -> list[tuple[str, Grid]]:
         with path.open("rb") as stream:
             # What formulas came to, not the formulas; and no links, which lead out of the file.
             book = load_workbook(stream, read_only=True, data_only=True, keep_links=False)
-            sheets = [(str(sheet.title), _grid(sheet)) for sheet in book.worksheets[:MOST_SHEETS]]
+            unpacked = Unpacked()
+            sheets = [(str(sheet.title), _grid(sheet, unpacked)) for sheet in book.worksheets[:MOST_SHEETS]]
             book.close()
-    except MemoryError:
-        # That is the limit within which a file is read, and told as such: the workbook need not be broken.
+    except (DataError, MemoryError):
+        # The limits within which a file is read, told as such: the workbook need not be broken.
         raise
     except Exception as error:
         # Broken workbooks fail within openpyxl in many ways.
@@ -173,10 +174,11 @@ def _check_archive(path: Path) -> None:
         raise DataError(f"the workbook unpacks to {size} bytes; save the one sheet that matters, or CSV")
 
 
-def _grid(sheet: Any) -> Grid:
+def _grid(sheet: Any, unpacked: Unpacked) -> Grid:
     # What a sheet says of its own size may be wrong.
     sheet.reset_dimensions()
-    return grid_of_sheet([_text(value) for value in row] for row in sheet.iter_rows(values_only=True))
+    rows = ([_text(value) for value in row] for row in sheet.iter_rows(values_only=True))
+    return grid_of_sheet(unpacked.counted(rows))
 
 
 def _text(value: Any) -> str:

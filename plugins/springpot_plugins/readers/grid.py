@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from math import isnan
 
 from springpot.errors import DataError
+from springpot.measurement import MOST_CELLS, MOST_COLUMNS
 
 NUMBER = re.compile(r"\s*[-+−]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?\s*\Z")
 APOSTROPHES = re.compile(r"\s*[-+−]?\d{1,3}(?:['’]\d{3})+(?:[.,]\d*)?\s*\Z")
@@ -177,6 +178,7 @@ def grid_of(text: str) -> Grid:
         raise DataError("the file holds no table")
     separator = separator_in([line for _, line in filled])
     rows = [cells_of(line, separator, i) for i, line in filled]
+    require_columns(max(map(len, rows)))
     return Grid(rows, [i for i, _ in filled], separator)
 
 
@@ -194,11 +196,44 @@ def head_grid(text: str, most: int = 400) -> Grid:
     return Grid(rows, range(1, len(rows) + 1), separator)
 
 
+def require_columns(count: int) -> None:
+    """Refuse a table that is wider than any that somebody measured.
+
+    Raises
+    ------
+    DataError
+        With what to do.
+    """
+    if count > MOST_COLUMNS:
+        raise DataError(f"{count} columns, of which {MOST_COLUMNS} are read; save those that matter alone")
+
+
 def shortest(value: float) -> str:
     """The shortest decimals that read back as the same bits; nothing for nan, which stands for a gap."""
     if isnan(value):
         return ""
     return repr(value)
+
+
+@dataclass
+class Unpacked:
+    """How many cells of a workbook have been unpacked, of all its sheets together."""
+
+    cells: int = 0
+
+    def counted(self, rows: Iterable[list[str]]) -> Iterator[list[str]]:
+        """The rows of a sheet, as long as there are not too many.
+
+        Raises
+        ------
+        DataError
+            If there are; while they come, for how many there are is known when all have been unpacked.
+        """
+        for cells in rows:
+            self.cells += len(cells)
+            if self.cells > MOST_CELLS:
+                raise DataError(f"a workbook of more than {MOST_CELLS} cells; save the table that matters as CSV")
+            yield cells
 
 
 def grid_of_sheet(rows: Iterable[list[str]]) -> Grid:

@@ -8,7 +8,7 @@ from typing import Any
 
 from springpot.errors import DataError
 
-from .grid import LONGEST_CELL, Grid, grid_of_sheet
+from .grid import LONGEST_CELL, Grid, Unpacked, grid_of_sheet
 
 SIGNATURE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 """First bytes of a compound file (Microsoft, MS-CFB, section 2.2)."""
@@ -30,8 +30,10 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
     try:
         # What xlrd would print of a file that is not quite right is of no use to anybody here.
         with xlrd.open_workbook(path, logfile=io.StringIO(), on_demand=True) as book:
-            return [(str(book.sheet_names()[i]), _grid(book, i)) for i in range(min(book.nsheets, MOST_SHEETS))]
-    except MemoryError:
+            unpacked = Unpacked()
+            chosen = range(min(book.nsheets, MOST_SHEETS))
+            return [(str(book.sheet_names()[i]), _grid(book, i, unpacked)) for i in chosen]
+    except (DataError, MemoryError):
         raise
     except Exception as error:
         # Broken workbooks fail within xlrd in many ways, and the projects of instruments are compound files as well.
@@ -39,9 +41,10 @@ def sheets_of(path: Path) -> list[tuple[str, Grid]]:
         raise DataError(f"no readable Excel file: {reason:.80}; export the results as .xlsx or CSV") from None
 
 
-def _grid(book: Any, number: int) -> Grid:
+def _grid(book: Any, number: int, unpacked: Unpacked) -> Grid:
     sheet = book.sheet_by_index(number)
-    grid = grid_of_sheet([_text(cell, book.datemode) for cell in sheet.row(i)] for i in range(sheet.nrows))
+    rows = ([_text(cell, book.datemode) for cell in sheet.row(i)] for i in range(sheet.nrows))
+    grid = grid_of_sheet(unpacked.counted(rows))
     # Each sheet's cells are let go before the next one's come, or all would be held at once.
     book.unload_sheet(number)
     return grid

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.errors import DataError
-from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, measurement_from_signals
+from springpot.measurement import Choice, Measurement, Reader, Signals, budget_of, bytes_of, measurement_from_signals
 
 from .channels import places_of, signals_from
 from .matfile import BrokenFile, arrays_in
@@ -53,7 +53,7 @@ def read(path: Path, choice: Choice) -> Measurement:
 
 
 def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
-    content = path.read_bytes()
+    content = bytes_of(path)
     if content.startswith(b"MATLAB 7.3"):
         raise DataError("MATLAB 7.3 files are HDF5; save it with -v7, or as CSV")
     try:

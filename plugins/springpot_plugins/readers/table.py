@@ -12,6 +12,8 @@ import numpy as np
 from springpot.errors import DataError
 from springpot.rheology import Real
 
+from .grid import require_columns
+
 _BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 _EXPONENT = re.compile(r"(\d\.?)[dD]([-+]?\d+\s*)\Z")
 _COMMENT = re.compile(r"^#+\s*([\w][\w .-]{0,40}?)\s*:\s+(.*)$")
@@ -197,6 +199,8 @@ def table_of(text: str) -> Table:
     if not filled:
         raise DataError("the file holds no table")
     separator = separator_of(filled[0][1])
+    # Before the header is taken apart sign by sign.
+    require_columns(filled[0][1].count(separator) + 1)
     titles = split_header(filled[0][1], separator)
     # Spreadsheets end each line with the separators of columns that were once used.
     while len(titles) > 1 and not titles[-1]:

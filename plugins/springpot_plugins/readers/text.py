@@ -6,6 +6,7 @@ import codecs
 from pathlib import Path
 
 from springpot.errors import DataError
+from springpot.measurement import bytes_of
 
 from .languages import CHANNELS, LANGUAGES
 
@@ -82,12 +83,9 @@ def text_of(path: Path) -> str:
     Raises
     ------
     DataError
-        If it is empty, no text, or cannot be read.
+        If it is empty, too large, no text, or cannot be read.
     """
-    try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise DataError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    data = bytes_of(path)
     if not data.strip():
         raise DataError("the file is empty")
     encoding = encoding_of(data[: 1 << 16])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from springpot.errors import DataError
+from springpot.measurement import json_of
 
 from .blocks import Block
 from .dynamic import reader_of_blocks
@@ -57,10 +57,9 @@ def _object(value: Any) -> dict[str, Any]:
 def _parsed(path: Path) -> tuple[list[Block], dict[str, str]]:
     """The tables of results, and what the file says of instrument and sample."""
     try:
-        data = json.loads(text_of(path).lstrip("\ufeff"))
-    # Brackets within brackets without end are no wrong value but exhaust the parser.
-    except (ValueError, RecursionError) as error:
-        reason = getattr(error, "msg", "nested too deeply")
+        data = json_of(text_of(path).lstrip("\ufeff"))
+    except ValueError as error:
+        reason = getattr(error, "msg", error)
         raise DataError(f"no readable JSON: {reason}, line {getattr(error, 'lineno', '?')}") from None
     if not isinstance(data, dict):
         raise DataError("no TRIOS export: the JSON is no object")

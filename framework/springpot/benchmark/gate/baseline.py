@@ -14,8 +14,9 @@ import numpy as np
 from springpot.benchmark import Store
 from springpot.benchmark.rows import CellRow, ProblemRow, TrialRow
 from springpot.benchmark.statistics import hitting_time, target_value
-from springpot.errors import StudyError
+from springpot.errors import DataError, StudyError
 from springpot.files import write_text
+from springpot.inputs import json_of, text_in
 from springpot.rheology import Real
 
 from .difference import Successes
@@ -147,13 +148,13 @@ def read_baseline(path: Path) -> Baseline:
         If there is none or it cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except OSError:
+        text = text_in(path)
+    except DataError as error:
         raise StudyError(
-            f"there is no baseline {path}: make it with springpot regression update STUDY.py and commit it"
+            f"there is no baseline {path} ({error}): make it with springpot regression update STUDY.py and commit it"
         ) from None
     try:
-        content = json.loads(text)
+        content = json_of(text, finite=True)
         if content["schema"] != SCHEMA:
             raise StudyError(
                 f"{path} has schema {content['schema']}, not {SCHEMA}: make it again with regression update"
