@@ -216,13 +216,13 @@ class Search:
     def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
-        best = int(np.argmin(quick.cost))
+        best = quick.best
         near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
             more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
-            best = int(np.argmin(more.cost))
+            best = more.best
             near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
         return near, spent, rests
 
