@@ -35,8 +35,8 @@ LOCAL = 1e-3
 """Chance below which the worst part is missed by more than noise (F test, times the number of parts)."""
 CLIP = 0.37
 """Efficiency of a median of absolute values."""
-EFFICIENT = 2.0 / 3.0
-"""The same of differences of neighbours (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
+EFFICIENT = 18.0 / 35.0
+"""The same of second differences (von Neumann et al. 1941, doi:10.1214/aoms/1177731746)."""
 NORMAL = 1.482602218505602
 """Standard deviation of normal noise over the median of its absolute values."""
 
@@ -187,8 +187,9 @@ def _worst(values: Real, memory: float, worth: float) -> float:
     chances = []
     for part in np.array_split(values / usual, PARTS):
         size = float(np.mean(part**2))
-        # Neighbours share a misfit and not the noise: where they differ more than elsewhere, the noise is larger.
-        rough = float(np.mean(np.diff(part) ** 2)) / (2.0 * (1.0 - memory))
+        # Neighbours share a misfit, not the noise: where they bend more than elsewhere, the noise is larger.
+        bends = np.diff(part, 2)
+        rough = float(bends @ bends) / max(len(bends), 1) / (6.0 - 8.0 * memory + 2.0 * memory**2)
         chances.append(_chance(size, count / PARTS, CLIP * count))
         if rough > 1.0:
             chances[-1] = _chance(size / rough, count / PARTS, EFFICIENT * count / PARTS)
