@@ -40,7 +40,7 @@ def error_of(stiffness, data):
     return float(np.sqrt(np.mean(np.abs(stiffness / data.stiffness - 1.0) ** 2)))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([0.0, 1e-4, 1e-2, 0.1]))
 def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, noise):
     _, _, exact, data = measured(name, seed, noise)
@@ -48,7 +48,7 @@ def test_no_network_is_nearer_to_its_own_data_than_any_material(name, seed, nois
     assert lowest <= 1.005 * error_of(exact, data) + ROUNDING
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(st.sampled_from(NETWORKS), st.integers(0, 10**6), st.sampled_from([1e-4, 1e-2]), st.booleans())
 def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(name, seed, noise, with_sd):
     model, theta, _, data = measured(name, seed, noise, with_sd)
@@ -62,7 +62,7 @@ def test_the_floor_is_of_the_norm_in_which_the_error_is_told_and_not_of_the_fit(
     assert floor.relative_rms <= 1.01 * error_of(model.stiffness(nearest.theta, data.omega), plain) + ROUNDING
 
 
-@pytest.mark.parametrize("effect", ["inertia", "time-delay", "series-spring"])
+@pytest.mark.parametrize("effect", ["inertia", "series-spring"])
 def test_the_floor_lies_below_a_model_with_effects(effect):
     rng = np.random.default_rng(7)
     model = parse_model(f"maxwell-3 + {effect}")
