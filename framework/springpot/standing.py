@@ -7,6 +7,7 @@ import numpy as np
 from springpot.comparison import compare
 from springpot.errors import DataError
 from springpot.identification import Identification, Standing, default_objective
+from springpot.misfit.material import lowest_error
 
 FEWEST_SPARE = 4
 """Degrees of freedom from which the scatter about a model says how large the noise is."""
@@ -46,4 +47,6 @@ def standing_of(identified: Identification) -> Standing | None:
             f"the search stopped short, this model reaches {100 * error.relative_rms:.2g} % on these data: "
             "give it a larger budget, or leave the optimiser out"
         )
-    return Standing(error.noise_floor, error.noise_source, error.material_floor, good, says)
+    # Of all rows, as the error that is printed beside it: a comparison looks at some of many.
+    lowest = lowest_error(identified.model, identified.measurement, identified.theta, identified.relative_rms)
+    return Standing(error.noise_floor, error.noise_source, lowest, good, says)

@@ -330,13 +330,14 @@ def judgements(
 
 def material_floors(fits: Iterable[Refit], rng: np.random.Generator) -> dict[Effects, MaterialFloor]:
     """The material floor for each set of effects, sought from the best of the fits that have them."""
-    best: dict[Effects, Refit] = {}
+    alike: dict[Effects, list[Refit]] = {}
     for found in fits:
-        # The floor does not depend on the model, but the values of its effects begin where this fit ended.
-        known = best.setdefault(effects_of(found), found)
-        if found.rss < known.rss:
-            best[effects_of(found)] = found
-    return {effects: material_floor(found, rng) for effects, found in best.items()}
+        alike.setdefault(effects_of(found), []).append(found)
+    floors = {}
+    for effects, group in alike.items():
+        # The floor does not depend on the model, but the values of its effects begin where the best fit ended.
+        floors[effects] = material_floor(min(group, key=lambda one: one.rss), rng).beside(group)
+    return floors
 
 
 def effects_of(found: Refit) -> Effects:

@@ -249,7 +249,8 @@ def _in_order(fits: Sequence[Refit], floor: Refit, lowest: MaterialFloor, rng: n
     """The fits judged and sorted out, beside any material with the accepted effects."""
     # That with the accepted effects is known already; a model of a plugin may bring effects of its own.
     unlike = [found for found in fits if effects_of(found) != effects_of(floor)]
-    floors = material_floors(unlike, rng) | {effects_of(floor): lowest}
+    alike = [found for found in fits if effects_of(found) == effects_of(floor)]
+    floors = material_floors(unlike, rng) | {effects_of(floor): lowest.beside(alike)}
     # Those that are not adequate stand by evidence: how few parameters a model has is no merit while it fails.
     ordered = sorted(judgements(fits, floors, rng), key=lambda one: one.delta_bic)
     near_enough = [one for one in ordered if chance_beside(one.refit, floor) >= COMPARISON.chance]

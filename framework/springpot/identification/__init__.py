@@ -7,6 +7,7 @@ from .identify import best_run, identify
 from .leastsquares import Solution, levenberg_marquardt
 from .ledger import BudgetSpent, all_points
 from .material import is_material, own_parameters
+from .material_fit import least_error
 from .native import Effort, Fit, fit, scanned_starts
 from .objective import Objective, default_objective, weighted
 from .optimiser import BatchedOptimiser, Card, Optimiser, OptimiserFamily
@@ -61,6 +62,7 @@ __all__ = [
     "is_passive",
     "kept_interval",
     "own_parameters",
+    "least_error",
     "levenberg_marquardt",
     "minima_in_box",
     "paper_box",

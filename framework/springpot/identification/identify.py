@@ -215,10 +215,12 @@ def _better(one: Fit, other: Fit) -> Fit:
 
 
 def _without_effects(model: Model) -> list[Model]:
-    """The models that lack one of the effects."""
+    """The models that lack one of the effects and have something left to be fitted."""
     # Of two effects of one kind it does not matter which is left out: each name counts once.
     names = dict.fromkeys(effect.name for effect in model.effects)
-    return [model - name for name in names]
+    lacking = [model - name for name in names]
+    # Where all else is held.
+    return [each for each in lacking if each.parameters]
 
 
 def _grown(part: Fit, model: Model) -> list[Real]:

@@ -63,6 +63,17 @@ class Solution:
     converged: NDArray[np.bool_]
     evaluations: int
 
+    @property
+    def best(self) -> int:
+        """The row that ended lowest; of those that ended alike, one that stopped by itself.
+
+        Its team lets a row go once enough others have stopped: it may lie lower by a rounding.
+        """
+        alike = self.converged & (self.cost <= self.cost.min() * (1.0 + ALIKE))
+        if not alike.any():
+            return int(np.argmin(self.cost))
+        return int(np.argmin(np.where(alike, self.cost, np.inf)))
+
 
 @dataclass
 class _State:

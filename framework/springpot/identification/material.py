@@ -65,6 +65,16 @@ SPARE = 3
 data with noise make it use far fewer lines; few or exact ones would be followed by a line for every number."""
 STEP = float(np.log(10.0)) / PER_DECADE
 """Between lines of the first lattice, in ln r."""
+FINE = STEP / 8
+"""Between the places at which it is asked whether a further line would explain more."""
+FINEST = STEP / 2048
+"""Between the closest lines: what lies between them differs by 1e-8 of K."""
+EXCHANGES = 20
+"""Times that lines are added and others given up; most spectra take five."""
+SETTLED = 1e-6
+"""Share of the objective that further lines must explain to be worth another round."""
+ORTHOGONAL = 1e-6
+"""Cosine between what is left and a line up to which the line explains nothing of it."""
 
 
 def is_material(model: Model) -> bool:
@@ -326,7 +336,10 @@ class SpectrumSearch:
         return residual, np.where(resting, 0.0, slopes)
 
     def refined(self, trial: Trial) -> Trial:
-        """The same with lines between those that carry weight, ever closer, as long as that explains more."""
+        """The same with lines ever closer about those that carry weight, and wherever one more explains more."""
+        # A setting under which nothing can be measured has no lines.
+        if not np.isfinite(trial.cost):
+            return trial
         spacing = STEP
         for _ in range(REFINEMENTS):
             carrying = trial.log_rates[trial.weights[2:] > 0.0]
@@ -337,7 +350,42 @@ class SpectrumSearch:
             if not finer.cost < trial.cost:
                 break
             trial = finer
+        return self.nearest(trial)
+
+    def nearest(self, trial: Trial) -> Trial:
+        """The same with a line wherever a further one would explain more, until none would.
+
+        The problem is convex in the spectrum, so that what no single further line betters nothing does (the gradient
+        function of Lindsay 1983, doi:10.1214/aos/1176346059; its peaks by Groeneboom, Jongbloed and Wellner 2008,
+        doi:10.1111/j.1467-9469.2007.00588.x).
+        """
+        for _ in range(EXCHANGES):
+            carrying = trial.log_rates[trial.weights[2:] > 0.0]
+            finer = self.solve(trial.u, np.union1d(carrying, self._promising(trial)))
+            if not finer.cost < (1.0 - SETTLED) * trial.cost:
+                return min(trial, finer, key=lambda each: each.cost)
+            trial = finer
         return trial
+
+    def _promising(self, trial: Trial) -> Real:
+        """Logarithms of rates, between those of a fine grid, about which a further line would explain most."""
+        ends = self.lattice(self.theta_of(trial.u))[[0, -1]]
+        grid = np.arange(ends[0], ends[1], FINE)
+        rates = np.concatenate([trial.log_rates, grid])
+        weights = np.concatenate([trial.weights, np.zeros(len(grid))])
+        response = self.respond(replace(trial, log_rates=rates, weights=weights))
+        columns = weighted(response.by_theta[2 + len(trial.log_rates) : len(weights)], self.weights)
+        # Of columns of one size, so that the square of a slope is what a line there alone would explain.
+        size = np.maximum(np.linalg.norm(columns, axis=1), 1e-300)
+        slope = columns @ weighted(self.data - response.value, self.weights) / size
+        worth = slope[1:-1] > ORTHOGONAL * np.sqrt(trial.cost)
+        peaks = 1 + np.flatnonzero((slope[1:-1] >= slope[:-2]) & (slope[1:-1] >= slope[2:]) & worth)
+        before, at, after = slope[peaks - 1], slope[peaks], slope[peaks + 1]
+        # The top of the parabola through three neighbours; of a flat one its middle.
+        bend = np.minimum(before - 2.0 * at + after, -1e-300)
+        tops = grid[peaks] + 0.5 * FINE * (before - after) / bend
+        # On a lattice of their own, so that what rounding adds to the data moves no line.
+        return np.asarray(FINEST * np.unique(np.round(tops / FINEST)), dtype=np.float64)
 
     def affordable(self, trial: Trial) -> Trial:
         """The same with fewer lines, where those that carry weight are more than the data can bear."""

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.measurement import Measurement
+from springpot.measurement import thinned as thinned_rows
 from springpot.rheology import Model, Real
 
 from .alignment import aligned
 from .material import ITERATIONS, STILL, Spectral, SpectrumSearch, Trial
-from .objective import Objective
+from .objective import Objective, relative_objective
 from .settings import Window, settings
 from .starts import thinned
 
@@ -86,6 +87,31 @@ def fit_spectrum(
         best, _ = search.descend(start, LAST)
         search.evaluations += coarse.evaluations
     return search.result(_on_closer_lines(search, best), converged)
+
+
+def least_error(model: Model, measurement: Measurement, known: Sequence[Real]) -> float:
+    """The least relative error, as it is printed, of any linear passive material with the effects of a model.
+
+    Parameters
+    ----------
+    model : Model
+        Its material is a `Continuum`.
+    measurement : Measurement
+        The rows over which the error is taken.
+    known : sequence of ndarray, shape (q,)
+        Parameters of the effects from which the search begins; of no effect one that is empty.
+    """
+    # Of many rows some show where the lines are, and all of them what these leave.
+    few = thinned_rows(measurement)
+    search = SpectrumSearch.of(model, few, relative_objective())
+    trials = sorted((search.solve(search.u_of(own)) for own in known), key=lambda trial: trial.cost)
+    # No line is spared for the degrees of freedom: they are no part of an error.
+    ends = [search.refined(search.descend(trial)[0]) for trial in trials[:KEPT]]
+    best = min(ends, key=lambda trial: trial.cost)
+    if few is not measurement:
+        whole = SpectrumSearch.of(model, measurement, relative_objective())
+        best = whole.solve(best.u, best.log_rates)
+    return float(np.sqrt(best.cost / len(measurement)))
 
 
 def _on_closer_lines(search: SpectrumSearch, trial: Trial) -> Trial:

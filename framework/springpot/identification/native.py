@@ -226,7 +226,7 @@ def fit(
     task = _task(model, measurement, objective)
     seeds, starts = _placed(model, measurement, objective, seeds_theta, starts)
     solution, evaluations = _solved(task, seeds, starts, rng, effort or Effort())
-    best = int(np.argmin(solution.cost))
+    best = solution.best
     # By way of a logarithm and back, a value at its bound comes to lie a rounding beyond it.
     theta = within_bounds(model, task.coordinates.theta(solution.u[best], task.coordinates.size[0]))
     return Fit(

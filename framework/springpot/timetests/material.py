@@ -20,12 +20,10 @@ from springpot.measurement import Timed, material_of
 from springpot.nonnegative import non_negative
 from springpot.rheology import Continuum, Model, Real
 
+from .convex import FASTER, SLOWER, Lines, lines_of
 from .parts import InTimePart, Part
 from .tries import Scales, test_with, tries_of
 
-SLOWER, FASTER = 1.0, 0.5
-"""Decades beyond the times of the tests: what relaxes more slowly is a spring there, and of what is gone before the
-first sample, but for a few per cent, any amount could have been."""
 WITHIN = 3.0
 """Rates over one a step at which relaxation beside a straight motion is still told from a dashpot."""
 STEPS = 60
@@ -85,13 +83,18 @@ def spectral(
     """
     search = _Search(model, parts, reference, coordinates)
     starts = [search.placed(search.start()), *search.seeded(seeds)]
-    ends = [search.descended(start, STEPS) for start in starts]
-    weights, u, _ = min(ends, key=lambda each: each.cost)
+    ends = [(search, search.descended(start, STEPS)) for start in starts]
+    # From all lines alike a creep may end anywhere: its own convex form, which knows no effect, tells where it lies.
+    for lines in [lines_of(part) for part in parts if isinstance(part, InTimePart)]:
+        other = _Search(model, parts, reference, coordinates, lines)
+        ends.append((other, other.descended(other.placed(other.start()), STEPS)))
+    evaluations = sum(each.evaluations for each in dict.fromkeys(each for each, _ in ends))
+    search, (weights, u, _) = min(ends, key=lambda end: end[1].cost)
     search.require_told(weights, u)
     # Lines without weight are no parameters: intervals would count them.
     kept = weights[2:] > 0.0
     theta = np.concatenate([weights[:2], weights[2:][kept], search.own(u)])
-    return with_rates(model, search.rates[kept].tolist()), theta, search.evaluations
+    return with_rates(model, search.rates[kept].tolist()), theta, evaluations
 
 
 FACTOR = 1.0
@@ -116,7 +119,12 @@ class _Search:
     """Residuals of tests by the weights of a lattice of lines and by the effects' coordinates."""
 
     def __init__(
-        self, model: Model | Timed, parts: Sequence[Part], reference: float, coordinates: Coordinates
+        self,
+        model: Model | Timed,
+        parts: Sequence[Part],
+        reference: float,
+        coordinates: Coordinates,
+        lines: Lines | None = None,
     ) -> None:
         self.parts, self.reference = list(parts), reference
         self.coordinates, self.size = coordinates, coordinates.size[0]
@@ -125,6 +133,10 @@ class _Search:
         decades = np.log10(high / low) + SLOWER + FASTER
         # A fixed lattice: of given rates the weights are a convex problem, with one solution.
         self.rates = np.geomspace(low * 10.0**-SLOWER, high * 10.0**FASTER, int(PER_DECADE * decades) + 2)
+        weights = None
+        if lines is not None:
+            self.rates, weights = lines.among(self.rates)
+        self.weights = weights
         self.model = with_rates(model, self.rates.tolist())
         self.count = 2 + len(self.rates)
         self.bounds = coordinates.bounds()
@@ -135,14 +147,16 @@ class _Search:
         return self.coordinates.theta(u, self.size)
 
     def start(self) -> Place:
-        """All lines alike, as stiff together as what was measured, and effects of their natural size."""
+        """Lines that are known, or all alike and as stiff as what was measured; effects of their natural size."""
         stiffness = float(np.exp(np.mean([np.log(_typical(part)) for part in self.parts])))
         # An order begins in the middle, what may be of either sign, such as a drift, at nothing.
         u = np.where(self.coordinates.log, 0.0, np.where(np.isfinite(self.bounds[0][0]), 0.5, 0.0))
+        weights = self.weights
+        if weights is None:
+            weights = np.full(self.count, stiffness / self.count)
         for share in (1.0, 1e-2, 1e-4):
             # Effects that are far too large hide the material: smaller ones may be nearer.
             small = np.where(self.coordinates.log, u + np.log(share), u)
-            weights = np.full(self.count, stiffness / self.count)
             cost = self.cost(weights, small)
             if np.isfinite(cost):
                 return Place(weights, small, cost)

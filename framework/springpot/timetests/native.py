@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.errors import SpringpotError
-from springpot.identification import Solution, levenberg_marquardt
+from springpot.identification import Solution, is_material, levenberg_marquardt
 from springpot.identification.coordinates import Coordinates
 from springpot.identification.leastsquares import Rows
 from springpot.measurement import Covered, Timed, Units, material_of, one_modulus
@@ -111,6 +111,9 @@ class Search:
         self.sizes, self.middle = (size, amplitude), middle
         self.coordinates = Coordinates.of(model.parameters, middle, np.array([size]), amplitude)
         self.size = self.coordinates.size[0]
+        self._weights = 0
+        if is_material(material_of(model)):
+            self._weights = len(material_of(model).material.parameters)
 
     def starts(self) -> list[Real]:
         """Search points (p,) to begin at."""
@@ -173,7 +176,11 @@ class Search:
         theta = self.coordinates.theta(u, self.size)
         lower = np.array([p.lower for p in self.model.parameters])
         upper = np.array([p.upper for p in self.model.parameters])
-        return np.clip(theta, lower, upper)
+        inside: Real = np.clip(theta, lower, upper)
+        # A spectrum has no spring or no dashpot at all: with a trace of a spring a fluid would not creep on and on.
+        gone = u[: self._weights] <= self.coordinates.bounds()[0][0, : self._weights]
+        inside[: self._weights][gone] = 0.0
+        return inside
 
     def residual(self, parts: Sequence[Part], u: Real, coarse: bool = False) -> tuple[Real, Real]:
         """Residuals (m,) of all parts and their derivative (p, m) by u."""
@@ -216,13 +223,13 @@ class Search:
     def _near(self, parts: Sequence[Part], starts: Sequence[Real]) -> tuple[Real, int, bool]:
         # A few steps from everywhere tell the starts apart; only the best is worth its way to the end.
         quick = self._descend(parts, np.stack(starts), True, QUICK, AFAR)
-        best = int(np.argmin(quick.cost))
+        best = quick.best
         near, spent, rests = quick.u[best], quick.evaluations, bool(quick.converged[best])
         count = sum(part.count(coarse=True) for part in parts)
         # A cost is a sum of squares over the noise: one for each number where the model is right.
         if self.thorough and quick.cost.min() > DOUBTFUL**2 * count:
             more = self._descend(parts, np.stack([near, *self.natural()]), True, QUICK, AFAR)
-            best = int(np.argmin(more.cost))
+            best = more.best
             near, spent, rests = more.u[best], spent + more.evaluations, bool(more.converged[best])
         return near, spent, rests
 
