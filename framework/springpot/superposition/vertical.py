@@ -57,6 +57,14 @@ def _covariance(element: Levels) -> Real:
     return np.asarray(np.outer(along, along) + size**2 * (np.eye(len(free)) + shared), dtype=np.float64)
 
 
+def spread_between(element: Levels) -> Real:
+    """Expected standard deviation (m, m) of ln b from each level to each other."""
+    size, along = ELSEWHERE, np.zeros(len(element.values))
+    if element.column == "temperature":
+        size, along = REPEATED, POWER * np.log(np.array(element.values))
+    return np.asarray(np.sqrt(np.subtract.outer(along, along) ** 2 + 2.0 * size**2), dtype=np.float64)
+
+
 def lifted(alone: Fit, column: str) -> Rows:
     """With vertical factors, begun where the shifts alone have ended.
 
