@@ -77,7 +77,16 @@ def _other_errors(master: MasterCurve) -> str:
 
 def _levels(master: MasterCurve) -> Table:
     a_name, b_name = _factor(master, "a"), _factor(master, "b")
-    headers = [f"{master.factors.column}{_in_unit(master.unit)}", a_name, "95 %", b_name, "95 %", "determined", "error", "alone"]
+    headers = [
+        f"{master.factors.column}{_in_unit(master.unit)}",
+        a_name,
+        "95 %",
+        b_name,
+        "95 %",
+        "determined",
+        "error",
+        "alone",
+    ]
     rows = []
     for level in master.levels:
         a, a_between = with_interval(level.a, level.a_low, level.a_high)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.digits import number
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
@@ -19,8 +20,9 @@ from springpot.measurement import Measurement, at_one_frequency
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
+from .direct import Direct
 from .factors import Factors, Rows, factors_of, told_by_data
-from .known import FURTHEST, Known, known_factors
+from .known import FURTHEST, Known, allowed_shifts, known_factors
 from .laws import LawFit, judged_laws, slower_when_hot
 from .simplicity import Simplicity, each_alone, simplicity
 from .vertical import lifted
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
 from .remarks import not_told_apart, repeats_in_words, undetermined, vertical_range
 
 SCHEMA = "springpot.mastercurve/1"
-
 
 
 class Level(NamedTuple):
@@ -169,7 +170,14 @@ class MasterCurve:
     def _repr_html_(self) -> str:
         headers = (f"{self.factors.column} [{self.unit}]", "a", "determined", "b", "error", "alone")
         rows = [
-            (f"{one.value:g}", f"{one.a:.4g}", one.reason or "yes", f"{one.b:.4g}", f"{100 * one.error:.2g} %", f"{100 * one.alone:.2g} %")
+            (
+                f"{one.value:g}",
+                f"{one.a:.4g}",
+                one.reason or "yes",
+                f"{one.b:.4g}",
+                f"{100 * one.error:.2g} %",
+                f"{100 * one.alone:.2g} %",
+            )
             for one in self.levels
         ]
         whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
@@ -198,8 +206,13 @@ class MasterCurve:
             "levels": [level._asdict() for level in self.levels],
             "laws": [law.to_dict() for law in self.laws],
             "simplicity": rest.to_dict(),
-            "curve": {"omega": data.omega, "storage": data.storage, "loss": data.loss, "unit": data.units.stiffness,
-                      "determined": data.conditions["determined"] > 0.0},
+            "curve": {
+                "omega": data.omega,
+                "storage": data.storage,
+                "loss": data.loss,
+                "unit": data.units.stiffness,
+                "determined": data.conditions["determined"] > 0.0,
+            },
             "notes": list(self.notes),
             "seconds": self.seconds,
         }
@@ -238,9 +251,9 @@ def mastercurve(
     # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
     weighing, notes = _weighing(measurement, column, objective)
-    number = levels_of(column, measurement.points.need(column))
+    level = levels_of(column, measurement.points.need(column))
     # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
-    own = each_alone(measurement, number, weighing)
+    own = each_alone(measurement, level, weighing)
     weighing = _by_level(weighing, column, own.share)
     alone, rows = _fits(measurement, column, vertical, weighing)
     fitted = factors_of(rows)
@@ -258,8 +271,16 @@ def mastercurve(
         *vertical_range(factors, told),
         *repeats_in_words(rows, own),
     ]
-    # Laws are judged against free factors: a law within the fit would bend them to itself.
-    laws = judged_laws(factors, determined, told & vertical)
+    # Laws are judged against free factors: a law within the fit would bend them to itself. Their constants are those
+    # of a fit to the data, which any other command gives of the same model.
+    unit = None
+    if rows.expected is not None:
+        unit = rows.expected.unit
+    direct = Direct(measurement, weighing, factors, unit)
+    laws, refused = judged_laws(factors, known.placed, told & vertical, direct, allowed_shifts(rows, fitted, own))
+    notes += refused
+    if vertical:
+        notes += _without_vertical(laws, replace(direct, unit=None))
     return MasterCurve(
         rows.fit,
         factors,
@@ -282,6 +303,25 @@ def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objec
     if not vertical:
         return alone, Rows.of(alone)
     return alone, lifted(alone, column)
+
+
+def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
+    """What the best law of a shift is in a model that knows of no vertical factors, where that is another."""
+    for law in laws[:1]:
+        if law.law.vertical:
+            break
+        values, low, high = alone(law.law.element, law.values)
+        if np.all((law.low <= values) & (values <= law.high)):
+            break
+        said = [
+            f"{p.name} {number(v, 4)} [{number(a, 4)}, {number(b, 4)}] {p.unit.label}".rstrip()
+            for p, v, a, b in zip(law.law.element.parameters, values, low, high, strict=True)
+        ]
+        return [
+            f"a model with {law.law.name} and no vertical factors has {', '.join(said)}: there the shift does what b "
+            "does here"
+        ]
+    return []
 
 
 def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:

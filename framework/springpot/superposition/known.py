@@ -11,6 +11,7 @@ from springpot.identification.coordinates import WIDEST
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import Real
 
+from .allowed import Allowed
 from .factors import Factors, Rows
 from .flatness import flat_levels
 from .simplicity import FEW, Alone
@@ -20,6 +21,10 @@ FURTHEST = 2.0 * WIDEST
 """Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
 ROUNDING = 1e-9
 """Share of a logarithm by which one at the end of the search may lie within it."""
+
+
+ROOM = 2.0
+"""Standard deviations within which moduli meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +84,11 @@ def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> 
     reasons = np.full(len(factors), "", dtype=object)
     # The gravest last, as it stands above the others.
     whys = (wide, few, ended, ~connected, flat)
-    for which, why in zip(whys, ("wide", "too few points", "at the end of the search", "no overlap", "flat"), strict=True):
+    for which, why in zip(
+        whys, ("wide", "too few points", "at the end of the search", "no overlap", "flat"), strict=True
+    ):
         reasons[which & others] = why
-    low, high = _ends(rows, factors, connected, ended | flat)
+    low, high = _ends(rows, factors, connected, flat | (ended & connected))
     return Known(tuple(reasons.tolist()), low, high, joined)
 
 
@@ -93,13 +100,27 @@ def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
     reduced frequencies only where they share moduli, wherever they are shifted.
     """
     low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude))
-    usual = float(np.median(own.error[own.judged])) if np.any(own.judged) else 0.0
-    scatter = np.where(own.judged, own.error, usual)
-    variance = np.add.outer(scatter**2, scatter**2)
+    variance = _scatter_between(rows, own)
     if len(rows.elements) > 1:
         variance = variance + spread_between(rows.elements[-1]) ** 2
-    room = 2.0 * np.sqrt(variance)
-    return _touching(low, high, room)
+    return _touching(low, high, ROOM * np.sqrt(variance))
+
+
+def allowed_shifts(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
+    """How far neighbouring levels can be shifted, their moduli divided by the vertical factors that were found."""
+    low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude) - fitted.log_b[rows.number])
+    # Beyond their scatter: where two ends only just meet, nobody knows that they do.
+    surely = _touching(low, high, -ROOM * np.sqrt(_scatter_between(rows, own)))
+    return Allowed(fitted.column, fitted.levels, *_ranges(rows, rows.fit.measurement.points.log_omega), surely)
+
+
+def _scatter_between(rows: Rows, own: Alone) -> Real:
+    """Variance (m, m) of the difference of ln|K| of two levels by their scatter."""
+    usual = 0.0
+    if np.any(own.judged):
+        usual = float(np.median(own.error[own.judged]))
+    scatter = np.where(own.judged, own.error, usual)
+    return np.asarray(np.add.outer(scatter**2, scatter**2), dtype=np.float64)
 
 
 def _frequencies(rows: Rows) -> NDArray[np.int64]:
@@ -133,22 +154,19 @@ def _ends(rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDA
     Of a sweep that does not overlap it is known on which side it lies, and that it is no nearer than it would
     overlap: so far its interval goes, and on the other side there is no end.
     """
-    log_a, reach = factors.log_a, factors.reach_a
+    log_a, reach = factors.log_a, np.minimum(factors.reach_a, 2.0 * FURTHEST)
     # What the data leave open ends where no factor is searched: beyond, it would be no number.
     low = np.maximum(log_a - reach, np.minimum(log_a, -FURTHEST))
     high = np.minimum(log_a + reach, np.maximum(log_a, FURTHEST))
     first, last = _ranges(rows, rows.reduced[1])
+    top = int(np.argmax(np.where(connected, last, -np.inf)))
+    bottom = int(np.argmin(np.where(connected, first, np.inf)))
     for i in np.flatnonzero(~connected).tolist():
-        above = first[i] > last[connected].max()
-        below = last[i] < first[connected].min()
-        if above:
-            low[i] -= _gaps(first, last, last[connected].max(), first[i])
-        if below:
-            high[i] += _gaps(first, last, last[i], first[connected].min())
-        if not below:
-            high[i] = FURTHEST
-        if not above:
-            low[i] = -FURTHEST
+        low[i], high[i] = -FURTHEST, FURTHEST
+        if first[i] > last[top]:
+            low[i] = max(log_a[i] - _gaps(first, last, last[top], first[i]) - reach[top], -FURTHEST)
+        elif last[i] < first[bottom]:
+            high[i] = min(log_a[i] + _gaps(first, last, last[i], first[bottom]) + reach[bottom], FURTHEST)
     others = np.arange(len(factors)) != factors.reference
     low[open_ & others], high[open_ & others] = -FURTHEST, FURTHEST
     return low, high

@@ -12,7 +12,6 @@ from .known import Known
 from .simplicity import FEW, Alone
 from .words import level_text
 
-
 WHY = {
     "no overlap": "the sweeps do not overlap with the rest; their factors are not determined, as many fit alike: the "
     "interval goes from where they would begin to overlap",

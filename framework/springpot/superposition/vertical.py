@@ -36,13 +36,18 @@ def expectation(rows: Rows) -> Real:
 
     Every level, that of reference too, has an error of its own, so that no level is trusted before the others.
     """
-    whitening = np.zeros((0, 0))
+    blocks = np.zeros((0, 0))
     for element in rows.elements:
         own = np.zeros((0, len(element.parameters)))
         if not element.logarithmic:
-            own = np.linalg.inv(np.linalg.cholesky(_covariance(element)))
-        whitening = block_diag(whitening, own)
-    return np.asarray(whitening, dtype=np.float64)
+            own = whitening(element)
+        blocks = block_diag(blocks, own)
+    return np.asarray(blocks, dtype=np.float64)
+
+
+def whitening(element: Levels) -> Real:
+    """Rows (q, q) that whiten the logarithms of free vertical factors by what is expected of them."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(_covariance(element))), dtype=np.float64)
 
 
 def _covariance(element: Levels) -> Real:
