@@ -237,7 +237,8 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
         axes.errorbar(
             x[~known], value[~known], bars[:, ~known], fmt="x", color=QUIET, linewidth=0.8, label="not determined"
         )
-        axes.set_ylim(value.min() / DECADE, value.max() * DECADE)
+        if not vertical:
+            axes.set_ylim(value.min() / DECADE, value.max() * DECADE)
     if value.max() > DECADE * value.min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")

@@ -20,6 +20,7 @@ from springpot.measurement import Measurement, at_one_frequency
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
+from .allowed import Allowed
 from .direct import Direct
 from .factors import Factors, Rows, factors_of, told_by_data
 from .known import FURTHEST, Known, allowed_shifts, known_factors
@@ -261,26 +262,17 @@ def mastercurve(
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
     known = known_factors(rows, fitted, factors, own)
-    determined = known.determined
     told = told_by_data(rows, at)
     notes += [
         *remarks,
         *undetermined(factors, known),
-        *slower_when_hot(factors, determined),
+        *slower_when_hot(factors, known.determined),
         *not_told_apart(factors, told),
         *vertical_range(factors, told),
         *repeats_in_words(rows, own),
     ]
-    # Laws are judged against free factors: a law within the fit would bend them to itself. Their constants are those
-    # of a fit to the data, which any other command gives of the same model.
-    unit = None
-    if rows.expected is not None:
-        unit = rows.expected.unit
-    direct = Direct(measurement, weighing, factors, unit)
-    laws, refused = judged_laws(factors, known.placed, told & vertical, direct, allowed_shifts(rows, fitted, own))
-    notes += refused
-    if vertical:
-        notes += _without_vertical(laws, replace(direct, unit=None))
+    laws, said = _laws(rows, factors, known, told & vertical, allowed_shifts(rows, fitted, own))
+    notes += said
     return MasterCurve(
         rows.fit,
         factors,
@@ -303,6 +295,24 @@ def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objec
     if not vertical:
         return alone, Rows.of(alone)
     return alone, lifted(alone, column)
+
+
+def _laws(
+    rows: Rows, factors: Factors, known: Known, told: NDArray[np.bool_], allowed: Allowed
+) -> tuple[list[LawFit], list[str]]:
+    """Laws of temperature and what is said of them.
+
+    They are judged against free factors: a law within the fit would bend them to itself. Their constants are those of
+    a fit to the data, which any other command gives of the same model.
+    """
+    unit = None
+    if rows.expected is not None:
+        unit = rows.expected.unit
+    direct = Direct(rows.fit.measurement, rows.fit.objective, factors, unit)
+    laws, said = judged_laws(factors, known.placed, told, direct, allowed)
+    if unit is not None:
+        said = [*said, *_without_vertical(laws, replace(direct, unit=None))]
+    return laws, said
 
 
 def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:

@@ -17,7 +17,7 @@ WHY = {
     "interval goes from where they would begin to overlap",
     "flat": "storage and loss are flat within their scatter, so that there is nothing to shift by: any factor a fits",
     "too few points": f"sweeps of fewer than {FEW} frequencies; their factors are known to no better than a decade",
-    "at the end of the search": "their factors are at the end of what is searched: they are not determined",
+    "at the end of the search": "the search ended at the end of its range; the factors are not determined",
     "wide": "the sweeps overlap too little or are too straight; their factors are known to no better than a decade",
 }
 """What is said of the levels whose factor is not determined, by its reason."""
