@@ -402,6 +402,9 @@ class SuperpositionLevels:
     """Relative scatter of repeats from which it is told; below it is the usual noise of an instrument."""
     undetermined: float = log(10.0)
     """Half-width of the interval of ln a from which a factor counts as not determined: a decade."""
+    missed: float = 0.5
+    """Share of storage or loss by which a line misses it that nobody overlooks: half of it, on a logarithmic axis a
+    third of a decade."""
     worth_a_place: float = 0.1
     """Share of what superposition leaves that a place must explain to be told: many small ones are no answer."""
     branch_seen: float = 0.01

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.distributions import chi2_sf
+from springpot.identification.lack_of_fit import beyond_its_pole
 from springpot.measurement import PRESSURE_UNITS, TIME, Averaged, Measurement, at_one_frequency, moved_along
 from springpot.misfit.amplitudes import notes_on_amplitudes
 from springpot.misfit.battery import Finding
@@ -71,6 +72,7 @@ def notes(
     """
     search = evidence.search
     yield from _of_one_frequency(search)
+    yield from beyond_its_pole(search.base.fit)
     yield from _of_data(search, outliers, measured)
     for finding in unexplained_harmonics(search, verdict):
         yield f"{finding.says}; the model does not make it, and K of the first harmonic does not tell of it"

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from springpot.rheology import Real
 
+from .lack_of_fit import widened
 from .material import SpectrumSearch, is_material, own_parameters
 from .native import Fit
 from .uncertainty import Uncertainty, allowed_cost
@@ -38,6 +39,14 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
     """
     fit = known.fit
     low, high = known.interval()
+    # The parameters of the material itself are known by each sweep.
+    known = widened(known)
+    if known.spread is not None:
+        ends = known.interval()
+        for i in own_parameters(fit.model):
+            low[i], high[i] = ends[0][i], ends[1][i]
+        # A profile is that of the scatter of points: what the levels allow has no objective to be followed.
+        return low, high
     if not is_material(fit.model) or fit.dof <= 0:
         return low, high
     own = own_parameters(fit.model)
@@ -47,11 +56,11 @@ def intervals_beside_material(known: Uncertainty) -> tuple[Real, Real]:
     for i in own:
         narrow = high[i] - low[i] < abs(fit.theta[i])
         if known.at_bound[i] == 0 and (len(own) == 1 or not narrow):
-            low[i], high[i] = profile_beside_material(fit, i, rise)
+            low[i], high[i] = profile_beside_material(fit, i, rise, known.expected)
     return low, high
 
 
-def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, float]:
+def profile_beside_material(fit: Fit, number: int, rise: float, expected: Real | None = None) -> tuple[float, float]:
     """Interval of an effect's parameter: where the best objective has risen by so much, all else refitted.
 
     Parameters
@@ -62,6 +71,8 @@ def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, 
         Number of the parameter in theta.
     rise : float
         Of the objective, at the ends of the interval.
+    expected : ndarray, shape (r, q), optional
+        What was expected of the effects' parameters, as `fit` takes it.
 
     Returns
     -------
@@ -74,7 +85,7 @@ def profile_beside_material(fit: Fit, number: int, rise: float) -> tuple[float, 
     """
     own = own_parameters(fit.model)
     place = own.index(number)
-    search = SpectrumSearch.of(fit.model, fit.measurement, fit.objective)
+    search = SpectrumSearch.of(fit.model, fit.measurement, fit.objective, expected)
     # On the lattice of the search, not on the fitted lines: only there may others come in.
     best, _ = search.descend(search.solve(search.u_of(fit.theta[own])))
 

@@ -95,6 +95,19 @@ def own_parameters(model: Model) -> list[int]:
     return list(range(len(model.material.parameters), len(model.parameters)))
 
 
+def surprise_at(expected: Real, own: Real) -> Real:
+    """Departures (r,) of the effects' parameters (q,) from what is expected (r, q) of some of them."""
+    # A parameter of which nothing is expected may be zero, or have no logarithm.
+    known = np.any(expected != 0.0, axis=0)
+    return np.asarray(expected[:, known] @ np.log(own[known]), dtype=np.float64)
+
+
+def surprise_slopes(expected: Real, own: Real, by_u: Real) -> Real:
+    """Slopes (r, p) of these departures, from those (q, p) of the parameters."""
+    known = np.any(expected != 0.0, axis=0)
+    return np.asarray(expected[:, known] @ (by_u[known] / own[known, None]), dtype=np.float64)
+
+
 @dataclass(frozen=True, eq=False)
 class Spectral:
     """A material with effects at fitted parameters.
@@ -213,7 +226,7 @@ class SpectrumSearch:
         # Where nothing is expected, a parameter may be zero and have no logarithm.
         if not len(self.expected):
             return np.zeros(0)
-        return np.asarray(self.expected @ np.log(own), dtype=np.float64)
+        return surprise_at(self.expected, own)
 
     def with_lines(self, log_rates: Real) -> Model:
         """The model with a spectrum of these lines; neighbouring settings mostly have the same ones."""
@@ -327,9 +340,9 @@ class SpectrumSearch:
         basis, _ = np.linalg.qr(carrying / np.maximum(np.linalg.norm(carrying, axis=0), 1e-300))
         slopes = slopes - basis @ (basis.T @ slopes)
         if len(self.expected):
-            by_log = self.coordinates.slopes(own, self.size) / own[:, None]
             residual = np.concatenate([residual, -self.surprise(own)])
-            slopes = np.concatenate([slopes, self.expected @ by_log])
+            turn = self.coordinates.slopes(own, self.size)
+            slopes = np.concatenate([slopes, surprise_slopes(self.expected, own, turn)])
         downhill = slopes.T @ residual
         # What rests on its bound and would go beyond is left where it is.
         resting = ((trial.u <= self.low) & (downhill < 0.0)) | ((trial.u >= self.high) & (downhill > 0.0))

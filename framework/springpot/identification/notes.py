@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.rheology import Parameter, Real
 
+from .lack_of_fit import beyond_its_pole
 from .native import Fit
 from .uncertainty import Uncertainty
 
@@ -46,6 +47,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     """
     return [
         *_undetermined(known.fit),
+        *beyond_its_pole(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
         *_weak(known, low, high),

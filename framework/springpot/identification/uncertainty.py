@@ -14,6 +14,7 @@ from springpot.rheology import Real
 
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
+from .material import surprise_at, surprise_slopes
 from .native import Fit
 from .task import Task
 
@@ -62,6 +63,11 @@ class Uncertainty:
         Whether the weights are known standard deviations; otherwise the scatter of the residuals sets the scale.
     level : float
         Probability of the intervals.
+    expected : ndarray, shape (r, q), optional
+        What was expected of the effects' parameters of any material beside the data, as `fit` takes it.
+    spread : tuple of (float, float), optional
+        Standard deviation of a weighted residual and its degrees of freedom, where those of the scatter are not what
+        the parameters are known by; see `lack_of_fit`.
 
     Examples
     --------
@@ -76,6 +82,8 @@ class Uncertainty:
     fit: Fit
     absolute: bool
     level: float = INTERVAL
+    expected: Real | None = None
+    spread: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, fit: Fit, level: float = INTERVAL) -> Uncertainty:
@@ -86,6 +94,8 @@ class Uncertainty:
     @property
     def scale(self) -> float:
         """Standard deviation of a weighted residual."""
+        if self.spread is not None:
+            return self.spread[0]
         if self.absolute:
             return 1.0
         # As many parameters as numbers: whatever the scatter is, the fit goes through all of it.
@@ -96,6 +106,8 @@ class Uncertainty:
     @property
     def _freedom(self) -> float:
         """Degrees of freedom of the scale: without end where it is known beforehand."""
+        if self.spread is not None:
+            return self.spread[1]
         if self.absolute:
             return float("inf")
         return self.fit.dof
@@ -131,7 +143,7 @@ class Uncertainty:
         """Covariance (p, p) in search coordinates; infinite variance where the data say nothing, 0 at a bound."""
         # What rests on a bound does not move with the data: it takes no part, and the others are the surer for it.
         free = np.flatnonzero(self.at_bound == 0)
-        inner = self.fit.jacobian_u[:, free]
+        inner = self.slopes[:, free]
         # Columns of one size: what is determined must not depend on the units of the parameters.
         size = np.linalg.norm(inner, axis=0)
         size[size == 0] = 1.0
@@ -147,6 +159,22 @@ class Uncertainty:
         lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
         covariance[lost, lost] = np.inf
         return np.nan_to_num(covariance, nan=np.inf, posinf=np.inf)
+
+    @property
+    def surprise(self) -> Real:
+        """How far the effects' parameters lie from what was expected of them, (r,)."""
+        if self.expected is None:
+            return np.zeros(0)
+        return surprise_at(self.expected, self.fit.theta[-self.expected.shape[1] :])
+
+    @property
+    def slopes(self) -> Real:
+        """Derivative (2n + r, p) of residuals and departures from the expected by the search coordinates."""
+        if self.expected is None:
+            return self.fit.jacobian_u
+        own = self.fit.theta[-self.expected.shape[1] :]
+        turn = self.fit.task.coordinates.slopes(self.fit.theta, self.fit.task.coordinates.size[0])
+        return np.concatenate([self.fit.jacobian_u, surprise_slopes(self.expected, own, turn[-len(own) :])])
 
     @property
     def sd_u(self) -> Real:
@@ -317,13 +345,11 @@ def profile(fit: Fit, parameter: str, level: float = INTERVAL) -> tuple[float, f
 def allowed_cost(known: Uncertainty) -> float:
     """The objective at the ends of a profile's interval."""
     fit = known.fit
-    if known.absolute:
-        return fit.cost + known.quantile**2
     # Nothing is left over from which the scatter could be known: no rise is too much for it.
-    if fit.dof <= 0:
+    if not np.isfinite(known.scale):
         return float("inf")
     # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
-    return fit.cost + known.quantile**2 * (fit.cost / fit.dof)
+    return fit.cost + (known.quantile * known.scale) ** 2
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:

@@ -77,7 +77,16 @@ def _other_errors(master: MasterCurve) -> str:
 
 def _levels(master: MasterCurve) -> Table:
     a_name, b_name = _factor(master, "a"), _factor(master, "b")
-    headers = [f"{master.factors.column}{_in_unit(master.unit)}", a_name, "95 %", b_name, "95 %", "error", "alone"]
+    headers = [
+        f"{master.factors.column}{_in_unit(master.unit)}",
+        a_name,
+        "95 %",
+        b_name,
+        "95 %",
+        "determined",
+        "error",
+        "alone",
+    ]
     rows = []
     for level in master.levels:
         a, a_between = with_interval(level.a, level.a_low, level.a_high)
@@ -85,16 +94,20 @@ def _levels(master: MasterCurve) -> Table:
         # Factors at the reference are one by definition: an interval would look like a measurement.
         if level.value == master.reference:
             a, a_between, b, b_between = "1", "reference", "1", ""
-        # A factor that may be anything would be read as a result, with or without its interval.
-        elif not level.determined:
-            a, a_between, b_between = "-", "not determined", ""
         name = level_text(master.factors.column, level.value).removesuffix(" degC")
         name = name.removeprefix(f"{master.factors.column} ")
-        rows.append([name, a, a_between, b, b_between, percent(level.error, 2), percent(level.alone, 2)])
+        why = "no: " + level.reason
+        if level.determined:
+            why = "yes"
+        rows.append([name, a, a_between, b, b_between, why, percent(level.error, 2), percent(level.alone, 2)])
     # Otherwise all of them would be one.
     if not master.vertical:
         headers = [*headers[:3], *headers[5:]]
         rows = [[*row[:3], *row[5:]] for row in rows]
+    if np.all(master.determined):
+        at = headers.index("determined")
+        headers = [*headers[:at], *headers[at + 1 :]]
+        rows = [[*row[:at], *row[at + 1 :]] for row in rows]
     return Table(headers, rows, frozenset({headers[0], a_name, b_name, "error", "alone"}))
 
 
@@ -220,8 +233,13 @@ def _draw_factors(axes: Axes, master: MasterCurve, vertical: bool) -> None:
         x[known], value[known], bars[:, known], fmt="o", color=INK, markersize=4.0, linewidth=1.0, capsize=2.0
     )
     if not np.all(known):
-        axes.plot(x[~known], value[~known], "x", color=QUIET, label="not determined")
-    if value[known].max() > DECADE * value[known].min():
+        # Their intervals run to the end of the search and off the picture, which the factors themselves set.
+        axes.errorbar(
+            x[~known], value[~known], bars[:, ~known], fmt="x", color=QUIET, linewidth=0.8, label="not determined"
+        )
+        if not vertical:
+            axes.set_ylim(value.min() / DECADE, value.max() * DECADE)
+    if value.max() > DECADE * value.min():
         logarithmic(axes, "y")
     axes.set_xlabel(f"{master.factors.column}{_in_unit(master.unit)}")
     title = "factors a of frequency"

@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.digits import number
 from springpot.drawing import draw
 from springpot.errors import DataError
 from springpot.identification import Fit, Objective, default_objective, fit
-from springpot.identification.coordinates import WIDEST
 from springpot.identification.objective import relative_objective
 from springpot.markup import Html, table, tag
 from springpot.measurement import Measurement, at_one_frequency
 from springpot.policy import SUPERPOSITION
 from springpot.rheology import HELD, Complex, Continuum, Effect, Layer, Levels, Model, Real, levels_of, shift
 
+from .allowed import Allowed
+from .direct import Direct
 from .factors import Factors, Rows, factors_of, told_by_data
-from .flatness import flat_levels
+from .known import FURTHEST, Known, allowed_shifts, known_factors
 from .laws import LawFit, judged_laws, slower_when_hot
 from .simplicity import Simplicity, each_alone, simplicity
 from .vertical import lifted
@@ -33,11 +35,6 @@ if TYPE_CHECKING:
 from .remarks import not_told_apart, repeats_in_words, undetermined, vertical_range
 
 SCHEMA = "springpot.mastercurve/1"
-
-FURTHEST = 2.0 * WIDEST
-"""Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
-ROUNDING = 1e-9
-"""Share of a logarithm by which one at the end of the search may lie within it."""
 
 
 class Level(NamedTuple):
@@ -57,6 +54,9 @@ class Level(NamedTuple):
         Relative error of the curve here, and of a material that follows this level only (nan with too few points).
     determined : bool
         Whether the data connect it with the reference.
+    reason : str
+        Why not: ``no overlap``, ``flat``, ``too few points``, ``at the end of the search`` or ``wide``; empty where
+        it is determined.
     """
 
     value: float
@@ -70,6 +70,7 @@ class Level(NamedTuple):
     error: float
     alone: float
     determined: bool
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +93,8 @@ class MasterCurve:
         Laws of temperature, the best first; those of vertical factors last.
     simplicity : Simplicity
         Whether one curve is enough, and where not.
-    determined : ndarray of bool, shape (m,)
-        Levels that overlap with the reference, directly or through others.
+    known : Known
+        Levels whose factor is determined, why the others' is not, and where each may lie.
     notes : tuple of str
         What a user should know.
     seconds : float
@@ -107,9 +108,14 @@ class MasterCurve:
     error_without_vertical: float
     laws: tuple[LawFit, ...]
     simplicity: Simplicity
-    determined: NDArray[np.bool_]
+    known: Known
     notes: tuple[str, ...]
     seconds: float
+
+    @property
+    def determined(self) -> NDArray[np.bool_]:
+        """Levels (m,) whose factor of frequency the data tell to a decade or better."""
+        return self.known.determined
 
     @property
     def data(self) -> Measurement:
@@ -130,13 +136,15 @@ class MasterCurve:
     def levels(self) -> list[Level]:
         """The levels in ascending order."""
         counts = np.bincount(Rows.of(self.fit).number)
-        factors, rest = self.factors, self.simplicity
+        factors, rest, known = self.factors, self.simplicity, self.known
         rows = []
         for i in range(len(factors)):
-            ends = (*_ends(factors.log_a[i], factors.reach_a[i]), *_ends(factors.log_b[i], factors.reach_b[i]))
+            of_a = np.exp([factors.log_a[i], known.low[i], known.high[i]]).tolist()
+            ends = (*of_a, *_ends(factors.log_b[i], factors.reach_b[i]))
             head = (float(factors.levels[i]), int(counts[i]))
             errors = (float(rest.level_error[i]), float(rest.level_alone[i]))
-            rows.append(Level._make((*head, *ends, *errors, bool(self.determined[i]))))
+            told = (bool(known.determined[i]), known.reason[i])
+            rows.append(Level._make((*head, *ends, *errors, *told)))
         return rows
 
     def curve(self, omega: Real) -> NDArray[np.complex128]:
@@ -161,9 +169,16 @@ class MasterCurve:
         )
 
     def _repr_html_(self) -> str:
-        headers = (f"{self.factors.column} [{self.unit}]", "a", "b", "error", "alone")
+        headers = (f"{self.factors.column} [{self.unit}]", "a", "determined", "b", "error", "alone")
         rows = [
-            (f"{one.value:g}", _shown(one), f"{one.b:.4g}", f"{100 * one.error:.2g} %", f"{100 * one.alone:.2g} %")
+            (
+                f"{one.value:g}",
+                f"{one.a:.4g}",
+                one.reason or "yes",
+                f"{one.b:.4g}",
+                f"{100 * one.error:.2g} %",
+                f"{100 * one.alone:.2g} %",
+            )
             for one in self.levels
         ]
         whole: Html = tag("div", tag("p", tag("b", repr(self)[1:-1])), table(headers, rows))
@@ -192,7 +207,13 @@ class MasterCurve:
             "levels": [level._asdict() for level in self.levels],
             "laws": [law.to_dict() for law in self.laws],
             "simplicity": rest.to_dict(),
-            "curve": {"omega": data.omega, "storage": data.storage, "loss": data.loss, "unit": data.units.stiffness},
+            "curve": {
+                "omega": data.omega,
+                "storage": data.storage,
+                "loss": data.loss,
+                "unit": data.units.stiffness,
+                "determined": data.conditions["determined"] > 0.0,
+            },
             "notes": list(self.notes),
             "seconds": self.seconds,
         }
@@ -231,41 +252,36 @@ def mastercurve(
     # First of all: a slip in the name of a column must not cost a fit.
     _check(measurement, column)
     weighing, notes = _weighing(measurement, column, objective)
-    number = levels_of(column, measurement.points.need(column))
+    level = levels_of(column, measurement.points.need(column))
     # First what each level gives by itself: a level that no material follows must not bend the curve of the others.
-    own = each_alone(measurement, number, weighing)
+    own = each_alone(measurement, level, weighing)
     weighing = _by_level(weighing, column, own.share)
     alone, rows = _fits(measurement, column, vertical, weighing)
     fitted = factors_of(rows)
     at, remarks = _reference(fitted, reference)
     # Referred only now: a fit is the same whatever level is asked for.
     factors = fitted.referred_to(at)
-    connected = _connected(rows, at)
-    # A factor at the end of the search is where this ended, whatever its interval.
-    searched = np.abs(fitted.log_a) < (1.0 - ROUNDING) * WIDEST
-    # The spectrum follows the noise of a flat sweep, by which its place would seem to be known.
-    flat = flat_levels(rows) & (np.arange(len(factors)) != at)
-    determined = connected & searched & (factors.reach_a < SUPERPOSITION.undetermined) & ~flat
+    known = known_factors(rows, fitted, factors, own)
     told = told_by_data(rows, at)
     notes += [
         *remarks,
-        *undetermined(factors, connected, determined, flat),
-        *slower_when_hot(factors, determined),
+        *undetermined(factors, known),
+        *slower_when_hot(factors, known.determined),
         *not_told_apart(factors, told),
         *vertical_range(factors, told),
         *repeats_in_words(rows, own),
     ]
-    # Laws are judged against free factors: a law within the fit would bend them to itself.
-    laws = judged_laws(factors, determined, told & vertical)
+    laws, said = _laws(rows, factors, known, told & vertical, allowed_shifts(rows, fitted, own))
+    notes += said
     return MasterCurve(
         rows.fit,
         factors,
-        _reduced(rows, fitted, at),
+        _reduced(rows, fitted, factors, known),
         vertical,
         _error(alone),
         tuple(laws),
         simplicity(rows, own.weighted_by(own.share)),
-        determined,
+        known,
         tuple(notes),
         perf_counter() - began,
     )
@@ -281,11 +297,41 @@ def _fits(measurement: Measurement, column: str, vertical: bool, weighing: Objec
     return alone, lifted(alone, column)
 
 
-def _shown(level: Level) -> str:
-    """The factor of frequency, where the data tell it."""
-    if not level.determined:
-        return "-"
-    return f"{level.a:.4g}"
+def _laws(
+    rows: Rows, factors: Factors, known: Known, told: NDArray[np.bool_], allowed: Allowed
+) -> tuple[list[LawFit], list[str]]:
+    """Laws of temperature and what is said of them.
+
+    They are judged against free factors: a law within the fit would bend them to itself. Their constants are those of
+    a fit to the data, which any other command gives of the same model.
+    """
+    unit = None
+    if rows.expected is not None:
+        unit = rows.expected.unit
+    direct = Direct(rows.fit.measurement, rows.fit.objective, factors, unit)
+    laws, said = judged_laws(factors, known.placed, told, direct, allowed)
+    if unit is not None:
+        said = [*said, *_without_vertical(laws, replace(direct, unit=None))]
+    return laws, said
+
+
+def _without_vertical(laws: list[LawFit], alone: Direct) -> list[str]:
+    """What the best law of a shift is in a model that knows of no vertical factors, where that is another."""
+    for law in laws[:1]:
+        if law.law.vertical:
+            break
+        values, low, high = alone(law.law.element, law.values)
+        if np.all((law.low <= values) & (values <= law.high)):
+            break
+        said = [
+            f"{p.name} {number(v, 4)} [{number(a, 4)}, {number(b, 4)}] {p.unit.label}".rstrip()
+            for p, v, a, b in zip(law.law.element.parameters, values, low, high, strict=True)
+        ]
+        return [
+            f"a model with {law.law.name} and no vertical factors has {', '.join(said)}: there the shift does what b "
+            "does here"
+        ]
+    return []
 
 
 def _ends(log_factor: float, reach: float) -> tuple[float, float, float]:
@@ -362,24 +408,9 @@ def _reference(factors: Factors, wanted: float | None) -> tuple[int, list[str]]:
     return nearest, [f"nothing was measured at {asked}: the reference is the nearest level, {used}"]
 
 
-def _connected(rows: Rows, reference: int) -> NDArray[np.bool_]:
-    """Levels (m,) whose reduced frequencies overlap with those of the reference, directly or through others."""
-    x = rows.reduced[1]
-    m = len(rows.elements[0].values)
-    # Of two sweeps that do not overlap no shift is better than another.
-    low = np.array([x[rows.number == i].min() for i in range(m)])
-    high = np.array([x[rows.number == i].max() for i in range(m)])
-    touching = (low[:, None] <= high[None, :]) & (low[None, :] <= high[:, None])
-    reached = np.arange(m) == reference
-    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
-    for _ in range(m):
-        reached = touching[reached].any(axis=0)
-    return np.asarray(reached)
-
-
-def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:
-    """All points at the reference."""
-    data = rows.fit.measurement
+def _reduced(rows: Rows, fitted: Factors, factors: Factors, known: Known) -> Measurement:
+    """All points at the reference, each with what is known of its factor."""
+    data, reference = rows.fit.measurement, factors.reference
     factor, x = rows.reduced
     a, b = float(np.exp(fitted.log_a[reference])), float(np.exp(fitted.log_b[reference]))
     ratio = factor / b
@@ -389,6 +420,10 @@ def _reduced(rows: Rows, fitted: Factors, reference: int) -> Measurement:
         if name == fitted.column:
             name = f"measured {name}"
         conditions[name] = values
+    # Whoever takes the table alone must see which of its points lie anywhere.
+    conditions["a"] = np.exp(factors.log_a)[rows.number]
+    conditions["a_low"], conditions["a_high"] = np.exp(known.low)[rows.number], np.exp(known.high)[rows.number]
+    conditions["determined"] = known.determined[rows.number].astype(np.float64)
     sd = None
     if data.sd is not None:
         sd = data.sd / ratio

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.identification import Fit, weighted
+from springpot.identification.lack_of_fit import alike
 from springpot.identification.uncertainty import student
-from springpot.policy import INTERVAL, SUPERPOSITION
+from springpot.policy import INTERVAL
 from springpot.rheology import Continuum, Levels, Real, levels_of
 
 from .words import level_text
@@ -250,18 +251,7 @@ class Rows:
     @cached_property
     def alike(self) -> float:
         """Factor on variances because neighbouring residuals are alike: (1 + r) / (1 - r) for their correlation r."""
-        # Level by level, rising in frequency: only so are neighbours neighbours.
-        order = np.lexsort((self.fit.measurement.omega, self.number))
-        residual = (self.residual / self.scale).reshape(2, -1).T[order]
-        same = np.diff(self.number[order]) == 0
-        product = 0.0
-        # Neighbours of different levels are no neighbours.
-        if np.any(same):
-            product = np.mean((residual[1:] * residual[:-1])[same])
-        # A negative correlation would narrow the intervals, on no more than a guess.
-        variance = max(float(np.mean(residual**2)), 1e-300)
-        r = float(np.clip(product / variance, 0.0, SUPERPOSITION.most_alike))
-        return (1.0 + r) / (1.0 - r)
+        return alike(self.residual / self.scale, self.fit.measurement.omega, self.number)
 
     @cached_property
     def unit(self) -> float:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from springpot.policy import INTERVAL, SUPERPOSITION
 from springpot.rheology import Formula, Parameter, Points, Real, arrhenius, temperature_power, vogel, wlf
 from springpot.rheology.points import KELVIN
 
+from .allowed import Allowed
 from .factors import Factors
 
 Verdict = Literal["holds", "departs", "cannot-tell"]
@@ -55,6 +57,9 @@ class Law:
     vertical: bool = False
 
 
+DirectFit: TypeAlias = Callable[[Formula, Real], tuple[Real, Real, Real]]
+"""A law's element and its parameters (k,) to the same fitted to the data, and the ends (k,) of their intervals."""
+
 LAWS = (
     Law("Arrhenius", "ln a = Ea / R (1 / T - 1 / Tr)", arrhenius()),
     Law("WLF", "log10 a = -C1 (T - Tr) / (C2 + T - Tr)", wlf()),
@@ -72,7 +77,8 @@ class LawFit:
     law : Law
         The law.
     values, low, high : ndarray, shape (k,)
-        Its parameters with 95 % intervals, widened where it does not follow the factors.
+        Its parameters with 95 % intervals, widened where it does not follow the factors. Those of a shift are the
+        parameters of a material with this law fitted to the data, as any other model's.
     log_factors : ndarray, shape (m,)
         What it gives at the levels.
     departure : float
@@ -120,23 +126,45 @@ class LawFit:
         }
 
 
-def judged_laws(factors: Factors, determined: NDArray[np.bool_], told: NDArray[np.bool_]) -> list[LawFit]:
-    """All laws of temperature, the best of each kind first; none for another column.
+class Judged(NamedTuple):
+    """What the factors say of the laws of temperature.
+
+    Attributes
+    ----------
+    laws : list of LawFit
+        The best of each kind first.
+    refused : list of str
+        One sentence for each law that no material could follow here.
+    """
+
+    laws: list[LawFit]
+    refused: list[str]
+
+
+def judged_laws(
+    factors: Factors, placed: NDArray[np.bool_], told: NDArray[np.bool_], direct: DirectFit, allowed: Allowed
+) -> Judged:
+    """All laws of temperature, none for another column.
 
     Parameters
     ----------
     factors : Factors
         The free factors.
-    determined : ndarray of bool, shape (m,)
-        Levels whose factors are known.
+    placed : ndarray of bool, shape (m,)
+        Levels that the data place beside the others; how widely, the covariance says.
     told : ndarray of bool, shape (m,)
         Levels whose vertical factors the data tell; others show what was expected of them, which is no evidence.
+    direct : callable
+        Of a law and its parameters (k,): these fitted to the data themselves, and the ends of their intervals.
+    allowed : Allowed
+        How far neighbouring levels can be shifted.
     """
     if factors.column != "temperature":
-        return []
+        return Judged([], [])
     # The factor of the reference is one by definition: a law that goes through it has shown nothing.
-    judging = determined & (np.arange(len(factors)) != factors.reference)
-    fits = []
+    judging = placed & (np.arange(len(factors)) != factors.reference)
+    fits: list[LawFit] = []
+    refused: list[str] = []
     for law in LAWS:
         known = judging
         if law.vertical:
@@ -144,11 +172,18 @@ def judged_laws(factors: Factors, determined: NDArray[np.bool_], told: NDArray[n
         used = np.flatnonzero(known)
         if len(used) < len(law.element.parameters):
             continue
-        judged = _fitted(law, factors, used)
-        if judged is not None:
+        judged = _fitted(law, factors, used, direct)
+        if judged is None:
+            continue
+        beyond = ""
+        if not law.vertical:
+            beyond = allowed.broken_by(judged.log_factors)
+        if beyond:
+            refused.append(f"{law.name} is refused: it {beyond}")
+        else:
             fits.append(judged)
     # WLF and VFT are one curve: which of them comes first is not left to rounding.
-    return sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3)))
+    return Judged(sorted(fits, key=lambda one: (one.law.vertical, round(one.evidence, 3))), refused)
 
 
 def slower_when_hot(factors: Factors, determined: NDArray[np.bool_]) -> list[str]:
@@ -246,7 +281,7 @@ class _Task:
         return high
 
 
-def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit | None:
+def _fitted(law: Law, factors: Factors, used: NDArray[np.int64], direct: DirectFit) -> LawFit | None:
     """A law at the levels that are used; none where it would need constants that no material has."""
     kelvin = factors.levels + KELVIN
     reference = float(kelvin[factors.reference])
@@ -279,6 +314,12 @@ def _fitted(law: Law, factors: Factors, used: NDArray[np.int64]) -> LawFit | Non
     empty = (bounds[0] <= task.low) & (bounds[1] >= task.high)
     if task.at_bound(theta) or np.any(empty):
         return None
+    if not law.vertical:
+        # One engine: the constants are those of a model with this law, whatever command asks for them.
+        theta, low, high = direct(law.element, theta)
+        bounds = (low, high)
+        if task.at_bound(theta):
+            return None
     given = task.log_factor(theta)
     away = given[used] - target
     # By what is known of each factor: far off where nothing is known is no departure.

@@ -8,36 +8,29 @@ from numpy.typing import NDArray
 from springpot.policy import SUPERPOSITION
 
 from .factors import Factors, Rows
-from .simplicity import Alone
+from .known import Known
+from .simplicity import FEW, Alone
 from .words import level_text
 
+WHY = {
+    "no overlap": "the sweeps do not overlap with the rest; their factors are not determined, as many fit alike: the "
+    "interval goes from where they would begin to overlap",
+    "flat": "storage and loss are flat within their scatter, so that there is nothing to shift by: any factor a fits",
+    "too few points": f"sweeps of fewer than {FEW} frequencies; their factors are known to no better than a decade",
+    "at the end of the search": "the search ended at the end of its range; the factors are not determined",
+    "wide": "the sweeps overlap too little or are too straight; their factors are known to no better than a decade",
+}
+"""What is said of the levels whose factor is not determined, by its reason."""
 
-def undetermined(
-    factors: Factors, connected: NDArray[np.bool_], determined: NDArray[np.bool_], flat: NDArray[np.bool_]
-) -> list[str]:
-    """One sentence for flat levels, one for those that do not overlap, one for those that hardly do."""
 
-    def named(which: NDArray[np.bool_]) -> str:
-        return ", ".join(level_text(factors.column, value) for value in factors.levels[which].tolist())
-
+def undetermined(factors: Factors, known: Known) -> list[str]:
+    """One sentence for each reason for which factors are not determined."""
+    reasons = np.array(known.reason)
     notes = []
-    apart = ~connected & ~flat
-    if np.any(apart):
-        notes.append(
-            f"{named(apart)}: the sweeps do not overlap with the rest; their factors are not "
-            "determined, as many fit alike"
-        )
-    if np.any(flat):
-        notes.append(
-            f"{named(flat)}: storage and loss are flat within their scatter, so that there is nothing to shift "
-            "by: any factor a fits"
-        )
-    hardly = connected & ~determined & ~flat
-    if np.any(hardly):
-        notes.append(
-            f"{named(hardly)}: the sweeps overlap too little or are too straight; "
-            "their factors are known to no better than a decade"
-        )
+    for reason, why in WHY.items():
+        there = factors.levels[reasons == reason].tolist()
+        if there:
+            notes.append(f"{', '.join(level_text(factors.column, value) for value in there)}: {why}")
     return notes
 
 

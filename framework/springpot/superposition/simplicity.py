@@ -38,22 +38,22 @@ class Failure:
     Attributes
     ----------
     kind : str
-        ``level``, ``no-material``, ``storage-and-loss`` or ``branch``.
+        ``level``, ``no-material``, ``part``, ``storage-and-loss`` or ``branch``.
     place : float
         The level, or the relaxation time of the middle of the branch in s.
     size : float
-        Error over that of the level alone; error of the best material; shift of the loss relative to the storage in
-        ln omega; relative change of the branch's ln a.
+        Error over that of the level alone; error of the best material; factor by which a part is missed; shift of
+        the loss relative to the storage in ln omega; relative change of the branch's ln a.
     chance : float
         That noise looks like this.
     share : float
         Of the misfit that superposition leaves beyond noise, in chi-square, how much goes if this is mended; nan
-        for ``no-material``.
+        for ``no-material`` and ``part``.
     says : str
         One plain sentence.
     """
 
-    kind: Literal["level", "no-material", "storage-and-loss", "branch"]
+    kind: Literal["level", "no-material", "part", "storage-and-loss", "branch"]
     place: float
     size: float
     chance: float
@@ -72,7 +72,8 @@ class Simplicity:
     Attributes
     ----------
     verdict : str
-        ``simple`` where nothing is left but noise, ``nearly-simple`` where the error is within 1.5 times that of each
+        ``simple`` where nothing is left but noise, in storage and in loss,
+        ``nearly-simple`` where the error is within 1.5 times that of each
         level by itself or superposition adds no more than 1 %, ``not-simple``, or ``not-judged`` where no level has
         points enough.
     error, alone : float
@@ -200,14 +201,15 @@ def simplicity(rows: Rows, alone: Alone) -> Simplicity:
     shared, own = _mean(rows, error, usual), _mean(rows, alone.error, usual)
     added = float(np.sqrt(max(shared**2 - own**2, 0.0)))
     verdict: Verdict = "not-simple"
-    if chance >= SUPERPOSITION.alarm:
+    missed = _missed_parts(rows, alone)
+    if chance >= SUPERPOSITION.alarm and not missed:
         verdict = "simple"
     elif shared <= SUPERPOSITION.nearly * own or added <= SUPERPOSITION.added:
         verdict = "nearly-simple"
-    failures = strange
+    failures = [*strange, *missed]
     # Where superposition holds, what is found among so many places is chance.
     if verdict != "simple":
-        failures = [*strange, *(place for place in places if place.share > SUPERPOSITION.worth_a_place)]
+        failures += [*(place for place in places if place.share > SUPERPOSITION.worth_a_place)]
     return Simplicity(
         verdict, overall, _mean(rows, alone.error, judged), added, chance, error, alone.error, tuple(failures)
     )
@@ -301,6 +303,39 @@ def _no_material(rows: Rows, alone: Alone) -> list[Failure]:
                 "this is the instrument, the amplitude or the specimen, not superposition"
             )
             failures.append(Failure("no-material", values[level], off, min(chance, 1.0), float("nan"), says))
+    return sorted(failures, key=lambda one: -one.size)
+
+
+def _missed_parts(rows: Rows, alone: Alone) -> list[Failure]:
+    """Levels at which the line misses storage or loss by as much as it is, and not by its scatter.
+
+    The misfit counts relative to |K|: of a glass, whose loss is a hundredth of |K| and less, the line may go anywhere
+    within the scatter of the storage. By how much a part scatters its own neighbours tell (von Neumann et al. 1941,
+    doi:10.1214/aoms/1177731746).
+    """
+    data = rows.fit.measurement
+    line = rows.fit.model.stiffness(rows.fit.theta, data.points)
+    values, failures = rows.elements[0].shown, []
+    looked = 2 * int(alone.judged.sum())
+    for level in np.flatnonzero(alone.judged).tolist():
+        here = np.flatnonzero(rows.number == level)
+        here = here[np.argsort(data.omega[here], kind="stable")]
+        for word, measured, drawn in (("storage", data.storage, line.real), ("loss", data.loss, line.imag)):
+            size = np.maximum(np.abs(measured[here]), TINY)
+            off = (measured[here] - drawn[here]) / size
+            typical = float(np.median(np.abs(off)))
+            bent = np.diff(off, 2)
+            # Of second differences each is worth 36 / 70 of a degree of freedom, as neighbouring ones share points.
+            ratio = float(np.mean(off**2)) / max(float(np.mean(bent**2)) / 6.0, TINY)
+            chance = looked * float(f_sf(ratio, len(here), max(len(bent) * 36.0 / 70.0, 1.0)))
+            if typical <= SUPERPOSITION.missed or chance >= SUPERPOSITION.alarm:
+                continue
+            says = (
+                f"at {rows.named(level)} the line misses the {word} by {typical:.2g} times its size, which is "
+                f"{_percent(float(np.median(np.abs(off) * size / data.magnitude[here])))} of |K|: less than |K| "
+                "scatters, and more than its own points do"
+            )
+            failures.append(Failure("part", values[level], typical, min(chance, 1.0), float("nan"), says))
     return sorted(failures, key=lambda one: -one.size)
 
 

@@ -36,13 +36,18 @@ def expectation(rows: Rows) -> Real:
 
     Every level, that of reference too, has an error of its own, so that no level is trusted before the others.
     """
-    whitening = np.zeros((0, 0))
+    blocks = np.zeros((0, 0))
     for element in rows.elements:
         own = np.zeros((0, len(element.parameters)))
         if not element.logarithmic:
-            own = np.linalg.inv(np.linalg.cholesky(_covariance(element)))
-        whitening = block_diag(whitening, own)
-    return np.asarray(whitening, dtype=np.float64)
+            own = whitening(element)
+        blocks = block_diag(blocks, own)
+    return np.asarray(blocks, dtype=np.float64)
+
+
+def whitening(element: Levels) -> Real:
+    """Rows (q, q) that whiten the logarithms of free vertical factors by what is expected of them."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(_covariance(element))), dtype=np.float64)
 
 
 def _covariance(element: Levels) -> Real:
@@ -55,6 +60,14 @@ def _covariance(element: Levels) -> Real:
         along = POWER * np.log(kelvin[free] / kelvin[element.reference])
     shared = np.ones((len(free), len(free)))
     return np.asarray(np.outer(along, along) + size**2 * (np.eye(len(free)) + shared), dtype=np.float64)
+
+
+def spread_between(element: Levels) -> Real:
+    """Expected standard deviation (m, m) of ln b from each level to each other."""
+    size, along = ELSEWHERE, np.zeros(len(element.values))
+    if element.column == "temperature":
+        size, along = REPEATED, POWER * np.log(np.array(element.values))
+    return np.asarray(np.sqrt(np.subtract.outer(along, along) ** 2 + 2.0 * size**2), dtype=np.float64)
 
 
 def lifted(alone: Fit, column: str) -> Rows:

@@ -1,0 +1,58 @@
+"""A law of temperature in a material, fitted to the data as any model is: the constants that every command gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.identification import Objective, Uncertainty, fit, intervals_beside_material
+from springpot.measurement import Measurement
+from springpot.rheology import Continuum, Effect, Formula, Layer, Levels, Model, Real, chain, shift
+from springpot.rheology.points import KELVIN
+
+from .factors import Factors
+from .vertical import whitening
+
+
+@dataclass(frozen=True, eq=False)
+class Direct:
+    """The data to which laws are fitted, and what stands beside them.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        All sweeps.
+    weighing : Objective
+        How the misfit is measured.
+    factors : Factors
+        The free factors, from which the search begins.
+    unit : float, optional
+        Variance of a weighted residual, by which vertical factors are weighed against what is expected of them;
+        none without vertical factors.
+    """
+
+    measurement: Measurement
+    weighing: Objective
+    factors: Factors
+    unit: float | None
+
+    def __call__(self, element: Formula, theta: Real) -> tuple[Real, Real, Real]:
+        """The parameters (k,) of a law fitted to the data, from `theta` on, and the ends of their 95 % intervals."""
+        factors, count = self.factors, len(theta)
+        data = replace(self.measurement, reference=float(factors.levels[factors.reference]) + KELVIN)
+        model = Model("material", Continuum(), effects=(Effect("law", shift, element, "a law", Layer.TEMPERATURE),))
+        expected = None
+        if self.unit is not None:
+            vertical = Levels(factors.column, "b", False)
+            upwards = Effect("vertical", chain, vertical, "a factor for each level", Layer.TEMPERATURE)
+            model = (model + upwards).bound_to(data.points)
+            bound = vertical.bound_to(data.points)
+            beside = np.sqrt(self.unit) * whitening(bound)
+            expected = np.column_stack([np.zeros((len(beside), count)), beside])
+            theta = np.concatenate([theta, np.exp(factors.log_b - factors.log_b[bound.reference])[list(bound.free)]])
+        best = fit(model, data, self.weighing, seeds_theta=[theta], expected=expected)
+        known = replace(Uncertainty.of(best), expected=expected)
+        low, high = intervals_beside_material(known)
+        own = slice(len(best.model.material.parameters), len(best.model.material.parameters) + count)
+        return best.theta[own], low[own], high[own]

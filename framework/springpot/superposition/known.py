@@ -1,0 +1,182 @@
+"""Which factors the data determine, why not the others, and where each may lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.identification.coordinates import WIDEST
+from springpot.policy import SUPERPOSITION
+from springpot.rheology import Real
+
+from .allowed import Allowed
+from .factors import Factors, Rows
+from .flatness import flat_levels
+from .simplicity import FEW, Alone
+from .vertical import spread_between
+
+FURTHEST = 2.0 * WIDEST
+"""Logarithm beyond which no factor lies: two levels may be at the opposite ends of what is searched."""
+ROUNDING = 1e-9
+"""Share of a logarithm by which one at the end of the search may lie within it."""
+
+
+ROOM = 2.0
+"""Standard deviations within which moduli meet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known of the factors of frequency.
+
+    Attributes
+    ----------
+    reason : tuple of str, length m
+        Why a factor is not determined; empty where it is.
+    low, high : ndarray, shape (m,)
+        Ends of the 95 % intervals of ln a; those of the search where the data give none.
+    joined : ndarray of bool, shape (m,)
+        Levels whose moduli overlap with those of the reference, directly or through others.
+    """
+
+    reason: tuple[str, ...]
+    low: Real
+    high: Real
+    joined: NDArray[np.bool_]
+
+    @property
+    def determined(self) -> NDArray[np.bool_]:
+        """Levels (m,) whose factor the data tell."""
+        return ~np.array([bool(reason) for reason in self.reason])
+
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """Levels (m,) that the data place beside the others, however widely: their intervals weigh them."""
+        return np.array([reason in {"", "wide", "too few points"} for reason in self.reason])
+
+
+def known_factors(rows: Rows, fitted: Factors, factors: Factors, own: Alone) -> Known:
+    """Which factors are determined.
+
+    Parameters
+    ----------
+    rows : Rows
+        The fitted material with its factors.
+    fitted, factors : Factors
+        As they were searched, and referred to the level that was asked for.
+    own : Alone
+        Each level by itself.
+    """
+    at = factors.reference
+    others = np.arange(len(factors)) != at
+    joined = reached_from(at, overlaps(rows, own))
+    # Both: flat sweeps are laid over the others wherever the search ended.
+    connected = joined & reached_from(at, _touching(*_ranges(rows, rows.reduced[1])))
+    # The spectrum follows the noise of a flat sweep, by which its place would seem to be known. What overlaps with
+    # nothing could be shifted, flat or not, if there were anything to be laid upon.
+    flat = flat_levels(rows) & joined & others
+    # A factor at the end of the search is where this ended, whatever its interval.
+    ended = np.abs(fitted.log_a) >= (1.0 - ROUNDING) * WIDEST
+    wide = factors.reach_a >= SUPERPOSITION.undetermined
+    few = wide & (_frequencies(rows) < FEW)
+    reasons = np.full(len(factors), "", dtype=object)
+    # The gravest last, as it stands above the others.
+    whys = (wide, few, ended, ~connected, flat)
+    for which, why in zip(
+        whys, ("wide", "too few points", "at the end of the search", "no overlap", "flat"), strict=True
+    ):
+        reasons[which & others] = why
+    low, high = _ends(rows, factors, connected, flat | (ended & connected))
+    return Known(tuple(reasons.tolist()), low, high, joined)
+
+
+def overlaps(rows: Rows, own: Alone) -> NDArray[np.bool_]:
+    """Which levels (m, m) have moduli in common, within their scatter and what is expected of vertical factors.
+
+    |K| of a passive material rises with the frequency (K is a complete Bernstein function, whose logarithm has a
+    real part that rises along the imaginary axis; Schilling, Song and Vondracek 2012, theorem 6.17). So sweeps share
+    reduced frequencies only where they share moduli, wherever they are shifted.
+    """
+    low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude))
+    variance = _scatter_between(rows, own)
+    if len(rows.elements) > 1:
+        variance = variance + spread_between(rows.elements[-1]) ** 2
+    return _touching(low, high, ROOM * np.sqrt(variance))
+
+
+def allowed_shifts(rows: Rows, fitted: Factors, own: Alone) -> Allowed:
+    """How far neighbouring levels can be shifted, their moduli divided by the vertical factors that were found."""
+    low, high = _ranges(rows, np.log(rows.fit.measurement.magnitude) - fitted.log_b[rows.number])
+    # Beyond their scatter: where two ends only just meet, nobody knows that they do.
+    surely = _touching(low, high, -ROOM * np.sqrt(_scatter_between(rows, own)))
+    return Allowed(fitted.column, fitted.levels, *_ranges(rows, rows.fit.measurement.points.log_omega), surely)
+
+
+def _scatter_between(rows: Rows, own: Alone) -> Real:
+    """Variance (m, m) of the difference of ln|K| of two levels by their scatter."""
+    usual = 0.0
+    if np.any(own.judged):
+        usual = float(np.median(own.error[own.judged]))
+    scatter = np.where(own.judged, own.error, usual)
+    return np.asarray(np.add.outer(scatter**2, scatter**2), dtype=np.float64)
+
+
+def _frequencies(rows: Rows) -> NDArray[np.int64]:
+    """Distinct frequencies (m,) of each level."""
+    omega = rows.fit.measurement.omega
+    return np.array([len(np.unique(omega[rows.number == i])) for i in range(rows.number.max() + 1)])
+
+
+def _ranges(rows: Rows, values: Real) -> tuple[Real, Real]:
+    """Least and largest value (m,) of each level."""
+    parts = [values[rows.number == i] for i in range(rows.number.max() + 1)]
+    return np.array([part.min() for part in parts]), np.array([part.max() for part in parts])
+
+
+def _touching(low: Real, high: Real, room: Real | float = 0.0) -> NDArray[np.bool_]:
+    return np.asarray((low[:, None] <= high[None, :] + room) & (low[None, :] <= high[:, None] + room))
+
+
+def reached_from(reference: int, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Levels (m,) that touch one of them, directly or through others."""
+    reached = np.arange(len(touching)) == reference
+    # In as many rounds as there are levels, any chain of overlaps has been followed to its end.
+    for _ in range(len(touching)):
+        reached = touching[reached].any(axis=0)
+    return np.asarray(reached)
+
+
+def _ends(rows: Rows, factors: Factors, connected: NDArray[np.bool_], open_: NDArray[np.bool_]) -> tuple[Real, Real]:
+    """Ends (m,) of the intervals of ln a.
+
+    Of a sweep that does not overlap it is known on which side it lies, and that it is no nearer than it would
+    overlap: so far its interval goes, and on the other side there is no end.
+    """
+    log_a, reach = factors.log_a, np.minimum(factors.reach_a, 2.0 * FURTHEST)
+    # What the data leave open ends where no factor is searched: beyond, it would be no number.
+    low = np.maximum(log_a - reach, np.minimum(log_a, -FURTHEST))
+    high = np.minimum(log_a + reach, np.maximum(log_a, FURTHEST))
+    first, last = _ranges(rows, rows.reduced[1])
+    top = int(np.argmax(np.where(connected, last, -np.inf)))
+    bottom = int(np.argmin(np.where(connected, first, np.inf)))
+    for i in np.flatnonzero(~connected).tolist():
+        low[i], high[i] = -FURTHEST, FURTHEST
+        if first[i] > last[top]:
+            low[i] = max(log_a[i] - _gaps(first, last, last[top], first[i]) - reach[top], -FURTHEST)
+        elif last[i] < first[bottom]:
+            high[i] = min(log_a[i] + _gaps(first, last, last[i], first[bottom]) + reach[bottom], FURTHEST)
+    others = np.arange(len(factors)) != factors.reference
+    low[open_ & others], high[open_ & others] = -FURTHEST, FURTHEST
+    return low, high
+
+
+def _gaps(first: Real, last: Real, start: float, stop: float) -> float:
+    """How much of the way from `start` to `stop` no sweep covers."""
+    bare, reached = 0.0, start
+    for i in np.argsort(first).tolist():
+        begin = min(float(first[i]), stop)
+        bare += max(begin - reached, 0.0)
+        reached = max(reached, min(float(last[i]), stop))
+    return bare
