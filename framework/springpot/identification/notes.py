@@ -9,6 +9,7 @@ import numpy as np
 from springpot.rheology import Parameter, Real
 
 from .native import Fit
+from .specimens import told
 from .uncertainty import Uncertainty
 
 WEAK = 1.0
@@ -46,6 +47,7 @@ def notes_on(known: Uncertainty, low: Real, high: Real) -> list[str]:
     """
     return [
         *_undetermined(known.fit),
+        *told(known.fit),
         *_bounds(known),
         *_orders(known, low, high),
         *_weak(known, low, high),

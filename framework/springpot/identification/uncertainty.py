@@ -15,6 +15,7 @@ from springpot.rheology import Real
 from .coordinates import WIDEST, Coordinates
 from .leastsquares import Rows, levenberg_marquardt
 from .native import Fit
+from .specimens import Specimens, follows_specimens
 from .task import Task
 
 RANK = 1e-10
@@ -103,7 +104,14 @@ class Uncertainty:
     @property
     def quantile(self) -> float:
         """Standard deviations to the end of an interval."""
+        if self.specimens is not None:
+            return student(self.level, self.specimens.count - 1)
         return student(self.level, self._freedom)
+
+    @cached_property
+    def specimens(self) -> Specimens | None:
+        """The specimens whose scatter sets the intervals; None where that of the points does."""
+        return follows_specimens(self.fit)
 
     @cached_property
     def at_bound(self) -> NDArray[np.int64]:
@@ -142,7 +150,11 @@ class Uncertainty:
         spread = inverse[:, None] * directions / size
         covariance = np.zeros((len(self.fit.u),) * 2)
         with np.errstate(invalid="ignore"):
-            covariance[np.ix_(free, free)] = self.scale**2 * (spread.T @ spread)
+            inverse_square = spread.T @ spread
+            whole = self.scale**2 * inverse_square
+            if self.specimens is not None:
+                whole = self.specimens.sandwich(inner, self.fit.residual, inverse_square)
+            covariance[np.ix_(free, free)] = whole
         # A direction without a trace in the data takes all parameters along that have a part in it.
         lost = free[np.any(np.abs(directions[~known]) > PART, axis=0)]
         covariance[lost, lost] = np.inf
@@ -318,12 +330,12 @@ def allowed_cost(known: Uncertainty) -> float:
     """The objective at the ends of a profile's interval."""
     fit = known.fit
     if known.absolute:
-        return fit.cost + known.quantile**2
+        return fit.cost + student(known.level, float("inf")) ** 2
     # Nothing is left over from which the scatter could be known: no rise is too much for it.
     if fit.dof <= 0:
         return float("inf")
     # t^2 is F with one degree of freedom: the rise that a single parameter is allowed.
-    return fit.cost + known.quantile**2 * (fit.cost / fit.dof)
+    return fit.cost + student(known.level, fit.dof) ** 2 * (fit.cost / fit.dof)
 
 
 def held_costs(fit: Fit, parameter: str, values: Real) -> Real:
