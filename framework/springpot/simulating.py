@@ -161,9 +161,10 @@ def read_record(spec: str, rng: np.random.Generator) -> Record:
     if spec == "artificial" or spec.startswith("artificial:"):
         _, _, peak = spec.partition(":")
         try:
-            return artificial(rng, peak=float(peak or 3.0))
+            largest = float(peak or 3.0)
         except ValueError:
             raise DataError(f"'{spec}': write artificial:3.0 with the peak in m/s^2") from None
+        return artificial(rng, peak=largest)
     path = Path(spec)
     try:
         # Before it is read, as above.

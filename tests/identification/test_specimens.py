@@ -33,7 +33,7 @@ def coverage(count, cases, rng):
     held = []
     for _ in range(cases):
         fit = identify(specimens(count, rng), MODEL)
-        held.append((fit.low <= TRUTH) & (TRUTH <= fit.high))
+        held.append((fit.low <= TRUTH) & (fit.high >= TRUTH))
     return float(np.mean(held))
 
 
