@@ -9,7 +9,10 @@ from springpot.identification import fit
 from springpot.registry import parse_model
 
 SOME = ("inertia", "time-delay", "phase-error", "parallel-spring")
-CASES = [("artificial-hidden", "fractional-maxwell"), ("artificial-hidden", None)]
+CASES = [
+    ("artificial-hidden", "fractional-maxwell"),
+    pytest.param("artificial-hidden", None, marks=pytest.mark.soak),
+]
 
 
 @pytest.mark.parametrize(("data", "model"), CASES)
